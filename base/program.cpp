@@ -28,9 +28,10 @@ namespace {
 constexpr int kReportFd = 3;  // in the child, beside 0, 1 and 2
 
 struct ChildFailure {
-  enum Step : int { kRedirect, kChangeDirectory, kExecute };
+  enum Step : int { kRedirect, kChangeDirectory, kSetUp, kExecute };
   Step step;
   int error_number;
+  const char* what;  // of kSetUp; the parent has it at the same address
 };
 
 // Everything the child needs, prepared before the fork.
@@ -97,8 +98,8 @@ Result<ExecPlan> Prepare(const ProgramSpec& spec) {
 
 // From here to RunChild(): in the child.
 
-[[noreturn]] void GiveUp(int report_fd, ChildFailure::Step step) {
-  const ChildFailure failure{step, errno};
+[[noreturn]] void GiveUp(int report_fd, ChildFailure::Step step, const char* what = nullptr) {
+  const ChildFailure failure{step, errno, what};
   // If this fails, there is no way to report it; the parent then sees the exit code.
   [[maybe_unused]] const ssize_t written = write(report_fd, &failure, sizeof(failure));
   _exit(127);
@@ -144,6 +145,9 @@ void Redirect(const ExecPlan& plan, int report_fd) {
     GiveUp(kReportFd, ChildFailure::kChangeDirectory);
   }
   ResetSignals();
+  if (const char* failed = spec.set_up ? spec.set_up() : nullptr) {
+    GiveUp(kReportFd, ChildFailure::kSetUp, failed);
+  }
   if (spec.before_exec && !spec.before_exec()) _exit(127);
   int reason = ENOENT;
   for (const std::string& program : plan.programs) {
@@ -205,6 +209,9 @@ std::optional<ProgramFailure> ForkedProgram::Failure(std::optional<Duration> tim
     case ChildFailure::kChangeDirectory:
       return ProgramFailure{
           SystemError("can't run " + program_ + " in " + cwd_, failure.error_number)};
+    case ChildFailure::kSetUp:
+      return ProgramFailure{
+          SystemError("can't run " + program_ + ": can't " + failure.what, failure.error_number)};
     case ChildFailure::kExecute:
       break;
   }

@@ -34,6 +34,9 @@ struct ProgramSpec {
   // done if that returns false. Async-signal-safe calls only. `environment` is the program's: an
   // entry may be changed in its place.
   std::function<void(char* const* environment)> after_fork = {};
+  // The same, before `before_exec`: null, or what it could not do, with the reason in errno. That
+  // text must live as long as the process.
+  std::function<const char*()> set_up = {};
   std::function<bool()> before_exec = {};
 };
 

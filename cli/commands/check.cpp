@@ -1,4 +1,4 @@
-// musher check FILE...: reports every error in state configs. Uses no network.
+// musher check FILE...: reports every error in state configs. Uses no network but with --hosts.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -6,9 +6,12 @@
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/config/group_check.hpp"
 #include "musher/cli/config/key_check.hpp"
+#include "musher/cli/config/limit_check.hpp"
 #include "musher/cli/config/program_check.hpp"
 #include "musher/cli/config/ros_check.hpp"
 #include "musher/cli/console/error_json.hpp"
+#include "musher/cli/doctor/host_facts.hpp"
+#include "musher/cli/doctor/host_reach.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
@@ -21,6 +24,7 @@ namespace {
 
 struct CheckOptions {
   std::vector<std::string> files;
+  bool hosts = false;
 };
 
 // The config is in an upgrade root, or offers the manager's OTA service. A robot without upgrades
@@ -57,7 +61,16 @@ ExitCode Check(const CheckOptions& options, const GlobalOptions& /*global*/, Con
       reading.diagnostics.insert(reading.diagnostics.end(), ros.begin(), ros.end());
       const auto group = CheckLogGroup(*read);
       reading.diagnostics.insert(reading.diagnostics.end(), group.begin(), group.end());
-      if (HasError(found) || HasError(group)) reading.config.reset();
+      const Limits user = ReadLimits();
+      const auto limits =
+          CheckLimits(*read, {user.may_real_time, user.real_time, user.lowest_nice});
+      reading.diagnostics.insert(reading.diagnostics.end(), limits.begin(), limits.end());
+      const auto hosts =
+          options.hosts ? CheckOtherHosts(*read, ReadOtherHosts(*read)) : std::vector<Diagnostic>();
+      reading.diagnostics.insert(reading.diagnostics.end(), hosts.begin(), hosts.end());
+      if (HasError(found) || HasError(group) || HasError(limits) || HasError(hosts)) {
+        reading.config.reset();
+      }
     }
     all.insert(all.end(), reading.diagnostics.begin(), reading.diagnostics.end());
     if (console.mode().json) continue;
@@ -78,6 +91,8 @@ void AddCheck(Grammar& grammar) {
   grammar.Offer(app.add_option("FILE", options.files, "State configs (TOML)"), Names::kConfigs)
       ->required()
       ->type_name("");
+  app.add_flag("--hosts", options.hosts,
+               "Also look at the other hosts of each machine, by ssh; 8 s\nat most");
 }
 
 }  // namespace musher::cli

@@ -47,12 +47,6 @@ std::string WhyNoLog(const MachineFiles& files, const std::string& name, const s
     return name + " has no log here: " + files.config_file +
            " gives it no `command`, so it prints where it was started, by hand or on another host";
   }
-  if (index && !files.config->actuators[*index].host.empty()) {
-    const HostConfig* host = files.config->HostOf(files.config->actuators[*index].host);
-    const std::string unit = "musher-" + files.config->name + "-" + name;
-    return name + " has no log here: it runs on host " + host->name + "; see `ssh " +
-           host->Login() + " journalctl -u " + unit + "`";
-  }
   return name + " has no log here: " + path + " does not exist; the controller creates it when " +
          files.name + " is started on this host" + HiddenFilesNote();
 }

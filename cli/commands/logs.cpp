@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,6 +19,7 @@
 #include "musher/base/suggest.hpp"
 #include "musher/base/words.hpp"
 #include "musher/cli/commands/commands.hpp"
+#include "musher/cli/commands/host_logs.hpp"
 #include "musher/cli/commands/log_files_of.hpp"
 #include "musher/cli/console/output_reader.hpp"
 #include "musher/cli/console/signals.hpp"
@@ -52,10 +55,12 @@ struct ShownLog {
 
 class LogPrinter {
  public:
-  LogPrinter(Console& console, LogFilter filter, const std::vector<ShownLog>& logs)
+  LogPrinter(Console& console, LogFilter filter, const std::vector<ShownLog>& logs,
+             const std::vector<HostLog>& host_logs)
       : console_(console), filter_(filter) {
-    if (logs.size() < 2) return;
+    if (logs.size() + host_logs.size() < 2) return;
     for (const ShownLog& log : logs) width_ = std::max(width_, Width(log.source));
+    for (const HostLog& log : host_logs) width_ = std::max(width_, Width(log.actuator));
   }
 
   const LogFilter& filter() const { return filter_; }
@@ -79,7 +84,8 @@ class LogPrinter {
 // Prints what is appended to the logs until Ctrl-C.
 class LogFollower {
  public:
-  LogFollower(const std::vector<ShownLog>& logs, LogPrinter& printer, Console& console)
+  LogFollower(const std::vector<ShownLog>& logs, const std::vector<HostLog>& host_logs,
+              LogPrinter& printer, Console& console)
       : printer_(printer),
         console_(console),
         signals_(TakeEndSignals()),
@@ -90,6 +96,10 @@ class LogFollower {
       inotify_add_watch(changes_.get(), folder.c_str(), IN_CREATE | IN_MOVED_TO);
     }
     WatchFiles();
+    for (const HostLog& log : host_logs) {
+      if (!FindHost(log.host)) Follow(log.host, host_logs);
+      if (HostTail* tail = FindHost(log.host)) tail->lines.emplace(log.unit, log.actuator);
+    }
   }
 
   ExitCode Run() {
@@ -111,6 +121,49 @@ class LogFollower {
     LogTail file;
     LogLines lines;
   };
+
+  // The logs of one host.
+  struct HostTail {
+    const HostConfig* host;
+    HostScript script;
+    std::map<std::string, LogLines> lines = {};  // by unit
+    transport::LoopHandlePtr watch = nullptr;
+  };
+
+  HostTail* FindHost(const HostConfig* host) {
+    const auto found = std::find_if(host_tails_.begin(), host_tails_.end(),
+                                    [&](const auto& tail) { return tail->host == host; });
+    return found == host_tails_.end() ? nullptr : found->get();
+  }
+
+  void Follow(const HostConfig* host, const std::vector<HostLog>& logs) {
+    std::vector<HostLog> there;
+    std::copy_if(logs.begin(), logs.end(), std::back_inserter(there),
+                 [&](const HostLog& log) { return log.host == host; });
+    auto script = HostScript::Start(*host, FollowScript(there));
+    if (!script) return console_.PrintError(script.error().message);
+    auto& tail = host_tails_.emplace_back(
+        std::make_unique<HostTail>(HostTail{host, std::move(script).value()}));
+    tail->watch = loop_.WhenReadable(tail->script.output(), [this, &one = *tail] { OnLines(one); });
+  }
+
+  void OnLines(HostTail& tail) {
+    const bool more = tail.script.Read();
+    std::vector<LogEntry> entries;
+    for (const std::string& text : tail.script.TakeLines()) {
+      auto line = ParseJournalLine(text);
+      const auto reader = line ? tail.lines.find(line->unit) : tail.lines.end();
+      if (reader == tail.lines.end()) continue;
+      line->line.written_ns -= tail.script.clock_offset_ns().value_or(0);
+      entries.push_back(reader->second.Take(line->line));
+    }
+    printer_.Print(entries);
+    if (more) return;
+    tail.watch = nullptr;
+    const std::string trouble = tail.script.Trouble();
+    console_.PrintError(trouble.empty() ? "host " + tail.host->name + ": its journal has ended"
+                                        : trouble);
+  }
 
   // Adds nothing where a file is watched already.
   void WatchFiles() {
@@ -148,6 +201,7 @@ class LogFollower {
   UniqueFd changes_;
   std::vector<Tail> tails_;
   transport::LinuxEventLoop loop_;
+  std::vector<std::unique_ptr<HostTail>> host_tails_;
 };
 
 void ReportFiles(const MachineFiles& files, const std::vector<ShownLog>& logs,
@@ -176,6 +230,7 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
   const std::vector<std::string> known = LogNamesOf(files);
   const bool requested = !options.actuators.empty();
   std::vector<ShownLog> logs;
+  std::vector<HostLog> host_logs;
   std::vector<std::string> missing;
   for (const std::string& name : requested ? options.actuators : known) {
     if (std::find(known.begin(), known.end(), name) == known.end()) {
@@ -183,17 +238,22 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
           {ExitCode::kUsage, {kCodeParametersInvalid, NoSuch("actuator", name, known)}});
     }
     const bool twice = std::any_of(logs.begin(), logs.end(),
-                                   [&](const ShownLog& log) { return log.source == name; });
+                                   [&](const ShownLog& log) { return log.source == name; }) ||
+                       std::any_of(host_logs.begin(), host_logs.end(),
+                                   [&](const HostLog& log) { return log.actuator == name; });
     if (twice) continue;
+    const auto host_log = HostLogOf(files, name);
+    if (host_log) host_logs.push_back(*host_log);
     const std::string path = LogPathOf(files, name);
     if (std::filesystem::exists(path)) {
       logs.push_back({name, path});
       continue;
     }
+    if (host_log) continue;
     missing.push_back(name);
     if (requested) console.PrintError(WhyNoLog(files, name, path));
   }
-  if (logs.empty()) {
+  if (logs.empty() && host_logs.empty()) {
     if (requested) return ExitCode::kNotDone;
     return console.Fail({ExitCode::kNotDone,
                          {kCodeFailed, "no logs in " + files.state_dir + ": " + files.name +
@@ -213,13 +273,19 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
     log.end = read.value().end;
     all.push_back(std::move(read.value().entries));
   }
+  // A level may leave out most of the lines.
+  const bool filtered = filter.level > LogLevel::kDebug;
+  ReadHostLogs there = ReadLogsOf(host_logs, filter.since_ns, filtered ? 0 : lines);
+  for (const std::string& trouble : there.troubles) console.PrintError(trouble);
+  for (auto& of_one : there.entries) all.push_back(std::move(of_one));
   std::vector<LogEntry> entries = Merge(std::move(all));
   std::erase_if(entries, [&](const LogEntry& entry) { return !filter.Shows(entry); });
   if (lines != 0 && entries.size() > lines) entries.erase(entries.begin(), entries.end() - lines);
-  LogPrinter printer(console, filter, logs);
+  LogPrinter printer(console, filter, logs, host_logs);
   printer.Print(entries);
-  if (!options.follow) return ExitCode::kDone;
-  return LogFollower(logs, printer, console).Run();
+  const bool nothing = logs.empty() && !there.troubles.empty() && entries.empty();
+  if (!options.follow) return nothing ? ExitCode::kNotDone : ExitCode::kDone;
+  return LogFollower(logs, host_logs, printer, console).Run();
 }
 
 }  // namespace

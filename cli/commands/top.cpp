@@ -19,8 +19,10 @@
 #include "musher/cli/console/terminal_screen.hpp"
 #include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/host_usage.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/render/top_table.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 
 namespace musher::cli {
@@ -32,6 +34,7 @@ struct TopOptions {
 };
 
 constexpr Duration kFirstSample = Milliseconds(500);
+constexpr Duration kHostsWithin = Milliseconds(8000);  // ssh gives up after 5 s
 constexpr std::uint32_t kLastEntries = 300;  // of the journal, searched for the last event of each
 
 // Collects what the table shows.
@@ -59,6 +62,20 @@ class TopWatch {
     if (!history) return history.error();
     history_ = std::move(history).value();
     return Ok();
+  }
+
+  // Once there is a status: from then on the other hosts of the machine send samples.
+  void BeginHosts(Duration interval) {
+    const auto& status = link_.last_leader();
+    if (!status || status->host != HostId() || status->config_file.empty()) return;
+    const ConfigReading reading = ReadConfigFile(status->config_file);
+    if (!reading.config || reading.config->hosts.empty()) return;
+    hosts_ = std::make_unique<HostUsage>(link_.loop(), *reading.config, interval);
+  }
+  bool HostsKnown() const { return !hosts_ || hosts_->Complete(); }
+  void ReportHosts(Console& console) {
+    if (!hosts_) return;
+    for (const std::string& trouble : hosts_->TakeTroubles()) console.PrintError(trouble);
   }
 
   // Calls only after a change of the status: without one the journal has nothing new to show.
@@ -97,6 +114,7 @@ class TopWatch {
     for (const msg::ActuatorInfo& actuator : status->actuators) {
       TopRow row = RowOf(actuator, now);
       TakeUsage(now, usages, row);
+      TakeUsageThere(actuator.name, row);
       view.rows.push_back(std::move(row));
     }
     usages_ = std::move(usages);
@@ -161,8 +179,17 @@ class TopWatch {
     usages[row.pid] = *usage;
   }
 
+  void TakeUsageThere(const std::string& actuator, TopRow& row) const {
+    const HostUsage::Sample* sample = hosts_ ? hosts_->Of(actuator) : nullptr;
+    if (!row.elsewhere || sample == nullptr || sample->usage.pid != row.pid) return;
+    row.memory_bytes = sample->usage.resident_bytes;
+    row.threads = sample->usage.threads;
+    row.cpu_percent = sample->cpu_percent;
+  }
+
   Link& link_;
   const GlobalOptions& global_;
+  std::unique_ptr<HostUsage> hosts_;  // null: the machine has none, or they are not known here
   std::map<std::string, std::pair<msg::ActuatorHeartbeat, Time>> heartbeats_;
   std::map<std::string, Event> events_;
   std::map<pid_t, ProcessUsage> usages_;  // of the last sample
@@ -247,6 +274,7 @@ ExitCode Top(const TopOptions& options, const GlobalOptions& global, Console& co
   watch.Sample();
   const Duration interval = Milliseconds(static_cast<std::int64_t>(options.interval_s * 1000));
   const bool screen = !options.once && console.mode().terminal && !console.mode().json;
+  watch.BeginHosts(options.once ? kFirstSample : interval);
   // CPU shares are of the time between two samples.
   link.RunUntil([] { return false; }, std::min(interval, kFirstSample));
   watch.RequestEvents();
@@ -255,7 +283,11 @@ ExitCode Top(const TopOptions& options, const GlobalOptions& global, Console& co
     return ExitCode::kDone;
   }
   while (!link.interrupted() && console.HasReader()) {
-    if (options.once) link.RunUntil([&] { return watch.EventsKnown(); }, kFirstSample);
+    if (options.once) {
+      link.RunUntil([&] { return watch.EventsKnown(); }, kFirstSample);
+      link.RunUntil([&] { return watch.HostsKnown(); }, kHostsWithin);
+    }
+    watch.ReportHosts(console);
     const TopView view = watch.Sample();
     console.Print(console.mode().json ? TopJson(view) : TopText(view, 0, 0, console.mode().colour));
     if (options.once) break;

@@ -117,6 +117,16 @@ void AddHealth(const ActuatorConfig& actuator, WordList& words) {
   words.Key("on_lost", Or(actuator.on_lost, "none"));
 }
 
+void AddLimits(const ProcessLimits& limits, WordList& words) {
+  const auto text = [](const auto& limit) { return limit ? fmt::format("{}", *limit) : "none"; };
+  const auto& memory = limits.memory_max_bytes;
+  words.Key("memory_max_mb", memory ? Mb(*memory) : "none", kRestart);
+  words.Key("cpus", text(limits.cpus), kRestart);
+  words.Key("nice", text(limits.nice), kRestart);
+  words.Key("realtime_priority", text(limits.realtime_priority), kRestart);
+  words.Key("user", Or(limits.user, "the controller's"), kRestart);
+}
+
 void AddActuator(const ActuatorConfig& actuator, WordList& words) {
   words.Table("actuator." + actuator.name);
   words.Set("states", actuator.states, kRestart);
@@ -127,6 +137,7 @@ void AddActuator(const ActuatorConfig& actuator, WordList& words) {
   if (!actuator.host.empty()) words.Key("host", actuator.host, kNewStart);
   words.Key("cwd", Or(actuator.cwd, actuator.host.empty() ? "the controller's" : "/"), kRestart);
   for (const auto& [name, value] : actuator.env) words.Key("env (" + name + ")", value, kRestart);
+  AddLimits(actuator.limits, words);
   words.Key("log_size_mb", Mb(actuator.log_size_bytes));
   words.Key("stage", std::to_string(actuator.stage));
   words.Set("after", actuator.after);

@@ -36,6 +36,7 @@ std::vector<DoctorCheck> CheckNetwork(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckHost(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckStorage(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts);
+std::vector<DoctorCheck> CheckHosts(const DoctorFacts& facts);  // the other ones
 
 CheckStatus Worst(const std::vector<DoctorCheck>& checks);
 

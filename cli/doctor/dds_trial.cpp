@@ -15,8 +15,6 @@
 namespace musher::cli {
 namespace {
 
-using transport::Node;
-
 // The child exits without its destructors: another process may have killed the network meanwhile.
 constexpr const char* kFailed = "failed ";
 constexpr const char* kSucceeded = "done ";
@@ -92,7 +90,7 @@ class Peer {
   std::string error_;
   bool echoes_ = false;
   std::string received_;
-  std::unique_ptr<Node> node_;
+  std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Publisher<msg::String>> publisher_;
   std::unique_ptr<transport::Subscription> subscription_;
 };

@@ -72,6 +72,7 @@ struct Limits {
   bool may_trace = false;       // CAP_SYS_PTRACE
   std::uint64_t real_time = 0;  // highest priority, RLIMIT_RTPRIO
   bool may_real_time = false;   // CAP_SYS_NICE: any priority
+  int lowest_nice = 0;          // RLIMIT_NICE, or that of this process
 };
 
 // Where core dumps go. The kernel pipes them to a program of the host, or writes a file.
@@ -113,6 +114,23 @@ struct MemberFacts {
   std::vector<std::string> bound;  // see transport::BoundAddresses()
 };
 
+// Another host that runs processes of the machine.
+struct OtherHostFacts {
+  std::string name;
+  std::string login;                       // "root@10.0.0.2"
+  std::string trouble = {};                // why it did not answer, with what to do; empty: it did
+  std::optional<Duration> clock_ahead{};   // of this computer's
+  std::string architecture = {};           // "aarch64"
+  std::string init = {};                   // its first process: "systemd"
+  int systemd = 0;                         // its version; 0: there is none
+  std::string musher = {};                 // the version of `musher` there; empty: there is none
+  std::int64_t free_bytes = -1;            // of its root; -1: not known
+  bool root = false;                       // the login is root
+  std::vector<std::string> missing = {};   // "eyes: /opt/eyes is not there"
+  std::vector<std::string> no_users = {};  // that an actuator is to run as
+  std::vector<std::string> foreign = {};   // units of these names, of another machine
+};
+
 struct DoctorFacts {
   std::optional<MachineConfig> config;
   transport::Environment environment;
@@ -143,6 +161,7 @@ struct DoctorFacts {
   std::vector<ControllerFacts> controllers;
   std::string controllers_error;
   std::vector<MemberFacts> members;
+  std::vector<OtherHostFacts> hosts;       // that run actuators of the config
   std::vector<std::string> other_vendors;  // participants of another DDS than Cyclone
   std::string uri_text;                    // of CYCLONEDDS_URI, also of the file that it names
   std::string uri_error;

@@ -158,6 +158,12 @@ Limits ReadLimits() {
   rlimit real_time{};
   if (getrlimit(RLIMIT_RTPRIO, &real_time) == 0) limits.real_time = real_time.rlim_cur;
   limits.may_real_time = HasCapability(kSysNice);
+  limits.lowest_nice = getpriority(PRIO_PROCESS, 0);
+  rlimit nice{};  // counts down from 20
+  if (getrlimit(RLIMIT_NICE, &nice) == 0) {
+    const auto steps = static_cast<int>(std::min<rlim_t>(nice.rlim_cur, 40));
+    limits.lowest_nice = std::min(limits.lowest_nice, 20 - steps);
+  }
   return limits;
 }
 

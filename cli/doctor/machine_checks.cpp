@@ -145,8 +145,8 @@ std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts) {
 
 std::vector<DoctorCheck> Diagnose(const DoctorFacts& facts) {
   std::vector<DoctorCheck> all;
-  for (auto checks :
-       {CheckNetwork(facts), CheckHost(facts), CheckStorage(facts), CheckMachine(facts)}) {
+  for (auto checks : {CheckNetwork(facts), CheckHost(facts), CheckStorage(facts),
+                      CheckMachine(facts), CheckHosts(facts)}) {
     all.insert(all.end(), checks.begin(), checks.end());
   }
   return all;

@@ -17,6 +17,7 @@
 #include "musher/cli/config/ros_check.hpp"
 #include "musher/cli/doctor/dds_trial.hpp"
 #include "musher/cli/doctor/host_facts.hpp"
+#include "musher/cli/doctor/host_reach.hpp"
 #include "musher/cli/doctor/storage_facts.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/controller/ros2/other_vendors.hpp"
@@ -192,6 +193,7 @@ DoctorFacts ReadFacts(std::optional<MachineConfig> config, const GlobalOptions& 
     ReadStorage(facts, kDiskTime);
     facts.programs = CheckPrograms(*facts.config, kProgramTime);
     facts.ros = CheckRos(*facts.config, facts.environment);
+    facts.hosts = ReadOtherHosts(*facts.config);
   }
   facts.limits = ReadLimits();
   facts.core = ReadCore();

@@ -19,6 +19,7 @@
 
 #include "musher/base/exit_status.hpp"
 #include "musher/base/host.hpp"
+#include "musher/controller/process/ssh.hpp"
 
 namespace musher {
 namespace {
@@ -41,14 +42,6 @@ constexpr const char* kRemoteCommand =
 
 BusMessage Own(sd_bus_message* message) {
   return {message, [](sd_bus_message* m) { sd_bus_message_unref(m); }};
-}
-
-std::string LastLine(const std::string& text) {
-  const std::size_t end = text.find_last_not_of(" \r\n");
-  if (end == std::string::npos) return {};
-  const std::size_t begin = text.find_last_of("\r\n", end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1,
-                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
 }
 
 struct Greeting {
@@ -78,39 +71,6 @@ std::optional<Greeting> ReadGreetingLine(std::string_view text) {
   return Greeting{std::string(id), std::chrono::seconds(seconds)};
 }
 
-struct Cure {
-  std::string_view sign;  // in what ssh says
-  bool for_good = false;
-  std::string_view cure;
-};
-
-// The first one whose sign is in ssh's words.
-constexpr std::array kCures = {
-    Cure{"Permission denied", true,
-         "put the public key into ~/.ssh/authorized_keys of that user, and try `ssh {login} true`"},
-    Cure{"Host key verification failed", true,
-         "its key is not known here, or has changed: compare it, then put it into known_hosts (see "
-         "ssh-keyscan)"},
-    Cure{"Could not resolve", false, "correct its address"},
-    Cure{"another host answers", false,
-         "give each board its own address; if the board was replaced, restart the controller"},
-    Cure{"does not say which host", false,
-         "run `ssh {login} cat /proc/sys/kernel/random/boot_id`; the host may be out of memory"},
-    Cure{"systemd-stdio-bridge", true, "install systemd there; its processes need it"},
-    Cure{"No such file or directory", true, "install openssh-client here"},
-};
-constexpr std::string_view kUsualCure =
-    "check that it runs, and that `ssh {login} true` works without a question";
-
-std::string WithLogin(std::string_view cure, const std::string& login) {
-  std::string text(cure);
-  constexpr std::string_view kPlace = "{login}";
-  if (const std::size_t at = text.find(kPlace); at != std::string::npos) {
-    text.replace(at, kPlace.size(), login);
-  }
-  return text;
-}
-
 }  // namespace
 
 // What a callback of sd-bus gets. It outlives the slot, since it is dropped after the bus.
@@ -125,22 +85,6 @@ struct HostBus::Pending {
     return 1;
   }
 };
-
-std::vector<std::string> SshArguments(const std::string& address, const std::string& user,
-                                      const std::string& key, const std::string& known_hosts) {
-  std::vector<std::string> argv = {"ssh", "-xT"};
-  for (const char* option :
-       {"BatchMode=yes", "ConnectTimeout=5", "ServerAliveInterval=2", "ServerAliveCountMax=3",
-        "ControlMaster=no", "ControlPath=none", "ForwardAgent=no", "ClearAllForwardings=yes"}) {
-    argv.insert(argv.end(), {"-o", option});
-  }
-  if (!key.empty()) argv.insert(argv.end(), {"-i", key, "-o", "IdentitiesOnly=yes"});
-  if (!known_hosts.empty())
-    argv.insert(argv.end(), {"-o", "UserKnownHostsFile=\"" + known_hosts + "\""});
-  if (!user.empty()) argv.insert(argv.end(), {"-l", user});
-  argv.insert(argv.end(), {"--", address});
-  return argv;
-}
 
 HostBus::HostBus(transport::EventLoop& loop, Options options, Hooks hooks)
     : loop_(loop),
@@ -266,21 +210,17 @@ void HostBus::Ended() {
   if (const auto failure = ssh_ ? ssh_->Failure(Duration::zero()) : std::nullopt) {
     why = failure->error.message;
   }
-  if (why.empty()) why = LastLine(errors_);
+  if (why.empty()) why = LastLineOf(errors_);
   if (why.empty()) why = was_up ? "the connection has ended" : "ssh has ended";
   DropBus();
   DropSsh();
-  const auto* const cure = std::find_if(kCures.begin(), kCures.end(), [&](const Cure& one) {
-    return why.find(one.sign) != std::string::npos;
-  });
-  const bool known = cure != kCures.end();
-  trouble_ = why + (why.ends_with('.') ? " " : "; ") +
-             WithLogin(known ? cure->cure : kUsualCure, options_.login);
+  const SshTrouble trouble = SshTroubleOf(why, options_.login);
+  trouble_ = trouble.text;
   state_ = State::kWaiting;
   if (was_up) back_off_ = kFirstBackOff;
   retry_ = loop_.At(loop_.Now() + back_off_, [this] { Connect(); });
   back_off_ = std::min(back_off_ * 2, kLongestBackOff);
-  hooks_.on_down(was_up, known && cure->for_good);
+  hooks_.on_down(was_up, trouble.for_good);
 }
 
 void HostBus::DropSsh() {

@@ -124,9 +124,4 @@ class HostBus {
   transport::LoopHandlePtr bus_timer_;
 };
 
-// The arguments of ssh for such a host; nothing is asked, and no connection is shared. Empty texts:
-// ssh chooses.
-std::vector<std::string> SshArguments(const std::string& address, const std::string& user,
-                                      const std::string& key, const std::string& known_hosts);
-
 }  // namespace musher

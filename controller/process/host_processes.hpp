@@ -14,6 +14,11 @@
 
 namespace musher {
 
+// The name of the unit of an actuator on another host.
+inline std::string UnitNameOf(const std::string& machine, const std::string& actuator) {
+  return "musher-" + machine + "-" + actuator + ".service";
+}
+
 class HostProcesses {
  public:
   // None runs inside a call of this class.
@@ -22,10 +27,14 @@ class HostProcesses {
     // was `found` running. Repeated for the same pid by Start().
     std::function<void(const std::string& actuator, pid_t pid, const std::string& host, bool found)>
         on_started;
-    std::function<void(const std::string& actuator, const std::string& why)> on_not_started;
+    // `waits`: its host is out of reach, and it is started once that is reached.
+    std::function<void(const std::string& actuator, const std::string& why, bool waits)>
+        on_not_started;
     std::function<void(const std::string& actuator, pid_t pid, const ProcessExit& exit)> on_ended;
     // A host is out of reach, or is reached again.
     std::function<void(bool reached, const std::string& message)> on_reach;
+    // Whether a start that waited for its host is still wanted.
+    std::function<bool(const std::string& actuator)> still_starts;
     // Whether a signal that waited for its host is still to be sent to this process.
     std::function<bool(const std::string& actuator, pid_t pid)> still_ends;
   };
@@ -45,7 +54,8 @@ class HostProcesses {
   // that run there already are reported.
   virtual void Open(Hooks hooks) = 0;
   // Starts the process of an actuator. If one runs already, from an earlier controller or since its
-  // host was out of reach, that one is reported instead.
+  // host was out of reach, that one is reported instead. A host that is out of reach is waited for,
+  // however long.
   virtual void Start(const ProcessSpec& spec) = 0;
   // Sends a signal to all processes of the unit. If its host is out of reach, once it is reached
   // again, unless another process runs there meanwhile or the reason has passed (still_ends).

@@ -1,5 +1,6 @@
 #include "musher/controller/process/host_units.hpp"
 
+#include <sched.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <systemd/sd-bus.h>
@@ -12,6 +13,8 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/controller/process/ssh.hpp"
+
 namespace musher {
 namespace {
 
@@ -22,8 +25,6 @@ constexpr const char* kService = "org.freedesktop.systemd1.Service";
 constexpr const char* kUnitInterface = "org.freedesktop.systemd1.Unit";
 constexpr const char* kProperties = "org.freedesktop.DBus.Properties";
 
-// How long a start waits for a host that is booting, or for the unit before it to end.
-constexpr Duration kStartWithin = Milliseconds(10'000);
 // A search is a part of a TearDown, which has to know before its budget is used up which hosts have
 // not answered. A connection that is just being made needs some time.
 constexpr Duration kFindWithin = Milliseconds(1'000);
@@ -39,6 +40,7 @@ constexpr const char* kDeniedCure =
 // Exit codes of systemd itself: the program was not executed (systemd.exec(5)).
 constexpr int kFirstOfSystemd = 200;
 constexpr int kLastOfSystemd = 243;
+constexpr int kNoSuchUser = 217;
 
 // What systemd knows of a unit. The values of a unit that is not loaded are these.
 struct UnitState {
@@ -47,6 +49,7 @@ struct UnitState {
   std::uint32_t exec_pid = 0;  // of the last process, also after its exit
   std::int32_t exec_code = 0;  // CLD_EXITED, CLD_KILLED, CLD_DUMPED
   std::int32_t exec_status = 0;
+  std::string result = {};
   std::set<std::string> environment = {};
 
   bool runs() const { return active == "active" || active == "reloading"; }
@@ -92,6 +95,8 @@ void ReadProperties(sd_bus_message* message, UnitState& state) {
       ReadNumber(message, "i", state.exec_code);
     } else if (property == "ExecMainStatus") {
       ReadNumber(message, "i", state.exec_status);
+    } else if (property == "Result") {
+      ReadText(message, state.result);
     } else if (property == "Environment") {
       ReadTexts(message, state.environment);
     } else {
@@ -102,8 +107,13 @@ void ReadProperties(sd_bus_message* message, UnitState& state) {
   sd_bus_message_exit_container(message);
 }
 
-ProcessExit ExitOf(const UnitState& state, pid_t pid) {
+ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limits) {
   ProcessExit exit;
+  if (state.ended() && state.result == "oom-kill") {
+    const auto& most = limits.memory_max_bytes;
+    exit.out_of_memory =
+        most ? "memory_max_mb = " + std::to_string(*most >> 20) : "the memory of its host";
+  }
   if (static_cast<pid_t>(state.exec_pid) != pid || !state.ended()) return exit;
   exit.number = state.exec_status;
   if (state.exec_code == CLD_EXITED) exit.kind = ProcessExit::Kind::kExited;
@@ -187,6 +197,27 @@ void AppendCommand(sd_bus_message* message, const std::vector<std::string>& argv
   CloseProperty(message);
 }
 
+void AppendLimits(sd_bus_message* message, const ProcessLimits& limits) {
+  constexpr std::uint64_t kSecond_us = 1'000'000;
+  if (limits.memory_max_bytes) {
+    const auto most = static_cast<std::uint64_t>(*limits.memory_max_bytes);
+    sd_bus_message_append(message, "(sv)", "MemoryMax", "t", most);
+    // Else it would grow on into the swap, and slow down the whole host.
+    sd_bus_message_append(message, "(sv)", "MemorySwapMax", "t", std::uint64_t{0});
+  }
+  AppendText(message, "OOMPolicy", "kill");  // of all its processes, or none
+  if (limits.cpus) {
+    const auto quota = static_cast<std::uint64_t>(*limits.cpus * static_cast<double>(kSecond_us));
+    sd_bus_message_append(message, "(sv)", "CPUQuotaPerSecUSec", "t", quota);
+  }
+  if (limits.nice) sd_bus_message_append(message, "(sv)", "Nice", "i", *limits.nice);
+  if (limits.realtime_priority) {
+    sd_bus_message_append(message, "(sv)", "CPUSchedulingPolicy", "i", SCHED_FIFO);
+    sd_bus_message_append(message, "(sv)", "CPUSchedulingPriority", "i", *limits.realtime_priority);
+  }
+  if (!limits.user.empty()) AppendText(message, "User", limits.user);
+}
+
 }  // namespace
 
 struct HostUnits::Host {
@@ -206,6 +237,7 @@ struct HostUnits::Unit {
   UnitState state = {};
   pid_t pid = 0;                           // of the process that was reported as started
   std::optional<ProcessSpec> wanted = {};  // to be started
+  bool waits = false;                      // for its host, with that start, which was reported
   bool asked = false;                      // StartTransientUnit was sent
   std::string job = {};                    // its job
   int signal = 0;                          // to be sent, or sent and not confirmed
@@ -225,16 +257,12 @@ struct HostUnits::Search {
   transport::LoopHandlePtr deadline;
 };
 
-std::string UnitNameOf(const std::string& machine, const std::string& actuator) {
-  return "musher-" + machine + "-" + actuator + ".service";
-}
-
 HostUnits::HostUnits(transport::EventLoop& loop, const MachineConfig& config,
-                     std::function<MachineIdentity()> machine)
-    : loop_(loop), config_(config), machine_(std::move(machine)) {
+                     std::function<MachineIdentity()> machine, Duration start_within)
+    : loop_(loop), config_(config), machine_(std::move(machine)), start_within_(start_within) {
   for (const HostConfig& host : config.hosts) {
     HostBus::Options options;
-    options.ssh = SshArguments(host.address, host.user, host.key, host.known_hosts);
+    options.ssh = SshArguments(host);
     options.login = host.Login();
     const std::string from = "type='signal',sender='org.freedesktop.systemd1',";
     options.matches.push_back(from + "interface='" + kManager + "',member='JobRemoved'");
@@ -279,6 +307,7 @@ void HostUnits::Close() {
   searches_.clear();
   for (auto& [name, unit] : units_) {
     unit->wanted.reset();
+    unit->waits = false;
     unit->deadline = nullptr;
     unit->again = nullptr;
   }
@@ -323,7 +352,13 @@ void HostUnits::OnUp(Host& host) {
     }
   }
   host.seen = id;
-  for (Unit* unit : units) Examine(*unit);
+  for (Unit* unit : units) {
+    if (std::exchange(unit->waits, false) && !hooks_.still_starts(unit->actuator)) {
+      unit->wanted.reset();
+    }
+    if (unit->wanted) ArmDeadline(*unit);
+    Examine(*unit);
+  }
 }
 
 void HostUnits::OnDown(Host& host, bool was_up, bool for_good) {
@@ -333,7 +368,7 @@ void HostUnits::OnDown(Host& host, bool was_up, bool for_good) {
   for (Unit* unit : host.units) {
     unit->examining = false;
     unit->again = nullptr;
-    if (unit->wanted && for_good) NotStarted(*unit, why);
+    if (unit->wanted && for_good && !unit->waits) Await(*unit);
   }
   if (!std::exchange(host.reported, true)) {
     hooks_.on_reach(false, why + (was_up ? ". What runs there runs on, and is found again" : ""));
@@ -458,13 +493,17 @@ void HostUnits::Conclude(Unit& unit) {
     }
     return;
   }
-  if (unit.wanted && state.ended()) StartUnit(unit);
+  if (!unit.wanted || !state.ended()) return;
+  // Its host was reached too late.
+  if (!hooks_.still_starts(unit.actuator)) return NotStarted(unit, "the machine is torn down");
+  StartUnit(unit);
 }
 
 void HostUnits::Started(Unit& unit, pid_t pid, bool found) {
   unit.pid = pid;
   unit.refused = false;
   unit.wanted.reset();
+  unit.waits = false;
   unit.deadline = nullptr;
   unit.again = nullptr;
   hooks_.on_started(unit.actuator, pid, unit.host.bus->host_id(), found);
@@ -472,15 +511,25 @@ void HostUnits::Started(Unit& unit, pid_t pid, bool found) {
 
 void HostUnits::NotStarted(Unit& unit, const std::string& why) {
   unit.wanted.reset();
+  unit.waits = false;
   unit.deadline = nullptr;
   unit.again = nullptr;
-  hooks_.on_not_started(unit.actuator, why);
+  hooks_.on_not_started(unit.actuator, why, false);
+}
+
+// The start stays wanted.
+void HostUnits::Await(Unit& unit) {
+  unit.waits = true;
+  unit.deadline = nullptr;
+  hooks_.on_not_started(unit.actuator,
+                        Unreached(unit.host) + "; it is started once its host is reached", true);
 }
 
 void HostUnits::Ended(Unit& unit) {
   const pid_t pid = std::exchange(unit.pid, 0);
   unit.signal = 0;
-  const ProcessExit exit = ExitOf(unit.state, pid);
+  const ActuatorIndex i = *config_.IndexOf(unit.actuator);
+  const ProcessExit exit = ExitOf(unit.state, pid, config_.actuators[i].limits);
   if (unit.state.active == "failed") Reset(unit);
   if (unit.wanted) unit.again = loop_.At(loop_.Now(), [this, &unit] { Examine(unit); });
   hooks_.on_ended(unit.actuator, pid, exit);
@@ -521,22 +570,28 @@ void HostUnits::Stop(Unit& unit) {
 void HostUnits::Start(const ProcessSpec& spec) {
   Unit& unit = *units_.at(spec.name);
   unit.wanted = spec;
-  unit.deadline = loop_.At(loop_.Now() + kStartWithin, [this, &unit] {
-    if (!unit.wanted) return;
-    const bool up = unit.host.bus->is_up();
-    if (up && unit.asked) Stop(unit);  // it would start after it was given up
-    const std::string how = unit.unread.empty()
-                                ? " is " + unit.state.active + " for " +
-                                      std::to_string(ToMilliseconds(kStartWithin) / 1000) + " s"
-                                : "'s state cannot be read: " + unit.unread;
-    NotStarted(unit, !up ? Unreached(unit.host)
-                         : "host " + unit.host.config.name + ": " + unit.name + how +
-                               "; see `systemctl status " + unit.name + "` there");
-  });
+  unit.waits = false;
+  ArmDeadline(unit);
   // Not inside this call.
   unit.again = loop_.At(loop_.Now(), [this, &unit] {
     unit.host.bus->Open();
     Examine(unit);
+  });
+}
+
+// A start waits so long for the unit before it to end, or until its host is said to be out of
+// reach.
+void HostUnits::ArmDeadline(Unit& unit) {
+  unit.deadline = loop_.At(loop_.Now() + start_within_, [this, &unit] {
+    if (!unit.wanted) return;
+    if (!unit.host.bus->is_up()) return Await(unit);
+    if (unit.asked) Stop(unit);  // it would start after it was given up
+    const std::string how = unit.unread.empty()
+                                ? " is " + unit.state.active + " for " +
+                                      std::to_string(ToMilliseconds(start_within_) / 1000) + " s"
+                                : "'s state cannot be read: " + unit.unread;
+    NotStarted(unit, "host " + unit.host.config.name + ": " + unit.name + how +
+                         "; see `systemctl status " + unit.name + "` there");
   });
 }
 
@@ -553,6 +608,7 @@ void HostUnits::StartUnit(Unit& unit) {
   AppendText(m, "SyslogIdentifier", unit.actuator);
   if (!spec.cwd.empty()) AppendText(m, "WorkingDirectory", spec.cwd);
   sd_bus_message_append(m, "(sv)", "TimeoutStopUSec", "t", kRestEndsWithinUs);
+  AppendLimits(m, spec.limits);
   OpenProperty(m, "Environment", "as");
   std::vector<std::string> environment;
   environment.reserve(spec.env.size());
@@ -603,7 +659,13 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   }
   if (unit.state.active == "failed") Reset(unit);
   if (!unit.wanted) return;
-  const std::string program = unit.wanted->argv.front();
+  const ProcessSpec& spec = *unit.wanted;
+  if (not_executed && unit.state.exec_status == kNoSuchUser) {
+    return NotStarted(unit, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
+                                ") has no user " + spec.limits.user +
+                                "; make it there, or correct `user`");
+  }
+  const std::string program = spec.argv.front();
   NotStarted(unit, "host " + unit.host.config.name + ": " +
                        (not_executed
                             ? program + " could not be executed there (systemd's exit code " +
@@ -618,7 +680,8 @@ void HostUnits::Signal(const std::string& actuator, pid_t pid, int signal) {
   Unit& unit = *units_.at(actuator);
   if (unit.pid != pid || pid == 0) return;
   if (unit.signal != SIGKILL) unit.signal = signal;
-  unit.host.bus->is_up() ? Kill(unit, signal) : unit.host.bus->Open();
+  // Else once it is reached, which the connection sees to, less and less often.
+  if (unit.host.bus->is_up()) Kill(unit, signal);
 }
 
 void HostUnits::Find(std::function<void(const std::vector<Found>&)> done) {

@@ -30,14 +30,12 @@
 
 namespace musher {
 
-// The name of the unit of an actuator.
-std::string UnitNameOf(const std::string& machine, const std::string& actuator);
-
 class HostUnits : public HostProcesses {
  public:
-  // All must outlive it. `machine`: what the controller's machine is known by now.
+  // All must outlive it. `machine`: what the controller's machine is known by now. `start_within`:
+  // how long a start takes at most, without the time that its host is waited for.
   HostUnits(transport::EventLoop& loop, const MachineConfig& config,
-            std::function<MachineIdentity()> machine);
+            std::function<MachineIdentity()> machine, Duration start_within = Milliseconds(10'000));
   ~HostUnits() override;
 
   void Open(Hooks hooks) override;
@@ -63,6 +61,8 @@ class HostUnits : public HostProcesses {
   void OnJobRemoved(Unit& unit, const std::string& job, const std::string& result);
   void Started(Unit& unit, pid_t pid, bool found);
   void NotStarted(Unit& unit, const std::string& why);
+  void Await(Unit& unit);
+  void ArmDeadline(Unit& unit);
   void Ended(Unit& unit);
   void Reset(Unit& unit);
   void Kill(Unit& unit, int signal);
@@ -76,6 +76,7 @@ class HostUnits : public HostProcesses {
   transport::EventLoop& loop_;
   const MachineConfig& config_;
   const std::function<MachineIdentity()> machine_;
+  const Duration start_within_;
   Hooks hooks_;
   bool open_ = false;
   std::map<std::string, std::unique_ptr<Unit>> units_;  // by actuator

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "musher/base/result.hpp"
+#include "musher/lifecycle/config/process_limits.hpp"
 
 namespace musher {
 
@@ -23,6 +24,7 @@ struct ProcessSpec {
   std::map<std::string, std::string> env;  // added to the inherited one without systemd's variables
   int output = -1;        // for stdout and stderr; the caller keeps it; -1: /dev/null
   std::string mark = {};  // by which a later controller finds it (child_processes.hpp); empty: none
+  ProcessLimits limits = {};  // a child keeps `nice` and `realtime_priority`
 };
 
 // How a process exited.
@@ -37,6 +39,8 @@ struct ProcessExit {
   Kind kind = Kind::kUnknown;
   int number = 0;
   std::string last_output = {};  // last output of a process that exited with an error; may be empty
+  // It needed more memory than its limit, which this names: "memory_max_mb = 64". Else empty.
+  std::string out_of_memory = {};
 
   // Whether the process exited by itself with code 0.
   bool clean() const { return kind == Kind::kExited && number == 0; }
@@ -44,7 +48,8 @@ struct ProcessExit {
   // The exit code; 0 also if it was killed or the code is unknown.
   int code() const { return kind == Kind::kExited ? number : 0; }
 
-  // "exit code 3: no such port", "killed by SIGKILL", "ended (exit code unknown)".
+  // "exit code 3: no such port", "killed by SIGKILL", "out of memory: …", "ended (exit code
+  // unknown)".
   std::string Text() const;
 
   friend bool operator==(const ProcessExit&, const ProcessExit&) = default;

@@ -107,6 +107,9 @@ void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit
 }  // namespace
 
 std::string ProcessExit::Text() const {
+  if (!out_of_memory.empty()) {
+    return "out of memory: ended by its limit (" + out_of_memory + "); it needs more";
+  }
   if (kind == Kind::kUnknown) return "ended (exit code unknown)";
   if (kind == Kind::kNotRun) return last_output;
   const std::string text = ExitStatus{kind == Kind::kKilled, number}.Text();

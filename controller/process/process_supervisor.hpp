@@ -4,7 +4,8 @@
 //
 // A child gets its own session and process group (Ctrl-C in our terminal is not for it, and it has
 // no terminal), /dev/null as stdin, the given output as stdout and stderr (/dev/null without one),
-// no other descriptor of ours, and default signal handling. It outlives this process, which sends
+// no other descriptor of ours, and default signal handling. Of its limits it keeps `nice` and
+// `realtime_priority`; one that may not be set is an Error. It outlives this process, which sends
 // it no signal when it exits or crashes.
 //
 // When a child exits by itself with another exit code than 0, the report of its exit has the last

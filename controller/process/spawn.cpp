@@ -1,9 +1,12 @@
 #include "musher/controller/process/spawn.hpp"
 
 #include <fcntl.h>
+#include <sched.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstring>
+#include <optional>
 #include <string>
 
 #include "musher/base/host.hpp"
@@ -25,6 +28,19 @@ void WriteMark(char* const* environment) {
       digits[i - 1] = static_cast<char>('0' + number % 10);
     }
   }
+}
+
+// In the child.
+const char* KeepLimits(std::optional<int> nice, std::optional<int> realtime_priority) {
+  if (nice && setpriority(PRIO_PROCESS, 0, *nice) != 0) {
+    return "set its `nice`, which takes root, or LimitNICE= in the unit of the controller";
+  }
+  if (!realtime_priority) return nullptr;
+  sched_param priority{};
+  priority.sched_priority = *realtime_priority;
+  if (sched_setscheduler(0, SCHED_FIFO, &priority) == 0) return nullptr;
+  return "set its `realtime_priority`, which takes root, or LimitRTPRIO= in the unit of the "
+         "controller";
 }
 
 }  // namespace
@@ -50,6 +66,9 @@ Result<ForkedProgram> Spawn(const ProcessSpec& spec) {
   program.after_fork = [marked](char* const* environment) {
     setsid();
     if (marked) WriteMark(environment);
+  };
+  program.set_up = [nice = spec.limits.nice, priority = spec.limits.realtime_priority] {
+    return KeepLimits(nice, priority);
   };
   // The next controller finds this process only after execve, by the mark in its environment; if
   // this controller has exited meanwhile, the process exits.

@@ -59,8 +59,8 @@ void ActuatorProcesses::OpenHosts() {
                             bool found) {
     context_.handle(event::ProcessStarted{*config_.IndexOf(actuator), pid, host, found});
   };
-  hooks.on_not_started = [this](const std::string& actuator, const std::string& why) {
-    context_.handle(event::ProcessNotStarted{*config_.IndexOf(actuator), why});
+  hooks.on_not_started = [this](const std::string& actuator, const std::string& why, bool waits) {
+    context_.handle(event::ProcessNotStarted{*config_.IndexOf(actuator), why, waits});
   };
   hooks.on_ended = [this](const std::string& actuator, pid_t pid, const ProcessExit& exit) {
     const ActuatorIndex i = *config_.IndexOf(actuator);
@@ -69,6 +69,10 @@ void ActuatorProcesses::OpenHosts() {
   };
   hooks.on_reach = [this](bool reached, const std::string& message) {
     context_.records.Remark(reached ? kCodeOk : kCodeNetError, message);
+  };
+  hooks.still_starts = [this](const std::string&) {
+    const Phase phase = context_.machine.phase;
+    return phase != Phase::kStopping && phase != Phase::kStopped;
   };
   hooks.still_ends = [this](const std::string& actuator, pid_t pid) {
     const Machine& machine = context_.machine;
@@ -125,6 +129,7 @@ ProcessSpec ActuatorProcesses::SpecOf(ActuatorIndex i) const {
   spec.argv = actuator.command;
   spec.cwd = actuator.cwd;
   spec.env = actuator.env;
+  spec.limits = actuator.limits;
   if (!config_.file.empty()) {
     spec.env.emplace("MUSHER_CONFIG", std::filesystem::absolute(config_.file).string());
   }

@@ -14,6 +14,7 @@
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/config/policy_config.hpp"
+#include "musher/lifecycle/config/process_limits.hpp"
 #include "musher/lifecycle/config/ros2_config.hpp"
 #include "musher/lifecycle/config/ros2_states.hpp"
 #include "musher/lifecycle/per_actuator.hpp"
@@ -77,6 +78,7 @@ struct ActuatorConfig {
   std::string host;                  // that runs the command; empty: the controller's
   std::string cwd;                   // absolute; empty: the controller's own, with `host` "/"
   std::map<std::string, std::string> env;  // added to the controller's environment
+  ProcessLimits limits;
   Protocol protocol = Protocol::kMusher;
   std::string heartbeat_name;              // of protocol cyberdog: its name in `manager_heartbeats`
   std::map<State, Ros2State> ros2_states;  // of ros2_lifecycle: where it differs from Ros2GoalOf()

@@ -72,6 +72,7 @@ struct ProcessStarted {
 struct ProcessNotStarted {
   ActuatorIndex actuator = 0;
   std::string why;
+  bool waits = false;  // for its host, which is out of reach: it is started once that is reached
   friend bool operator==(const ProcessNotStarted&, const ProcessNotStarted&) = default;
 };
 // The result of action::FindProcesses: for each actuator the pid of the process that runs and is
@@ -282,6 +283,7 @@ template <>
 inline constexpr std::tuple kFields<event::ProcessNotStarted> = {
     Field{"actuator", &event::ProcessNotStarted::actuator},
     Field{"why", &event::ProcessNotStarted::why},
+    Field{"waits", &event::ProcessNotStarted::waits},
 };
 
 template <>

@@ -149,7 +149,7 @@ void Recovery::On(const event::ProcessStarted& started) {
       known.cause);
   // The machine was torn down while the process was starting.
   const bool stopped = machine_.phase == Phase::kStopped;
-  if (!stopped && machine_.phase != Phase::kStopping) return;
+  if (!stopped && machine_.phase != Phase::kStopping) return BeginLateSetUp(started);
   // TearDown commands it, and SignalProcesses() ends it if it does not exit after that.
   const bool driven =
       started.found && !stopped && machine_.stopping->sent == Stopping::Signal::kNone &&
@@ -157,6 +157,16 @@ void Recovery::On(const event::ProcessStarted& started) {
   if (driven) return;
   Do(action::SignalProcess{started.actuator, started.pid,
                            stopped || machine_.stopping->sent == Stopping::Signal::kKill});
+}
+
+// A process that has waited for its host is set up within the usual time.
+void Recovery::BeginLateSetUp(const event::ProcessStarted& started) {
+  KnownActuator& known = Of(started.actuator);
+  const bool waited = known.fault && known.fault->event == EventName::kProcessNotStarted;
+  const bool runs_on = started.found && known.presence != Presence::kAbsent;
+  if (started.host.empty() || !waited || runs_on || known.presence == Presence::kPresent) return;
+  known.presence = Presence::kStarting;
+  known.set_up_by = now_ + config_.TimeFor(started.actuator, kSetUp);
 }
 
 // Possibly after its process was forked and could not execute the program.
@@ -173,7 +183,16 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
   Of(failed.actuator).presence = may_run ? Presence::kLost : Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, texts::ProcessNotStarted(failed.why),
           Of(failed.actuator).cause);
-  processes_.Recover(failed.actuator);
+  failed.waits ? AwaitHost(failed.actuator) : processes_.Recover(failed.actuator);
+}
+
+// Nothing was executed, so this is no restart that counts. An actuator that is lost for so long
+// takes the machine along.
+void Recovery::AwaitHost(ActuatorIndex i) {
+  KnownActuator& known = Of(i);
+  known.process.termination.reset();
+  known.restart.requested = false;
+  FallBack(i);
 }
 
 void Recovery::On(const event::ProcessEnded& ended) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "musher/cli/config/limit_check.hpp"
 #include "musher/cli/config/program_check.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/cli/program.hpp"
@@ -67,6 +68,30 @@ TEST_F(CheckCommand, NamesThePlaceOfALogGroupThatThisHostDoesNotHave) {
   EXPECT_THAT(ran.out, Not(HasSubstr("ok")));
   text.replace(text.find("no_such_group"), 13, "root");
   EXPECT_EQ(RunProgram({"check", Write("dog.toml", text)}).exit, 0);
+}
+
+TEST_F(CheckCommand, RefusesAPriorityThatThisUserMayNotGive) {
+  std::string text = kRobotToml;
+  text += "command = [\"true\"]\n";
+  const std::size_t at = text.size();
+  text += "realtime_priority = 40\nnice = -5\n";
+  const std::string file = Write("dog.toml", text);
+  const auto config = ReadConfigFile(file).config;
+  ASSERT_TRUE(config);
+  Priorities user;
+  user.highest_real_time = 20;
+  const auto found = CheckLimits(*config, user);
+  ASSERT_EQ(found.size(), 2U);
+  const auto line = 1 + std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n');
+  EXPECT_EQ(found[0].line, line);
+  EXPECT_THAT(FormatDiagnostic(found[0]),
+              HasSubstr(".realtime_priority: this user may set 20 at most; start the "
+                        "machine as root, or permit it by LimitRTPRIO= in the unit"));
+  EXPECT_THAT(FormatDiagnostic(found[1]), HasSubstr(".nice: this user may set 0 at least"));
+  user.highest_real_time = 40;
+  user.lowest_nice = -5;
+  EXPECT_TRUE(CheckLimits(*config, user).empty());
+  EXPECT_TRUE(CheckLimits(*config, {true}).empty());
 }
 
 TEST_F(CheckCommand, WarnsOfKeysThatUpWouldRefuse) {

@@ -11,6 +11,7 @@
 
 #include "musher/cli/doctor/checks.hpp"
 #include "musher/cli/doctor/host_facts.hpp"
+#include "musher/cli/doctor/host_reach.hpp"
 #include "musher/cli/doctor/in_child.hpp"
 #include "musher/cli/render/doctor.hpp"
 #include "musher/test/cli/robot.hpp"
@@ -453,6 +454,89 @@ TEST(InChild, ThatCrashesIsReported) {
   const auto text = child.value().Await(std::chrono::steady_clock::now() + std::chrono::minutes(1));
   ASSERT_FALSE(text);
   EXPECT_THAT(text.error().message, HasSubstr("crashed"));
+}
+
+// --- other hosts ---
+
+// A host without a fault.
+OtherHostFacts Vision() {
+  OtherHostFacts host{"vision", "root@10.0.0.2"};
+  host.clock_ahead = Milliseconds(-12);
+  host.architecture = "aarch64";
+  host.init = "systemd";
+  host.systemd = 252;
+  host.musher = "1.2.3";
+  host.free_bytes = 9ll << 30;
+  host.root = true;
+  return host;
+}
+
+DoctorCheck CheckVision(const OtherHostFacts& host) {
+  DoctorFacts facts = Healthy();
+  facts.hosts = {host};
+  return Check(facts, "host vision");
+}
+
+TEST(DoctorOfAnotherHost, ShowsWhatItFound) {
+  const DoctorCheck check = CheckVision(Vision());
+  EXPECT_EQ(check.health, CheckStatus::kOk);
+  EXPECT_EQ(check.reason, "root@10.0.0.2, aarch64, systemd 252, its clock is 12 ms behind");
+}
+
+TEST(DoctorOfAnotherHost, NamesEachFaultWithItsHostAndWhatToDo) {
+  struct Fault {
+    void (*plant)(OtherHostFacts&);
+    CheckStatus health;
+    const char* reason;
+    const char* fix;
+  };
+  const Fault faults[] = {
+      {[](auto& host) { host.init = "sh"; }, CheckStatus::kError, "its first process is sh",
+       "systemd"},
+      {[](auto& host) { host.systemd = 247; }, CheckStatus::kError, "systemd 247 is too old",
+       "upgrade"},
+      {[](auto& host) { host.missing = {"eyes: program not found there: /opt/eyes"}; },
+       CheckStatus::kError, "eyes: program not found there: /opt/eyes", "copy the programs"},
+      {[](auto& host) { host.no_users = {"robot"}; }, CheckStatus::kError, "it has no user robot",
+       "ssh root@10.0.0.2 useradd --system robot"},
+      {[](auto& host) { host.foreign = {"musher-dog-eyes.service"}; }, CheckStatus::kError,
+       "musher-dog-eyes.service already, for another machine", "systemctl stop musher-dog-eyes"},
+      {[](auto& host) { host.free_bytes = 7 << 20; }, CheckStatus::kError,
+       "its disk has 7 MiB left", "journalctl --vacuum-size"},
+      {[](auto& host) { host.musher = "1.1.0"; }, CheckStatus::kWarning,
+       "it has musher 1.1.0, this program is 1.2.3", "the same version"},
+      {[](auto& host) { host.clock_ahead = std::chrono::hours(3); }, CheckStatus::kWarning,
+       "its clock is 10800.0 s ahead", "timedatectl"},
+  };
+  for (const Fault& fault : faults) {
+    OtherHostFacts host = Vision();
+    fault.plant(host);
+    const DoctorCheck check = CheckVision(host);
+    EXPECT_EQ(check.health, fault.health) << check.reason;
+    EXPECT_THAT(check.reason, HasSubstr("host vision (root@10.0.0.2): "));
+    EXPECT_THAT(check.reason, HasSubstr(fault.reason));
+    EXPECT_THAT(check.fix, HasSubstr(fault.fix));
+  }
+  OtherHostFacts off{"vision", "root@10.0.0.2", "host vision (root@10.0.0.2): off; switch it on"};
+  EXPECT_EQ(CheckVision(off).reason, off.trouble);
+  EXPECT_EQ(CheckVision(off).health, CheckStatus::kError);
+}
+
+TEST(DoctorOfAnotherHost, ReadsWhatItsScriptPrints) {
+  OtherHostFacts host;
+  TakeHostLines({"arch aarch64", "init systemd", "systemd 252", "free 1024", "user 0",
+                 "version musher 1.2.3", "missing eyes: program not found there: x", "nouser robot",
+                 "unit musher-dog-eyes.service MUSHER_MACHINE_ID=theirs",
+                 "unit musher-dog-ears.service A=b MUSHER_MACHINE_ID=ours"},
+                "ours", host);
+  EXPECT_EQ(host.architecture, "aarch64");
+  EXPECT_EQ(host.systemd, 252);
+  EXPECT_EQ(host.free_bytes, 1 << 20);
+  EXPECT_TRUE(host.root);
+  EXPECT_EQ(host.musher, "1.2.3");
+  EXPECT_EQ(host.missing, std::vector<std::string>{"eyes: program not found there: x"});
+  EXPECT_EQ(host.no_users, std::vector<std::string>{"robot"});
+  EXPECT_EQ(host.foreign, std::vector<std::string>{"musher-dog-eyes.service"});
 }
 
 }  // namespace musher::cli::doctor_test

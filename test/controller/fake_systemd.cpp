@@ -1,7 +1,7 @@
 // What a test reaches instead of another host: `controller_fake_systemd FOLDER` is the end of an
 // ssh connection, and answers the calls of D-Bus as systemd does, for one unit. It has no process.
 //
-//   FOLDER/unit           ActiveState, MainPID and one variable of the environment, a line each
+//   FOLDER/unit           ActiveState, MainPID, one variable of the environment, and Result
 //   FOLDER/refuse-MEMBER  the calls of this member are answered with the error in it
 //   FOLDER/changed        PropertiesChanged is sent once, without the environment; removed after
 //   FOLDER/down           the connection ends; removed before
@@ -24,6 +24,7 @@ struct Unit {
   std::string active = "inactive";
   std::uint32_t pid = 0;
   std::string variable;
+  std::string result = "success";
 };
 
 class FakeSystemd {
@@ -82,6 +83,7 @@ class FakeSystemd {
       NoteCommand(call);
       sd_bus_reply_method_return(call, "o", "/org/freedesktop/systemd1/job/1");
     } else {
+      if (member == "StopUnit") Note(member);
       sd_bus_reply_method_return(call, "");
     }
     sd_bus_flush(bus_);
@@ -115,8 +117,9 @@ class FakeSystemd {
       }
       sd_bus_message_set_sender(signal, "org.freedesktop.systemd1");
       if (service) {
-        sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Service", 2, "MainPID",
-                              "u", unit.pid, "ExecMainPID", "u", unit.pid, 0);
+        sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Service", 3, "MainPID",
+                              "u", unit.pid, "ExecMainPID", "u", unit.pid, "Result", "s",
+                              unit.result.c_str(), 0);
       } else {
         sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Unit", 1, "ActiveState",
                               "s", unit.active.c_str(), 0);
@@ -134,9 +137,10 @@ class FakeSystemd {
     sd_bus_message_read(call, "ss", &unit, &mode);
     sd_bus_message_enter_container(call, 'a', "(sv)");
     while (sd_bus_message_enter_container(call, 'r', "sv") > 0) {
-      const char* name = nullptr;
-      sd_bus_message_read(call, "s", &name);
-      if (std::string_view(name) == "ExecStartEx") {
+      const char* property = nullptr;
+      sd_bus_message_read(call, "s", &property);
+      const std::string name = property;
+      if (name == "ExecStartEx") {
         std::string words;
         sd_bus_message_enter_container(call, 'v', "a(sasas)");
         sd_bus_message_enter_container(call, 'a', "(sasas)");
@@ -152,17 +156,37 @@ class FakeSystemd {
         for (int level = 0; level < 3; ++level) sd_bus_message_exit_container(call);
         Note("ExecStartEx" + words);
       } else {
-        Note(name);
-        sd_bus_message_skip(call, "v");
+        Note(name + ValueOf(call));
       }
       sd_bus_message_exit_container(call);
     }
     Note("StartTransientUnit");
   }
 
+  // " 64" of a variant with a number or a text; else nothing.
+  static std::string ValueOf(sd_bus_message* call) {
+    const char* contents = nullptr;
+    sd_bus_message_peek_type(call, nullptr, &contents);
+    const std::string_view type = contents;
+    std::uint64_t whole = 0;
+    std::int32_t number = 0;
+    const char* text = nullptr;
+    if (type == "t" && sd_bus_message_read(call, "v", "t", &whole) > 0) {
+      return " " + std::to_string(whole);
+    }
+    if (type == "i" && sd_bus_message_read(call, "v", "i", &number) > 0) {
+      return " " + std::to_string(number);
+    }
+    if (type == "s" && sd_bus_message_read(call, "v", "s", &text) > 0) {
+      return std::string(" ") + text;
+    }
+    sd_bus_message_skip(call, "v");
+    return "";
+  }
+
   Unit Read() const {
     Unit unit;
-    std::ifstream(folder_ + "/unit") >> unit.active >> unit.pid >> unit.variable;
+    std::ifstream(folder_ + "/unit") >> unit.active >> unit.pid >> unit.variable >> unit.result;
     return unit;
   }
   bool Has(const std::string& name) const {

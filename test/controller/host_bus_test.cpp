@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "musher/base/files.hpp"
+#include "musher/controller/process/ssh.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -120,12 +121,12 @@ TEST_F(HostConnection, ThatIsClosedEndsItsProgramAndCallsNothing) {
 }
 
 TEST(SshArguments, AskNothingAndTakeTheAddressForNoOption) {
-  const auto argv = SshArguments("10.0.0.2", "root", "/keys/id", "/keys/known hosts");
+  const auto argv = SshArguments({"board", "10.0.0.2", "root", "/keys/id", "/keys/known hosts"});
   EXPECT_THAT(argv, AllOf(Contains("BatchMode=yes"), Contains("/keys/id"),
                           Contains("UserKnownHostsFile=\"/keys/known hosts\"")));
   EXPECT_THAT(std::vector<std::string>(argv.end() - 4, argv.end()),
               ElementsAre("-l", "root", "--", "10.0.0.2"));
-  EXPECT_THAT(SshArguments("board", "", "", ""), Not(Contains("-i")));
+  EXPECT_THAT(SshArguments({"board", "board", "", "", ""}), Not(Contains("-i")));
 }
 
 }  // namespace musher::host_bus_test

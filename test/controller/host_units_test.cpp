@@ -39,7 +39,10 @@ class UnitOfAnotherHost : public ::testing::Test {
  protected:
   UnitOfAnotherHost() {
     const std::string ssh = folder_ / "ssh";
-    std::ofstream(ssh) << "#!/bin/sh\ncat " << (folder_ / "greeting") << "\nexec " << BinDir()
+    std::ofstream(ssh) << "#!/bin/sh\n[ ! -e " << (folder_ / "off") << " ] || {\n  echo >> "
+                       << (folder_ / "tries")
+                       << "\n  echo 'connect to host 10.0.0.2 port 22: No route to host' >&2\n"
+                       << "  exit 255\n}\ncat " << (folder_ / "greeting") << "\nexec " << BinDir()
                        << "/controller_fake_systemd " << folder_.path() << "\n";
     std::filesystem::permissions(ssh, std::filesystem::perms::owner_all);
     setenv("PATH", (folder_.path() + ":" + path_).c_str(), 1);
@@ -53,15 +56,21 @@ class UnitOfAnotherHost : public ::testing::Test {
     eyes.command = {"/opt/eyes", "$HOME"};
     config_.actuators.push_back(eyes);
     Greet(kFirstBoot, 1000);
-    units_ = std::make_unique<HostUnits>(loop_, config_, [this] {
-      return MachineIdentity{"robot", id_};
-    });
+    Make();
   }
   ~UnitOfAnotherHost() override {
     units_->Close();
     setenv("PATH", path_.c_str(), 1);
   }
 
+  void Make(Duration start_within = kSoon) {
+    units_ = std::make_unique<HostUnits>(
+        loop_, config_,
+        [this] {
+          return MachineIdentity{"robot", id_};
+        },
+        start_within);
+  }
   void Write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / (name + ".new")) << text;
     std::filesystem::rename(folder_ / (name + ".new"), folder_ / name);
@@ -77,10 +86,14 @@ class UnitOfAnotherHost : public ::testing::Test {
     hooks.on_started = [this](const std::string&, pid_t pid, const std::string&, bool) {
       started_.push_back(pid);
     };
-    hooks.on_not_started = [](const std::string&, const std::string&) {};
-    hooks.on_ended = [this](const std::string&, pid_t pid, const ProcessExit&) {
-      ended_.push_back(pid);
+    hooks.on_not_started = [this](const std::string&, const std::string& why, bool waits) {
+      (waits ? waits_ : not_started_).push_back(why);
     };
+    hooks.on_ended = [this](const std::string&, pid_t pid, const ProcessExit& exit) {
+      ended_.push_back(pid);
+      exit_ = exit.Text();
+    };
+    hooks.still_starts = [this](const std::string&) { return still_starts_; };
     hooks.on_reach = [this](bool reached, const std::string& message) {
       (reached ? reached_ : troubles_).push_back(message);
     };
@@ -108,6 +121,16 @@ class UnitOfAnotherHost : public ::testing::Test {
     Write("down", "");
     Await([&] { return troubles_.size() > before; });
   }
+  void Start() {
+    ProcessSpec spec;
+    spec.name = "eyes";
+    spec.argv = config_.actuators[0].command;
+    spec.limits = config_.actuators[0].limits;
+    units_->Start(spec);
+  }
+  void AwaitCall(const std::string& call) {
+    Await([&] { return Calls().find(call) != std::string::npos; });
+  }
   std::string Calls() const { return ReadFile(folder_ / "calls"); }
 
   const std::string path_ = getenv("PATH");
@@ -115,6 +138,10 @@ class UnitOfAnotherHost : public ::testing::Test {
   MachineConfig config_;
   std::string id_ = "ours";
   bool still_ends_ = true;
+  bool still_starts_ = true;
+  std::vector<std::string> not_started_;
+  std::vector<std::string> waits_;
+  std::string exit_;
   std::vector<pid_t> started_;
   std::vector<pid_t> ended_;
   std::vector<std::string> reached_;
@@ -213,11 +240,8 @@ TEST_F(UnitOfAnotherHost, RunsOnWhenAnotherHostHasTakenTheAddress) {
 TEST_F(UnitOfAnotherHost, HasTheArgumentsOfTheConfig) {
   SetUnit("inactive", 0);
   Open();
-  ProcessSpec spec;
-  spec.name = "eyes";
-  spec.argv = config_.actuators[0].command;
-  units_->Start(spec);
-  Await([this] { return Calls().find("StartTransientUnit") != std::string::npos; });
+  Start();
+  AwaitCall("StartTransientUnit");
   EXPECT_THAT(Calls(), HasSubstr("ExecStartEx /opt/eyes $HOME no-env-expand\n"));
 }
 
@@ -225,6 +249,87 @@ TEST_F(UnitOfAnotherHost, ThatIsAboutToRunIsNotTakenForEnded) {
   SetUnit("activating", 0);
   Open();
   EXPECT_EQ(Find().unreached, "musher-robot-eyes.service is activating");
+}
+
+// Its job has not ended: it could run after the controller has given it up.
+TEST_F(UnitOfAnotherHost, ThatIsNotStartedInTimeIsStopped) {
+  Make(Milliseconds(300));
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(not_started_.front(), HasSubstr("systemctl status musher-robot-eyes.service"));
+  AwaitCall("StopUnit");
+  EXPECT_LT(Calls().find("StartTransientUnit"), Calls().find("StopUnit"));
+  EXPECT_THAT(waits_, IsEmpty());
+  EXPECT_EQ(Find().unreached, "musher-robot-eyes.service is about to start");
+}
+
+TEST_F(UnitOfAnotherHost, WaitsForItsHostAndIsStartedOnceThatIsReached) {
+  Make(Milliseconds(100));
+  Write("off", "");
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  Await([this] { return !waits_.empty(); });
+  EXPECT_THAT(waits_.front(),
+              AllOf(HasSubstr("host vision (10.0.0.2): "), HasSubstr("No route to host"),
+                    HasSubstr("it is started once its host is reached")));
+  std::filesystem::remove(folder_ / "off");
+  AwaitCall("StartTransientUnit");
+  EXPECT_THAT(not_started_, IsEmpty());
+  EXPECT_THAT(waits_, SizeIs(1));
+}
+
+TEST_F(UnitOfAnotherHost, IsNotStartedOnAHostThatIsReachedAfterTheEndOfTheMachine) {
+  Make(Milliseconds(100));
+  Write("off", "");
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  Await([this] { return !waits_.empty(); });
+  still_starts_ = false;
+  std::filesystem::remove(folder_ / "off");
+  Await([this] { return !reached_.empty(); });
+  Find();
+  Find();  // its calls follow a start
+  EXPECT_THAT(Calls(), IsEmpty());
+}
+
+// ssh was started for each of them.
+TEST_F(UnitOfAnotherHost, IsNotReachedSoonerByEachSignalToIt) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("off", "");
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  const auto tries = [this] { return ReadFile(folder_ / "tries").size(); };
+  Await([&] { return tries() == 3; });  // the next one is two seconds later
+  const auto tries_at_once = [&] {
+    units_->Signal("eyes", 41, SIGKILL);
+    return tries() > 3;
+  };
+  EXPECT_FALSE(loop_.RunUntil(tries_at_once, testing::In(Milliseconds(1000))));
+}
+
+TEST_F(UnitOfAnotherHost, HasTheLimitsOfTheConfig) {
+  ProcessLimits& limits = config_.actuators[0].limits;
+  limits = {64 << 20, 0.5, -5, 40, "robot"};
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit");
+  EXPECT_THAT(Calls(), AllOf(HasSubstr("MemoryMax 67108864\nMemorySwapMax 0\n"),
+                             HasSubstr("CPUQuotaPerSecUSec 500000\n"), HasSubstr("Nice -5\n"),
+                             HasSubstr("CPUSchedulingPolicy 1\nCPUSchedulingPriority 40\n"),
+                             HasSubstr("User robot\n")));
+}
+
+TEST_F(UnitOfAnotherHost, EndedByItsLimitOfMemoryNamesThat) {
+  config_.actuators[0].limits.memory_max_bytes = 64 << 20;
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("unit", std::string("failed 41 ") + kOurs + " oom-kill\n");
+  Write("changed", "");
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "out of memory: ended by its limit (memory_max_mb = 64); it needs more");
 }
 
 }  // namespace musher::host_units_test

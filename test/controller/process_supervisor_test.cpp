@@ -5,7 +5,10 @@
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sched.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -88,6 +91,43 @@ TEST_F(Supervisor, CutsLongLastOutputBetweenCharacters) {
   ASSERT_TRUE(WaitForExit());
   EXPECT_EQ(exit_->last_output.size(), 200 + std::string("…").size());
   EXPECT_TRUE(exit_->last_output.ends_with("ä…"));
+}
+
+TEST_F(Supervisor, GivesAProcessItsNiceness) {
+  ProcessSpec spec = Script("nice > $PIPE");
+  spec.limits.nice = 7;
+  MustStart(spec);
+  EXPECT_EQ(WaitForLine(), "7");
+}
+
+TEST_F(Supervisor, GivesAProcessItsRealtimePriority) {
+  sched_param priority{};
+  priority.sched_priority = 3;
+  if (sched_setscheduler(0, SCHED_FIFO, &priority) != 0) GTEST_SKIP() << "no realtime here";
+  priority.sched_priority = 0;
+  ASSERT_EQ(sched_setscheduler(0, SCHED_OTHER, &priority), 0);
+  ProcessSpec spec = Script("cut -d ' ' -f 40,41 /proc/self/stat > $PIPE");
+  spec.limits.realtime_priority = 3;
+  MustStart(spec);
+  EXPECT_EQ(WaitForLine(), "3 1");  // of SCHED_FIFO
+}
+
+TEST_F(Supervisor, StartsNoProcessWithoutThePriorityThatItIsToHave) {
+  rlimit none{};
+  ASSERT_EQ(setrlimit(RLIMIT_RTPRIO, &none), 0);
+  // Without the privileges of root, in a thread of its own: they are of a thread.
+  std::string why;
+  std::thread([&] {
+    if (geteuid() == 0 && syscall(SYS_setresuid, -1, 65534, -1) != 0) return;
+    ProcessSpec spec = Script("true");
+    spec.limits.realtime_priority = 3;
+    const auto child = Spawn(spec);
+    if (!child) return;
+    if (const auto failure = child.value().Failure()) why = failure->error.message;
+    ReapChild(child.value().pid());
+  }).join();
+  EXPECT_THAT(why, AllOf(HasSubstr("can't run sh: can't set its `realtime_priority`"),
+                         HasSubstr("LimitRTPRIO="), HasSubstr("Operation not permitted")));
 }
 
 TEST_F(Supervisor, LeavesNoZombie) {

@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/controller/shell/controller_shell.hpp"
 #include "musher/simulation/simulated_processes.hpp"
+#include "musher/test/controller/empty_host.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/test/lifecycle/coordination/records.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -19,32 +19,6 @@ class NoWork : public simulation::Module {
   simulation::Act Run(const State&) override { return {}; }
 };
 
-// A host without any of the actuators' processes, and what its controller starts there.
-class EmptyHost : public ProcessRunner, public ProcessProbe, public JournalSink {
- public:
-  Result<pid_t> Start(const ProcessSpec& spec, OnExit) override {
-    started.push_back(spec.name);
-    return 100 + static_cast<pid_t>(started.size());
-  }
-  Result<> Watch(pid_t, OnExit) override { return Error{kCodeFailed, "no such process"}; }
-  Result<> Signal(pid_t, int) override { return Ok(); }
-  Result<> Prove(const std::string&, pid_t, pid_t) override {
-    return Error{kCodeStateInvalid, "no such process"};
-  }
-  std::vector<pid_t> Find(const std::vector<std::string>& actuators) override {
-    return std::vector<pid_t>(actuators.size(), 0);
-  }
-  std::uint64_t StartTimeOf(pid_t) override { return 1; }
-  void Mark(ActuatorIndex, pid_t, Time) override {}
-  StartProgress ProgressOf(const std::string&, pid_t) override { return progress; }
-  Examination Examine(ActuatorIndex, pid_t, Time) override { return {}; }
-  void TakeBacktrace(pid_t, Duration, std::function<void(Result<std::string>)>) override {}
-  void Append(JournalItem) noexcept override {}
-
-  std::vector<std::string> started;
-  StartProgress progress = StartProgress::kUnknown;  // of each of them
-};
-
 class RemoteTakeover : public ::testing::Test {
  protected:
   RemoteTakeover()
@@ -55,21 +29,7 @@ class RemoteTakeover : public ::testing::Test {
     for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run", actuator.name};
     processes_.make_module = [](const std::string&) { return std::make_unique<NoWork>(); };
     node_ = network_.MakeNode("second");
-    ControllerShell::Dependencies dependencies;
-    dependencies.node = node_.get();
-    dependencies.processes = &host_;
-    dependencies.process_probe = &host_;
-    dependencies.journal = &host_;
-    dependencies.save_epoch = [](auto, const auto& saved) { saved(Ok()); };
-    dependencies.save_emergency_stops = [](const auto&, const auto& saved) { saved(Ok()); };
-    dependencies.save_policy = [](const auto&, const auto& saved) { saved(Ok()); };
-    dependencies.save_stop_intent = [](auto, const auto& saved) { saved(Ok()); };
-    dependencies.save_remote_actuators = [](const auto&, const auto& saved) { saved(Ok()); };
-    dependencies.output = [](const auto&) { return nullptr; };
-    dependencies.wall_ns = [] { return 0; };
-    dependencies.host = "second";
-    dependencies.pid = 1;
-    dependencies.incarnation = 1;
+    ControllerShell::Dependencies dependencies = host_.DependenciesOf(*node_);
     shell_ = ControllerShell::Make(std::move(dependencies), config_, {}).value();
   }
 

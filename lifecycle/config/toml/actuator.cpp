@@ -42,6 +42,7 @@ class ActuatorReader {
     ReadProcess();
     ReadPlace();
     ReadHostOf(reader_, actuator_.config, draft_);
+    ReadLimits(reader_, actuator_.config);
     ReadRestart();
     ReadLosses();
     reader_.RefuseOthers();

@@ -73,6 +73,9 @@ void ReadProtocol(TableReader& reader, ActuatorConfig& config, Draft& draft);
 // Its `host`; command and protocol have been read.
 void ReadHostOf(TableReader& reader, ActuatorConfig& config, Draft& draft);
 
+// What its process may use; the host has been read.
+void ReadLimits(TableReader& reader, ActuatorConfig& config);
+
 // `after` and `binds_to`: unknown names, the actuator itself, later stages, cycles. `tables` are
 // all [actuator.*], also those that controller.actuators does not list.
 void CheckOrder(const std::vector<ActuatorDraft>& actuators, const Table& tables,

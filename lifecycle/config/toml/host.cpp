@@ -1,4 +1,4 @@
-// [host.<name>], and `host` of one [actuator.<name>].
+// [host.<name>], and `host` and the limits of one [actuator.<name>].
 
 #include <algorithm>
 #include <string>
@@ -22,6 +22,11 @@ namespace musher::config_toml {
 namespace {
 
 constexpr std::size_t kLongestLogin = 255;
+constexpr std::int64_t kMostMemoryMb = 16 << 20;
+constexpr double kFewestCpus = 0.01;
+constexpr double kMostCpus = 1024;
+constexpr int kMostNice = 19;
+constexpr int kHighestRealtimePriority = 99;  // of Linux
 
 // What ssh takes for one word that is no option.
 bool IsWordForSsh(std::string_view text) {
@@ -124,6 +129,46 @@ void ReadHostOf(TableReader& reader, ActuatorConfig& config, Draft& draft) {
   if (draft.config.transport == TransportProfile::kLocal) {
     reader.Fault(host->at, kKey,
                  "needs profile = \"lan\" in [transport]: with \"local\" no other host is reached");
+  }
+}
+
+void ReadLimits(TableReader& reader, ActuatorConfig& config) {
+  ProcessLimits& limits = config.limits;
+  if (const auto mb = reader.Integer("memory_max_mb", 1, kMostMemoryMb)) {
+    limits.memory_max_bytes = *mb << 20;
+  }
+  limits.cpus = reader.Number("cpus", kFewestCpus, kMostCpus);
+  const auto number = [&](std::string_view key, int least, int most) -> std::optional<int> {
+    const auto value = reader.Integer(key, least, most);
+    return value ? std::optional(static_cast<int>(*value)) : std::nullopt;
+  };
+  limits.nice = number("nice", -kMostNice - 1, kMostNice);
+  limits.realtime_priority = number("realtime_priority", 1, kHighestRealtimePriority);
+  if (const auto user = reader.String("user")) {
+    limits.user = user->text;
+    if (!IsWordForSsh(user->text)) {
+      reader.Fault(user->at, "user",
+                   "expected the name of a user of the host, found " + Quote(user->text));
+    }
+  }
+  if (limits.nice && limits.realtime_priority) {
+    reader.Warn(reader.At("nice"), "nice", "has no effect with realtime_priority");
+  }
+  for (const std::string_view key :
+       {"memory_max_mb", "cpus", "nice", "realtime_priority", "user"}) {
+    if (!reader.Has(key)) continue;
+    if (!reader.Has("command")) {
+      reader.Warn(reader.At(key), key, "has no effect without a command");
+    } else if (!reader.Has("host") && key != "nice" && key != "realtime_priority") {
+      const bool user = key == "user";
+      reader.Fault(reader.At(key), key,
+                   std::string("needs a host, whose systemd keeps it: a process of the "
+                               "controller's own host ") +
+                       (user ? "runs as the user of the controller; remove the key, or"
+                             : "has no such limit; limit the controller with all its processes "
+                               "in its own unit (MemoryMax=, CPUQuota=), or") +
+                       " give the actuator a [host.<name>]");
+    }
   }
 }
 

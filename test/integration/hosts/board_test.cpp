@@ -2,7 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <vector>
 
 #include "musher/test/integration/hosts/robot_and_board.hpp"
 
@@ -29,8 +34,6 @@ TEST_F(Board, RunsTheActuatorAsAUnitUntilTheMachineIsTornDown) {
   EXPECT_EQ(Property("MainPID"), std::to_string(pid));
   EXPECT_EQ(Property("ActiveState"), "active");
   EXPECT_THAT(History(), HasSubstr("eyes started on host board (pid " + std::to_string(pid)));
-  EXPECT_THAT(robot_->Run({"logs", "eyes", config_}).err, HasSubstr("journalctl -u musher-robot-"));
-
   const Ended down = robot_->Run({"down"});
   EXPECT_EQ(down.exit, 0) << down.err;
   EXPECT_THAT(Units(), IsEmpty());
@@ -139,6 +142,139 @@ TEST_F(Board, WithAUnitOfThatNameOfAnotherMachineIsNotTouched) {
   EXPECT_THAT(up.out + up.err + History(), HasSubstr("for another machine of this name"));
   robot_->Run({"down"});
   EXPECT_EQ(Property("MainPID"), before);
+}
+
+TEST_F(Board, ThatBootsAfterTheMachineHasStartedIsWaitedFor) {
+  PowerOff();
+  Up();
+  ASSERT_TRUE(Until(
+      [this] {
+        const nlohmann::json status = robot_->Status();
+        return !status.is_null() && status["state"] == "Active";
+      },
+      std::chrono::seconds(60)));
+  const nlohmann::json eyes = robot_->Status()["actuators"]["eyes"];
+  EXPECT_THAT(eyes["message"].get<std::string>(),
+              AllOf(HasSubstr("host board (root@10.77.3.2): "),
+                    HasSubstr("it is started once its host is reached")));
+  EXPECT_EQ(eyes["restarts"], 0);
+  Boot();
+  ASSERT_TRUE(AwaitBoard());
+  ASSERT_TRUE(AwaitActive());
+  EXPECT_EQ(Property("MainPID"), std::to_string(PidOfEyes()));
+  EXPECT_THAT(History(), Not(HasSubstr("eyes: restarting")));
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
+}
+
+TEST_F(Board, GivesTheProcessItsLimits) {
+  ASSERT_EQ(OnBoard({"id", "-u", "games"}).exit, 0);
+  Replace("host = \"board\"\n", "host = \"board\"\nmemory_max_mb = 512\ncpus = 0.5\nnice = 7\n");
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  EXPECT_EQ(Property("MemoryMax"), std::to_string(512 << 20));
+  EXPECT_EQ(Property("CPUQuotaPerSecUSec"), "500ms");
+  EXPECT_EQ(OnBoard({"cut", "-d\\ ", "-f19", "/proc/" + std::to_string(PidOfEyes()) + "/stat"}).out,
+            "7\n");
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
+}
+
+TEST_F(Board, RunsTheProcessAsItsUser) {
+  Replace("host = \"board\"\n", "host = \"board\"\nuser = \"robot-there\"\n");
+  const Ended up = Up();
+  EXPECT_THAT(up.out + up.err + History(), HasSubstr("has no user robot-there"));
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
+  EXPECT_THAT(robot_->Run({"check", "--hosts", config_}).out,
+              HasSubstr("it has no user robot-there; ssh root@10.77.3.2 useradd --system"));
+}
+
+// The kernel ends it; systemd knows why from the counts of its cgroup of version 2.
+TEST_F(Board, EndsAProcessThatNeedsMoreMemoryThanItsLimitAndStartsItAgain) {
+  if (OnBoard({"grep", "-q", "memory", "/sys/fs/cgroup/cgroup.controllers"}).exit != 0) {
+    GTEST_SKIP() << "no memory controller in cgroups of version 2 here";
+  }
+  Replace("host = \"board\"\n", "host = \"board\"\nmemory_max_mb = 64\n");
+  std::ofstream(folder_ / "eyes.toml")
+      << "[state.LowPower]\nrun = [\"sh\", \"-c\", \"tail -c 200M /dev/zero | tail\"]\n";
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  robot_->Run({"set", "LowPower"});
+  ASSERT_TRUE(Until([this] { return Count(History(), "eyes started on host board") == 2; },
+                    std::chrono::seconds(60)));
+  EXPECT_THAT(History(), HasSubstr("out of memory: ended by its limit (memory_max_mb = 64)"));
+}
+
+TEST_F(Board, ShowsItsLogAndWhatItsProcessUses) {
+  std::ofstream(folder_ / "eyes.toml")
+      << "[state.SetUp]\nstart = [\"sh\", \"-c\", \"echo from the board; exec sleep 1000\"]\n";
+  std::ofstream(folder_ / "legs.toml")
+      << "[state.SetUp]\nstart = [\"sh\", \"-c\", \"echo from here; exec sleep 1000\"]\n";
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  const pid_t pid = PidOfEyes();
+  EXPECT_THAT(robot_->Run({"logs", "--config", config_}).out,
+              AllOf(HasSubstr("from the board"), HasSubstr("from here")));
+  const nlohmann::json top = Json(robot_->Run({"top", "--once", "--json"}).out);
+  bool found = false;
+  for (const nlohmann::json& row : top["processes"]) {
+    if (row["actuator"] != "eyes") continue;
+    found = true;
+    EXPECT_EQ(row["pid"], pid);
+    EXPECT_GT(row["memory_bytes"], 0);
+  }
+  EXPECT_TRUE(found) << top;
+  Cut();
+  const Ended without = robot_->Run({"logs", "--config", config_});
+  EXPECT_EQ(without.exit, 0);
+  EXPECT_THAT(without.err, HasSubstr("host board (root@10.77.3.2): "));
+  EXPECT_THAT(without.out, HasSubstr("from here"));
+  const Ended only = robot_->Run({"logs", "eyes", "--config", config_});
+  EXPECT_EQ(only.exit, 1);
+  Heal();
+}
+
+TEST_F(Board, IsLookedAtByDoctorAndByCheck) {
+  const Ended well = robot_->Run({"check", "--hosts", config_});
+  EXPECT_EQ(well.exit, 0) << well.out;
+  EXPECT_THAT(robot_->Run({"doctor", config_}).out,
+              ::testing::ContainsRegex("host board +ok +root@10.77.3.2, [a-z0-9_]+, systemd 2"));
+  Replace(BinDir() + "/musher-exec\", \"" + (folder_ / "eyes"), "/opt/none\", \"x");
+  const Ended missing = robot_->Run({"check", "--hosts", config_});
+  EXPECT_EQ(missing.exit, 2);
+  EXPECT_THAT(missing.out, HasSubstr(":12:1: error: host board (root@10.77.3.2): eyes: program "
+                                     "not found there: /opt/none; copy the programs"));
+  Cut();
+  const Time begin = std::chrono::steady_clock::now();
+  EXPECT_THAT(robot_->Run({"check", "--hosts", config_}).out,
+              AllOf(HasSubstr("error: host board (root@10.77.3.2): "),
+                    HasSubstr("`ssh root@10.77.3.2 true` works without a question")));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  Heal();
+}
+
+// From the signal on the board to the record of the controller, which has the clock of the same
+// computer.
+TEST_F(Board, ReportsAnExitWithinMilliseconds) {
+  Replace("host = \"board\"\n",
+          "host = \"board\"\nrestart_delay_ms = 1\nrestart_growth = 1.0\nrestart_limit = 100\n");
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  std::vector<double> delays_ms;
+  for (int kills = 0; kills < 20; ++kills) {
+    const pid_t pid = PidOfEyes();
+    ASSERT_NE(pid, 0);
+    const std::string killed =
+        OnBoard({"sh", "-c", "'date +%s%N; kill -KILL " + std::to_string(pid) + "'"}).out;
+    ASSERT_TRUE(Until([&] { return PidOfEyes() != pid && PidOfEyes() != 0; }));
+    ASSERT_TRUE(AwaitActive());
+    const std::string what = "eyes's process " + std::to_string(pid) + " ended: killed by SIGKILL";
+    const nlohmann::json history = Json(robot_->Run({"history", "--json"}).out);
+    for (const nlohmann::json& entry : history["entries"]) {
+      if (entry["message"] != what) continue;
+      const Ended seen = RunToEnd({"date", "-d", entry["time"].get<std::string>(), "+%s%N"});
+      delays_ms.push_back((std::stod(seen.out) - std::stod(killed)) / 1e6);
+    }
+  }
+  ASSERT_EQ(delays_ms.size(), 20U);
+  std::sort(delays_ms.begin(), delays_ms.end());
+  std::cout << "exit seen: p50 " << delays_ms[10] << " ms, most " << delays_ms.back() << " ms\n";
+  EXPECT_LT(delays_ms[10], 50);
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
 }
 
 }  // namespace musher::testing::board_test

@@ -243,6 +243,49 @@ TEST_F(HostProcess, ThatCannotBeStartedIsLostAndNotAbsentWhenAnEarlierOneMayRun)
   EXPECT_EQ(Of(1).presence, Presence::kLost);
 }
 
+// A board boots later than the controller: there was no process that could have failed.
+TEST_F(HostProcess, ThatWaitsForItsHostIsNotRestartedAndNotGivenUp) {
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Come(0);
+  Do(event::ProcessNotStarted{1, "host vision (10.0.0.2): no route to host", true});
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kActive);
+  Forget();
+  Pass(std::chrono::hours(1));
+  EXPECT_THAT(Did<action::StartProcess>(), IsEmpty());
+  EXPECT_EQ(Of(1).restart.count, 0);
+  EXPECT_FALSE(Of(1).restart.given_up);
+  EXPECT_THAT(Of(1).fault->message, HasSubstr("no route to host"));
+
+  Do(event::ProcessStarted{1, kPid, "there"});
+  ComeB();
+  ObeyBoth();
+  EXPECT_EQ(Of(1).presence, Presence::kPresent);
+  EXPECT_EQ(Of(1).state(), kActive);
+  EXPECT_FALSE(Of(1).fault);
+}
+
+TEST_F(HostProcess, ThatHasWaitedForItsHostAndDoesNotAnnounceItselfIsReported) {
+  Begin();
+  Do(event::ProcessNotStarted{1, "host vision (10.0.0.2): no route to host", true});
+  Pass(std::chrono::minutes(1));
+  Do(event::ProcessStarted{1, kPid, "there"});
+  Pass(config_.TimeFor(1, kSetUp));
+  EXPECT_NE(Of(1).fault->event, EventName::kProcessNotStarted);
+}
+
+TEST_F(HostProcess, ThatIsCriticalAndWaitsForItsHostTakesTheMachineDown) {
+  config_.actuators[1].critical = true;
+  config_.actuators[1].on_lost = kProtected;
+  StartUpBoth();
+  Do(event::ProcessEnded{1, kPid, false, "exit code unknown"});
+  Pass(Milliseconds(150));
+  Do(event::ProcessNotStarted{1, "host vision (10.0.0.2): no route to host", true});
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kProtected);
+}
+
 // On the controller's host its pid belongs to a process of another kind.
 TEST_F(HostProcess, ThatHasExitedIsNotSignalledAnyMore) {
   StartUpBoth();

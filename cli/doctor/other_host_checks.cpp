@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "musher/base/joined.hpp"
+#include "musher/cli/doctor/checks.hpp"
+
+namespace musher::cli {
+namespace {
+
+constexpr int kOldestSystemd = 248;
+constexpr std::int64_t kLittle = 100 << 20;  // bytes
+constexpr Duration kAhead = Milliseconds(1000);
+
+std::string ClockText(Duration ahead) {
+  const double seconds = ToSeconds(ahead);
+  const double size = std::abs(seconds);
+  const std::string side = seconds < 0 ? "behind" : "ahead";
+  if (size < 1) return fmt::format("its clock is {:.0f} ms {}", size * 1000, side);
+  return fmt::format("its clock is {:.1f} s {}", size, side);
+}
+
+DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
+  DoctorCheck check{"host " + host.name};
+  const auto fault = [&](CheckStatus health, std::string reason, std::string fix) {
+    check.health = health;
+    check.reason = std::move(reason);
+    check.fix = std::move(fix);
+    return check;
+  };
+  const std::string ssh = "ssh " + host.login;
+  const std::string on = fmt::format("host {} ({}): ", host.name, host.login);
+  if (!host.trouble.empty()) return fault(CheckStatus::kError, host.trouble, "");
+  if (host.init != "systemd" || host.systemd == 0) {
+    return fault(CheckStatus::kError,
+                 on + fmt::format("its first process is {}: without systemd it runs no actuator",
+                                  host.init.empty() ? "not known" : host.init),
+                 "boot it with systemd, as Debian and Ubuntu do");
+  }
+  if (host.systemd < kOldestSystemd) {
+    return fault(
+        CheckStatus::kError,
+        on + fmt::format("systemd {} is too old: actuators need {}", host.systemd, kOldestSystemd),
+        "upgrade its system");
+  }
+  if (!host.missing.empty()) {
+    return fault(CheckStatus::kError, on + Joined(host.missing),
+                 "copy the programs for its processor to the same path there");
+  }
+  if (!host.no_users.empty()) {
+    return fault(CheckStatus::kError, on + fmt::format("it has no user {}", Joined(host.no_users)),
+                 fmt::format("{} useradd --system {}", ssh, host.no_users.front()));
+  }
+  if (!host.foreign.empty()) {
+    return fault(CheckStatus::kError,
+                 on + fmt::format("it runs {} already, for another machine of this name",
+                                  Joined(host.foreign)),
+                 fmt::format("give one of the machines another name, or run `{} systemctl stop "
+                             "{}`",
+                             ssh, host.foreign.front()));
+  }
+  if (host.free_bytes >= 0 && host.free_bytes < kLittle) {
+    return fault(CheckStatus::kError,
+                 on + fmt::format("its disk has {} MiB left", host.free_bytes >> 20),
+                 fmt::format("{} journalctl --vacuum-size=100M", ssh));
+  }
+  if (!host.musher.empty() && !facts.version.empty() && host.musher != facts.version) {
+    return fault(
+        CheckStatus::kWarning,
+        on + fmt::format("it has musher {}, this program is {}", host.musher, facts.version),
+        "install the same version on all hosts");
+  }
+  if (host.clock_ahead && (*host.clock_ahead > kAhead || *host.clock_ahead < -kAhead)) {
+    return fault(CheckStatus::kWarning,
+                 on + ClockText(*host.clock_ahead) +
+                     ": Musher depends on no clock, but the stamps of topics such as /tf differ",
+                 fmt::format("{} timedatectl set-ntp true", ssh));
+  }
+  check.reason = fmt::format("{}, {}, systemd {}{}{}", host.login, host.architecture, host.systemd,
+                             host.clock_ahead ? ", " + ClockText(*host.clock_ahead) : "",
+                             host.root ? "" : "; not root: polkit must permit it to start units");
+  return check;
+}
+
+}  // namespace
+
+std::vector<DoctorCheck> CheckHosts(const DoctorFacts& facts) {
+  std::vector<DoctorCheck> checks;
+  for (const OtherHostFacts& host : facts.hosts) checks.push_back(CheckOne(facts, host));
+  return checks;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,101 @@
+// Scripts on other hosts, with a script in the place of ssh. With a real one they are tested in
+// test/integration/hosts.
+
+#include "musher/cli/machine/host_query.hpp"
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "musher/cli/commands/host_logs.hpp"
+#include "musher/test/support/temp_folder.hpp"
+
+namespace musher::cli::host_query_test {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class OtherHosts : public ::testing::Test {
+ protected:
+  OtherHosts() { setenv("PATH", (folder_.path() + ":" + path_).c_str(), 1); }
+  ~OtherHosts() override { setenv("PATH", path_.c_str(), 1); }
+
+  // What runs in the place of ssh; $address is that of the host.
+  void Ssh(const std::string& text) const {
+    const std::string file = folder_ / "ssh";
+    std::ofstream(file) << "#!/bin/sh\nfor address; do case $address in 10.*) break;; esac; done\n"
+                        << text << "\n";
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  static HostConfig Host(const std::string& name, const std::string& address) {
+    HostConfig host;
+    host.name = name;
+    host.address = address;
+    host.user = "root";
+    return host;
+  }
+
+  const std::string path_ = getenv("PATH");
+  const TempFolder folder_;
+  const HostConfig vision_ = Host("vision", "10.0.0.2");
+  const HostConfig payload_ = Host("payload", "10.0.0.3");
+};
+
+TEST_F(OtherHosts, AnswerWithoutWhatTheirLoginPrints) {
+  Ssh("echo Welcome; exec sh -s");
+  const auto answers = QueryHosts({{&vision_, "echo one\necho two\n"}}, std::chrono::seconds(20));
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_THAT(answers[0].lines, ElementsAre("one", "two"));
+  EXPECT_THAT(answers[0].trouble, IsEmpty());
+  ASSERT_TRUE(answers[0].clock_offset_ns);
+  EXPECT_LT(std::abs(*answers[0].clock_offset_ns), 20'000'000'000);
+}
+
+TEST_F(OtherHosts, ThatRefuseTheKeySayWhatToDo) {
+  Ssh("echo 'root@10.0.0.2: Permission denied (publickey).' >&2; exit 255");
+  const auto answers = QueryHosts({{&vision_, "echo\n"}}, std::chrono::seconds(20));
+  EXPECT_THAT(answers.front().trouble,
+              AllOf(HasSubstr("host vision (root@10.0.0.2): root@10.0.0.2: Permission denied"),
+                    HasSubstr("authorized_keys"), HasSubstr("`ssh root@10.0.0.2 true`")));
+}
+
+TEST_F(OtherHosts, ThatHangAreNamedAndTheOthersAnswer) {
+  Ssh("[ $address != 10.0.0.2 ] || exec sleep 1000; exec sh -s");
+  const Time begin = std::chrono::steady_clock::now();
+  const auto answers =
+      QueryHosts({{&vision_, "echo one\n"}, {&payload_, "echo two\n"}}, std::chrono::seconds(2));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  EXPECT_THAT(answers[0].trouble, HasSubstr("host vision (root@10.0.0.2): no answer within 2 s"));
+  EXPECT_THAT(answers[1].lines, ElementsAre("two"));
+}
+
+TEST_F(OtherHosts, WithoutSshSaysWhatToInstall) {
+  setenv("PATH", folder_.path().c_str(), 1);
+  const auto answers = QueryHosts({{&vision_, "echo\n"}}, std::chrono::seconds(20));
+  EXPECT_THAT(answers.front().trouble, HasSubstr("install openssh-client here"));
+}
+
+TEST(JournalOfAnotherHost, GivesLinesWithTheirUnit) {
+  const auto line = ParseJournalLine(
+      R"({"__REALTIME_TIMESTAMP":"1790000000123456","_SYSTEMD_UNIT":"musher-dog-eyes.service",)"
+      R"("MESSAGE":"hot"})");
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->unit, "musher-dog-eyes.service");
+  EXPECT_EQ(line->line, (WrittenLine{"hot", 1'790'000'000'123'456'000}));
+  // Of systemd about the unit, and with bytes that are no UTF-8.
+  const auto about = ParseJournalLine(
+      R"({"_SYSTEMD_UNIT":"init.scope","UNIT":"musher-dog-eyes.service","MESSAGE":[104,10,255]})");
+  ASSERT_TRUE(about);
+  EXPECT_EQ(about->unit, "musher-dog-eyes.service");
+  EXPECT_EQ(about->line.text, "h \xff");
+  EXPECT_FALSE(ParseJournalLine("-- No entries --"));
+}
+
+}  // namespace musher::cli::host_query_test

@@ -1,0 +1,98 @@
+// A state folder without the machine's id: whose id a controller takes over.
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "musher/base/host.hpp"
+#include "musher/controller/controller.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::machine_identity_test {
+
+using testing::kAllStates;
+using testing::RobotFile;
+
+constexpr const char* kFirst = "11111111-4f4e-4c3e-9a9a-5982c7ee0001";
+constexpr const char* kSecond = "22222222-4f4e-4c3e-9a9a-5982c7ee0002";
+
+// Two actuators that run already, of which "legs" has no command.
+class FirstStart : public ::testing::Test {
+ protected:
+  FirstStart()
+      : file_({"eyes", "legs"}, kAllStates),
+        config_(*ReadConfigFile(file_.path()).config),
+        node_(transport::MakeDdsNode(loop_, {}).value()),
+        peer_(transport::MakeDdsNode(loop_, {}).value()) {
+    config_.transport = TransportProfile::kLan;  // it listens for others before it begins
+    config_.actuators[0].command = {"/opt/none"};
+    config_.actuators[0].restart.policy = RestartPolicy::kNo;
+  }
+
+  void Publish(const std::string& actuator, const std::string& host, const std::string& id) {
+    ActuatorReport report;
+    report.state = kActive;
+    report.incarnation = Incarnation(77 + publishers_.size());
+    report.pid = 4711;
+    report.host = host;
+    report.config_hash = config_.hash;
+    report.stamp = loop_.Now();
+    msg::ActuatorStatus status = transport::ToMessage(actuator, report);
+    status.machine = config_.name;
+    status.machine_id = id;
+    auto& publisher = publishers_[actuator];
+    publisher =
+        transport::MakePublisher<msg::ActuatorStatus>(
+            *peer_, transport::ActuatorStatusTopic(config_.name_space), transport::kLatchedQos)
+            .value();
+    ASSERT_TRUE(publisher->Publish(status));
+  }
+  // The id of the machine, once it has begun.
+  std::string IdAfterStart() {
+    ControllerOptions options;
+    options.by_hand = true;
+    controller_ = Controller::Make(*node_, transport::TestDomain(), config_, options).value();
+    EXPECT_TRUE(loop_.RunUntil([&] { return !controller_->shell().Status().machine_id.empty(); },
+                               loop_.Now() + std::chrono::seconds(20)));
+    return controller_->shell().Status().machine_id;
+  }
+
+  RobotFile file_;
+  MachineConfig config_;
+  transport::LinuxEventLoop loop_;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<transport::Node> peer_;
+  std::map<std::string, std::unique_ptr<transport::Publisher<msg::ActuatorStatus>>> publishers_;
+  std::unique_ptr<Controller> controller_;
+};
+
+TEST_F(FirstStart, TakesTheIdOfAnActuatorThatItDoesNotStart) {
+  Publish("legs", "another host", kSecond);
+  EXPECT_EQ(IdAfterStart(), kSecond);
+}
+
+TEST_F(FirstStart, TakesTheIdOfAnActuatorThatRunsHere) {
+  Publish("eyes", HostId(), kFirst);
+  EXPECT_EQ(IdAfterStart(), kFirst);
+}
+
+// It may be that of another robot of the same name, made from the same image.
+TEST_F(FirstStart, DoesNotTakeTheIdOfAnActuatorThatItStartsAndThatRunsElsewhere) {
+  config_.actuators[0].host = "vision";
+  HostConfig& vision = config_.hosts.emplace_back();
+  vision.name = "vision";
+  vision.address = "127.0.0.1";
+  Publish("eyes", "another host", kFirst);
+  Publish("legs", "another host", kSecond);  // by which the statuses are known to have arrived
+  EXPECT_EQ(IdAfterStart(), kSecond);
+}
+
+}  // namespace musher::machine_identity_test
