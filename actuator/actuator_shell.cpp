@@ -295,7 +295,7 @@ void ActuatorShell::Heartbeat(const Checkpoints::Look& look) {
 }
 
 void ActuatorShell::Do(const actuator_action::RunEmergencyStop&) {
-  if (hooks_.on_emergency_stop) stop_trouble_ = hooks_.on_emergency_stop();
+  if (hooks_.on_emergency_stop) hooks_.on_emergency_stop();
   Publish();  // the program that engaged the stop waits for this
 }
 
@@ -323,13 +323,10 @@ void ActuatorShell::Do(const actuator_action::RunCallback& action) {
               });
 }
 
-void ActuatorShell::ReportStopTrouble(std::string trouble) {
-  node_.loop().Post(
-      [this, alive = std::weak_ptr<bool>(alive_), trouble = std::move(trouble)]() mutable {
-        if (alive.expired() || trouble == stop_trouble_) return;
-        stop_trouble_ = std::move(trouble);
-        Publish();
-      });
+void ActuatorShell::CompareStopTrouble() {
+  node_.loop().Post([this, alive = std::weak_ptr<bool>(alive_)] {
+    if (!alive.expired() && hooks_.stop_trouble() != stop_trouble_) Publish();
+  });
 }
 
 void ActuatorShell::ReportFault(const Error& fault) {
@@ -408,6 +405,7 @@ msg::ActuatorStatus ActuatorShell::Status() {
   status.machine = machine_.name;
   status.machine_id = machine_.id;
   status.participant = node_.participant().value();
+  stop_trouble_ = hooks_.stop_trouble ? hooks_.stop_trouble() : "";
   if (report.emergency_stop != 0) status.stop_trouble = stop_trouble_;
   return status;
 }

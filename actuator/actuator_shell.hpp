@@ -44,8 +44,9 @@ class ActuatorShell {
     std::function<void(bool)> set_stop_requested;  // false when a callback begins, true to stop it
     // The degraded report of the callback that has ended, code 0: none; may be empty.
     std::function<Error()> take_degraded;
-    // At once, on the loop; may be empty. Returns what it has not done; empty: all is done.
-    std::function<std::string()> on_emergency_stop;
+    std::function<void()> on_emergency_stop;  // at once, on the loop; may be empty
+    // What that has not done, or could not do; empty: all is done. May be empty.
+    std::function<std::string()> stop_trouble;
     std::function<void(const ActuatorReport&)> on_report;  // after each step; may be empty
     // The battery level in percent; called only if a capability of this actuator needs it.
     std::function<void(std::optional<int>)> on_battery;
@@ -67,9 +68,8 @@ class ActuatorShell {
   // Part of the actuator has failed outside of a callback; code 0: the fault with this message is
   // over. Takes effect in the next turn of the loop.
   void ReportFault(const Error& fault);
-  // What the hook on_emergency_stop has begun has ended, or not done; empty: it is done. From any
-  // thread.
-  void ReportStopTrouble(std::string trouble);
+  // What the hook stop_trouble returns has changed. From any thread.
+  void CompareStopTrouble();
   // No callback begins from now on; a running one continues. The worker may be dropped after that.
   void Close() { closed_ = true; }
 
@@ -125,7 +125,7 @@ class ActuatorShell {
   ActuatorCore core_;
   MachineIdentity machine_;  // its id is learned from the controller that takes control
   bool closed_ = false;
-  std::string stop_trouble_;  // what the last emergency stop has not done; empty: all is done
+  std::string stop_trouble_;  // as it was published last
   RequestToken next_token_ = 1;
   Time last_stamp_{};
   std::map<RequestToken, std::function<void(const actuator_action::Answer&)>> replies_;

@@ -149,7 +149,11 @@ class MachineActuator::Impl {
   void ReportStopTrouble(const std::string& trouble) {
     const std::lock_guard lock(mutex_);
     stop_trouble_ = trouble;
-    if (checkpoints_ != nullptr) shell_->ReportStopTrouble(trouble);
+    if (checkpoints_ != nullptr) shell_->CompareStopTrouble();
+  }
+  void SetStopTrouble(const std::string& trouble) {
+    const std::lock_guard lock(mutex_);
+    stop_trouble_ = trouble;
   }
 
   void Shutdown() {
@@ -269,12 +273,14 @@ class MachineActuator::Impl {
       return callbacks_.Run(state);
     };
     hooks.take_degraded = [this] { return degraded_.Take(); };
-    hooks.on_emergency_stop = [this]() -> std::string {
-      ReportStopTrouble("");
+    hooks.on_emergency_stop = [this] {
+      SetStopTrouble("");  // not posted: that would come after what the function reports
       if (const Result<> result = RunEmergencyStop(); !result) {
         Log(LogLevel::kError, "OnEmergencyStop: " + result.error().message);
-        return "OnEmergencyStop has failed: " + result.error().message;
+        SetStopTrouble("OnEmergencyStop has failed: " + result.error().message);
       }
+    };
+    hooks.stop_trouble = [this] {
       const std::lock_guard lock(mutex_);
       return stop_trouble_;
     };

@@ -101,6 +101,7 @@ struct SkillGoal {
   bool released = false;  // its node was halted, or has read the outcome
   int cancels = 0;        // without a reply yet
   int looks = 0;          // for its run, after its server does not know the goal
+  bool seen = false;      // its run, without the goal
   double progress = 0;
   std::optional<transport::GoalOutcome<Action>> outcome;
   bool stopped = false;  // its server has ended it, or does not know it, after it was lost
@@ -112,9 +113,11 @@ struct SkillGoal {
 void Cancel(const std::shared_ptr<SkillGoal>& goal);
 
 // Its actuator has restarted, and may go on with the run, without the goal. A run that has another
-// goal, or none that runs, is not touched. An actuator that does not reply is asked again.
+// goal, or none that runs, is not touched. An actuator that does not reply is asked again; one
+// without the service, some times.
 void CancelContinuedRun(const std::shared_ptr<SkillGoal>& goal) {
-  if (goal->looks++ >= kMostLooks) {
+  const bool has_service = !goal->servers->look->Servers().empty();
+  if (goal->looks++ >= kMostLooks && !goal->seen && !has_service) {
     goal->stopped = true;
     return;
   }
@@ -131,6 +134,7 @@ void CancelContinuedRun(const std::shared_ptr<SkillGoal>& goal) {
       own->stopped = true;
       return;
     }
+    own->seen = true;
     msg::CancelSkill::Request cancel;
     cancel.skill = own->skill;
     cancel.by = kCancelledBy;

@@ -144,10 +144,9 @@ ActuatorShell::Hooks SimulatedProcesses::HooksOf(const Process& process, Part& p
     return Ok();
   };
   hooks.set_stop_requested = [module](bool requested) { module->SetStopRequested(requested); };
-  hooks.on_emergency_stop = [module, &part]() -> std::string {
+  hooks.on_emergency_stop = [module, &part] {
     part.powered = false;
     module->OnEmergencyStop();
-    return {};
   };
   hooks.on_report = [this, name = part.name, host = process.host,
                      module](const ActuatorReport& report) {

@@ -109,8 +109,9 @@ void Control::Attach(ActuatorIndex i) {
   known.health = Health::kWell;
   known.due = late && known.checked && !known.held;
   const bool first = !std::exchange(known.met, true);
+  // One in SetUp has only just started: nothing leads an actuator back there.
   known.found_below |= first && known.due && machine_.start_up.requests_nothing &&
-                       Rises(config_, known.state(), machine_.state);
+                       known.state() != kSetUp && Rises(config_, known.state(), machine_.state);
   if (known.report.busy()) known.free_by = now_ + config_.TimeFor(i, known.report.target);
   known.cause = RecordActuator(
       i, kCodeOk, texts::ActuatorPresent(ConfigOf(i).name, known.state(), known.report.pid),

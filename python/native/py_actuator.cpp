@@ -77,11 +77,13 @@ py::object PyActuator::Self() const {
 
 void PyActuator::OnEmergencyStop() {
   if (stop_thread_) {
+    const std::lock_guard lock(stops_mutex_);
     const std::uint64_t number = ++stops_;
     ReportStopTrouble("on_emergency_stop has not ended");
     const auto stop = [this, number] {
       const std::string raised = CallStop();
       if (!raised.empty()) Log(LogLevel::kError, "on_emergency_stop raised " + raised);
+      const std::lock_guard ended(stops_mutex_);
       if (number != stops_) return;  // it runs again
       ReportStopTrouble(raised.empty() ? "" : "on_emergency_stop raised " + raised);
     };

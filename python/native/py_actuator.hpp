@@ -10,9 +10,9 @@
 // Threads: the constructor, the destructor and Release() with the GIL or, for the destructor,
 // without; the callbacks take it.
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -64,7 +64,8 @@ class PyActuator final : public MachineActuator {
   py::object kept_;  // of a test's actuator: what self_ refers to
   ActuatorHandle* handle_;
   std::optional<WorkQueue> stop_thread_;
-  std::atomic<std::uint64_t> stops_ = 0;  // so many were engaged
+  std::mutex stops_mutex_;   // guards the one below, together with what is reported of it
+  std::uint64_t stops_ = 0;  // so many were engaged
 };
 
 }  // namespace musher::python

@@ -69,6 +69,7 @@ class Listener {
                     node_->node(), transport::ActuatorStatusTopic(name_space),
                     [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
                       const std::lock_guard lock(mutex_);
+                      done_ += status.emergency_stop != 0 && status.stop_trouble.empty();
                       status_ = status;
                       changed_.notify_all();
                     },
@@ -97,6 +98,11 @@ class Listener {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kWaitLimit, [&] { return holds(heartbeat_); });
   }
+  // How many statuses have said that it is stopped.
+  int DoneBefore() {
+    const std::lock_guard lock(mutex_);
+    return done_;
+  }
   bool AwaitStatus(const std::function<bool(const msg::ActuatorStatus&)>& holds) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kWaitLimit, [&] { return holds(status_); });
@@ -108,6 +114,7 @@ class Listener {
   std::condition_variable changed_;
   msg::ActuatorHeartbeat heartbeat_;
   msg::ActuatorStatus status_;
+  int done_ = 0;
   std::unique_ptr<transport::Subscription> heartbeats_;
   std::unique_ptr<transport::Subscription> states_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button_;
@@ -148,10 +155,16 @@ TEST(Unattended, AModuleWhoseStopFailsSaysSoUntilItIsDone) {
   ASSERT_TRUE(arm.Init(file.path()).ok());
   ASSERT_TRUE(arm.Start().ok());
   listener.PressTheButton();
-  EXPECT_TRUE(listener.AwaitStatus([](const auto& status) {
+  const auto fails = [](const msg::ActuatorStatus& status) {
     return status.emergency_stop == 7 &&
            status.stop_trouble.find("the brake does not answer") != std::string::npos;
-  }));
+  };
+  EXPECT_TRUE(listener.AwaitStatus(fails));
+  // What was posted before that is over.
+  arm.ReportStopTrouble("OnEmergencyStop has failed: the brake does not answer, still");
+  EXPECT_TRUE(listener.AwaitStatus(
+      [](const auto& status) { return status.stop_trouble.find("still") != std::string::npos; }));
+  EXPECT_EQ(listener.DoneBefore(), 0) << "no status has said that it is done";
   arm.ReportStopTrouble("");  // by another thread, which has braked
   EXPECT_TRUE(listener.AwaitStatus([](const auto& status) {
     return status.emergency_stop == 7 && status.stop_trouble.empty();

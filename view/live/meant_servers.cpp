@@ -62,12 +62,19 @@ std::optional<Error> MeantServers::WhyNot(const Waiting& waiting) const {
     return Error{kCodeTimeout, "no actuator " + waiting.name + " answers. Nothing was done"};
   }
   std::vector<MachineIdentity> machines;
+  bool unknown = false;
   for (const transport::ParticipantId server : servers) {
     const MachineIdentity* machine = MachineOf(server);
+    unknown |= machine == nullptr || (machine->name.empty() && machine->id.empty());
     const bool is_new = machine != nullptr && std::ranges::none_of(machines, [&](const auto& one) {
                           return SameMachine(one, *machine);
                         });
     if (is_new) machines.push_back(*machine);
+  }
+  if (unknown && servers.size() > 1) {
+    return Error{kCodeTargetBusy, waiting.name +
+                                      " is served by several processes, and the machine "
+                                      "of one of them is not known. Nothing was done"};
   }
   if (machines.empty()) return std::nullopt;
   if (machines.size() == 1 && SameMachine(machines.front(), waiting.meant)) return std::nullopt;

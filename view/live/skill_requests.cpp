@@ -161,6 +161,7 @@ void SkillRequests::Cancel(const std::string& action, const std::string& goal_id
 
 void SkillRequests::CancelRun(const std::string& by, const std::string& actuator,
                               const std::string& skill, const http::Respond& respond) {
+  ++rests_[actuator];
   const auto client = ServiceOf(cancels_, actuator, "cancel_skill");
   if (!client) {
     return respond(http::ErrorResponse(400, client.error().code, client.error().message));
@@ -178,6 +179,7 @@ void SkillRequests::Pause(const std::string& actuator, const std::string& skill,
   if (!client) {
     return respond(http::ErrorResponse(400, client.error().code, client.error().message));
   }
+  ++rests_[actuator];
   SendPause(*client.value(), skill, /*pause=*/true, respond);
 }
 
@@ -189,8 +191,14 @@ void SkillRequests::Resume(const MachineIdentity& machine, const std::string& ac
   }
   meant_.Check(
       actuator, [client = client.value()] { return client->Servers(); }, machine,
-      [client = client.value(), skill, respond](const std::optional<Error>& why) {
+      [this, client = client.value(), actuator, skill, respond,
+       before = rests_[actuator]](const std::optional<Error>& why) {
         if (why) return respond(NotMeant(*why));
+        if (rests_[actuator] != before) {
+          return respond(http::ErrorResponse(409, kCodeStateInvalid,
+                                             "it was paused or cancelled meanwhile. Nothing was "
+                                             "done"));
+        }
         SendPause(*client, skill, /*pause=*/false, respond);
       });
 }

@@ -9,6 +9,7 @@
 //       one on the page would receive the request
 //   504 no answer in time
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -83,7 +84,9 @@ class SkillRequests {
   MeantServers meant_;
   std::map<std::string, std::unique_ptr<Client>> clients_;  // by action
   Clients<msg::PauseSkill> pauses_;                         // by actuator
-  Clients<msg::CancelSkill> cancels_;                       // by actuator
+  // Of each actuator, how often a skill was paused or cancelled: what waits to go on is outdated.
+  std::map<std::string, std::uint64_t> rests_;
+  Clients<msg::CancelSkill> cancels_;  // by actuator
 };
 
 }  // namespace musher::view

@@ -36,9 +36,9 @@ bool LookFeeds::Take(Feed& feed, Duration stamp) const {
     const bool set = step < -kPictureClockSet || step > now - feed.came + kPictureClockSet;
     if (step <= Duration::zero() && !set) return false;
     const Duration here = now.time_since_epoch() - stamp;
-    const bool first = !feed.offset || (feed.stamp && set);
+    if (feed.stamp && set) return BeginClock(feed, stamp, here);
     feed.offset =
-        first ? here : std::min(here, *feed.offset + (now - feed.came) / kPictureClockDrift);
+        feed.offset ? std::min(here, *feed.offset + (now - feed.came) / kPictureClockDrift) : here;
     age = here - *feed.offset;
     feed.stamp = stamp;
   }
@@ -46,6 +46,18 @@ bool LookFeeds::Take(Feed& feed, Duration stamp) const {
   feed.taken = now - age;
   feed.things.clear();
   return true;
+}
+
+// The clock of the pictures was set, or a second program publishes, such as a bridge that repeats
+// old pictures. This one does not count, the next one by the same clock does; of two programs in
+// turn, none.
+bool LookFeeds::BeginClock(Feed& feed, Duration stamp, Duration here) const {
+  feed.stamp = stamp;
+  feed.offset = here;
+  feed.came = clock_.Now();
+  feed.taken.reset();
+  feed.things.clear();
+  return false;
 }
 
 void LookFeeds::OnDetections(Feed& feed, const msg::ObjectStates& found) {

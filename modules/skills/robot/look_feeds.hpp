@@ -56,6 +56,7 @@ class LookFeeds {
   void Subscribe(Feed& feed);
   // False: the picture does not count.
   bool Take(Feed& feed, Duration stamp) const;
+  bool BeginClock(Feed& feed, Duration stamp, Duration here) const;
   void OnDetections(Feed& feed, const msg::ObjectStates& found);
 
   transport::Node& node_;

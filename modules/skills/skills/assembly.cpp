@@ -19,7 +19,8 @@ constexpr std::string_view kReleasedAt = "released_at_s";
 
 constexpr int kCheckPictures = 5;
 constexpr double kCheckWithinS = 5;
-constexpr double kBelowM = 0.05;  // a part that is lower has fallen off
+constexpr Duration kSettlesWithin = std::chrono::seconds(1);  // also the lateness of a detector
+constexpr double kBelowM = 0.05;                              // a part that is lower has fallen off
 constexpr double kApproachMPerS = 0.15;
 
 Point Turned(const Point& point, double yaw_rad) {
@@ -155,11 +156,11 @@ Assembly::Outcome Assembly::Execute(skill::Tick& tick) {
   return Outcome::Fail(answer.message);
 }
 
-// Earlier pictures show the part in the hand.
+// Earlier pictures show the part in the hand, by as much later as the detector takes, or falling.
 void Assembly::BeginCheck() {
   pictures_ = 0;
   offsets_ = {};
-  looked_ = robot_.Now();
+  looked_ = robot_.Now() + kSettlesWithin;
 }
 
 Assembly::Outcome Assembly::Check(skill::Tick& tick) {

@@ -9,6 +9,7 @@
 
 namespace musher::view::skill_requests_test {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -187,6 +188,17 @@ TEST_F(SkillsOfAPage, ArePausedAndResumedAndARefusalSaysWhy) {
   EXPECT_THAT(pause("cat", true), StartsWith("504"));
   EXPECT_THAT(pause("dog cat", true), StartsWith("400"));
   EXPECT_EQ(answers_.size(), 5U);
+}
+
+// It waited for the machines of the actuator, and overtook the pause of another person.
+TEST_F(SkillsOfAPage, ThatArePausedAgainMeanwhileDoNotGoOn) {
+  skills_.Pause("dog", "jump", Collect());
+  network_.RunFor(std::chrono::seconds(1));
+  skills_.Resume({"robot", "1234"}, "dog", "jump", Collect());
+  skills_.Pause("dog", "jump", Collect());
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_TRUE(paused_);
+  EXPECT_THAT(answers_, Contains(::testing::AllOf(StartsWith("409"), HasSubstr("meanwhile"))));
 }
 
 TEST_F(SkillsOfAPage, WithoutAGoalAreCancelledInTheNameOfThePerson) {
