@@ -15,9 +15,9 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// Of the lane's width: two lines nearer to each other are one, and one farther from the centre may
-// be another lane's.
-constexpr double kLeastGap = 0.6, kFarthest = 0.95;
+// Of the lane's width: two lines nearer to each other are one, and those farther apart are of two
+// lanes; one that is farther from the centre may be another lane's.
+constexpr double kLeastGap = 0.6, kMostGap = 1.35, kFarthest = 0.95;
 
 PieceRules RulesOf(const LinesParameters& parameters) {
   return {parameters.yellow, parameters.least_area_px2, parameters.least_length,
@@ -35,7 +35,7 @@ class Middle {
         floor_(floor),
         parameters_(parameters) {
     Choose(lines);
-    if (left_ != right_ && AreOne(*left_, *right_)) left_ = right_ = Nearer(*left_, *right_);
+    if (left_ != right_ && !AreOfOneLane(*left_, *right_)) left_ = right_ = Nearer(*left_, *right_);
     if (left_ == right_) LookBeside(*left_);
     if (IsShapeless(*left_) || IsShapeless(*right_)) {
       doubt_ = "what has the colour of the lines has not the shape of one";
@@ -70,10 +70,12 @@ class Middle {
            line.width > 2 * parameters_.most_width_m;
   }
 
-  bool AreOne(const YellowLine& one, const YellowLine& other) const {
-    if (!floor_.in_metres() || one.lies_across || other.lies_across) return false;
+  // True where it is not known. Neither one line that is seen twice, nor lines of two lanes.
+  bool AreOfOneLane(const YellowLine& one, const YellowLine& other) const {
+    if (!floor_.in_metres() || one.lies_across || other.lies_across) return true;
     const auto gap_m = Gap(one, other, floor_);
-    return gap_m && *gap_m < kLeastGap * parameters_.lane_m;
+    return !gap_m ||
+           (*gap_m >= kLeastGap * parameters_.lane_m && *gap_m <= kMostGap * parameters_.lane_m);
   }
 
   const YellowLine* Nearer(const YellowLine& one, const YellowLine& other) const {

@@ -10,8 +10,9 @@
 //         centre by more than the threshold: "right", for the robot is right of the middle; and
 //         vice versa. The centre is that of the region, or for a camera that is not in the middle
 //         of the body beside it (`ycy_center`). Otherwise "center".
-//         Two lines nearer to each other than a lane are one line. Of one line the middle is half a
-//         lane beside it, towards the centre. Without the camera's mount only the line's side is
+//         Two lines nearer to each other than a lane are one line; of two that are farther apart
+//         the nearer one counts alone. Of one line the middle is half a lane beside it, towards the
+//         centre. Without the camera's mount only the line's side is
 //         known: the robot is too near to it, so that a line on the left is "left".
 //   dy    The line whose centroid is nearest to the vertical centre line: farther away than the
 //         target by more than the threshold (higher in the picture) is "front", nearer "back".
