@@ -182,12 +182,23 @@ void AddNearest(const std::vector<YellowLine>& lines, const cv::Rect& region, in
   }
 }
 
+// The ground from the region's upper edge down to the robot, at a quarter of its size.
+cv::Mat FloorSample(const cv::Mat& bgr, const cv::Rect& region) {
+  constexpr double kScale = 0.25;
+  const cv::Mat below = bgr.rowRange(region.y, bgr.rows);
+  if (std::min(below.rows, below.cols) * kScale < 1) return below;
+  cv::Mat sample;
+  cv::resize(below, sample, {}, kScale, kScale, cv::INTER_NEAREST);
+  return sample;
+}
+
 }  // namespace
 
 LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   CheckCoursePicture(bgr);
   const cv::Rect region = RectOf(parameters.region, bgr.size());
-  LineMask seen = MaskOfLines(bgr(region), parameters.yellow, parameters.most_coverage);
+  LineMask seen = MaskOfLines(bgr(region), parameters.yellow, parameters.most_coverage,
+                              FloorSample(bgr, region));
   constexpr int kKernelPx = 3;
   CleanMask(seen.mask, kKernelPx, kKernelPx);
   const Floor floor(parameters.mount, region, bgr.size());
@@ -209,10 +220,14 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
 
   const Middle middle(lines, region.width, floor, parameters);
   message.middle_offset = static_cast<float>(middle.offset());
-  message.ycy = middle.doubt().empty() ? Ycy(middle, parameters.ycy_threshold) : "center";
   message.doubt = middle.doubt();
-  AddNearest(lines, region, bgr.rows, parameters, message);
   for (const YellowLine& line : lines) message.area_px2 += static_cast<float>(line.area_px2);
+  // Where most of it is none, what is left is by chance as wide as a line.
+  if (message.doubt.empty() && on_floor.odd_area_px2 > double(message.area_px2)) {
+    message.doubt = "most of what has the colour of the lines is none";
+  }
+  if (message.doubt.empty()) message.ycy = Ycy(middle, parameters.ycy_threshold);
+  AddNearest(lines, region, bgr.rows, parameters, message);
   AddEdge(seen.mask, lines, region, bgr.size(), parameters.edge_columns, message);
   for (YellowLine& line : lines) {
     for (Contour& piece : line.pieces) {

@@ -21,8 +21,8 @@
 //
 // With no line at all the words are "center", and `contours` is 0. With a doubt the words are
 // "center", too, and `doubt` says why they mean nothing: the floor has the colour of the lines;
-// what has it is not as wide as a line, does not stand out from the floor, or has not the shape of
-// a line; the only line may be another lane's.
+// what has it, or most of it, is not as wide as a line, does not stand out from the floor, or has
+// not the shape of a line; the only line may be another lane's.
 //
 // Distance for a given offset: on a lane 0.83 m wide, `middle_offset` changes by 0.05 for
 // each 0.1 m beside its middle in the picture of the front camera, and by 0.036 in that of a
