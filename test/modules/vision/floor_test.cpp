@@ -22,6 +22,7 @@
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/test/modules/vision/floor_pictures.hpp"
 #include "musher/test/support/nightly.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::vision::floors {
 namespace {
