@@ -14,6 +14,7 @@ constexpr int kLevels = 256;
 // floor's own. Oak and tape differ by 45 under lamps of 3000 K, and by 100 in daylight.
 constexpr double kLeastContrast = 24;
 constexpr double kLeastSpreads = 2.5;
+constexpr double kLittle = 0.5;          // of the greatest coverage
 constexpr double kMostPaintSpread = 24;  // of the lines' own, in levels
 constexpr double kMostSpread = 0.45;     // of a floor without their colour, see Spread()
 
@@ -116,6 +117,8 @@ LineMask MaskOfLines(const cv::Mat& bgr, const HsvRange& yellow, double most_cov
   const bool apart = less.share > 0 && paint.share > 0 && contrast >= kLeastContrast &&
                      contrast >= kLeastSpreads * less.spread &&
                      (floor.empty() || paint.spread <= kMostPaintSpread);
+  // Little of the region has it: then the shapes of what has it decide.
+  if (!apart && coverage <= kLittle * most_coverage) return lines;
   if (!apart || paint.share * coverage > most_coverage) {
     lines.mask.setTo(0);
     lines.doubt = coverage > most_coverage ? FloorHasTheColor(coverage, "the region")
