@@ -27,7 +27,7 @@ FeedRules FeedRulesOf(const VisionConfig& config) {
           .needs_lens = true,
           .rate_hz = config.rate_hz,
           .silence = config.silence,
-          .still_pictures = config.still_pictures,
+          .still = config.still,
           .hang = config.limits.hang};
 }
 

@@ -66,6 +66,15 @@ void ReadStates(TableReader& root, std::vector<State>& look_in) {
   for (const auto& state : *states) look_in.emplace_back(state.text);
 }
 
+// A count was a time that depended on the camera's rate.
+void RefuseStillPictures(TableReader& root) {
+  constexpr std::string_view kKey = "still_pictures";
+  if (!root.Has(kKey)) return;
+  root.Fault(root.At(kKey), kKey,
+             "is replaced by still_ms, the milliseconds in which a camera shows only old pictures: "
+             "300, or 0 to check nothing");
+}
+
 void CheckAny(TableReader& root, const VisionConfig& config) {
   if (config.detect_faces || root.Has("detectors")) return;
   root.Fault(root.At("detect_faces"), "detect_faces",
@@ -87,30 +96,30 @@ VisionConfig Read(const Table& table, Findings& findings) {
   VisionConfig config;
   TargetRules& target = config.faces.target;
   TableReader root(table, {1, 1}, "", findings);
-  ReadRows(root, {row::Topic("picture", config.picture, kTopic),
-                  row::Topic("camera_info", config.camera_info, kTopic),
-                  row::Topic("publish_under", config.publish_under, kTopic),
-                  row::Text("frame_id", config.frame_id),
-                  [&](TableReader& reader) {
-                    if (const auto degrees = reader.Number("hfov_deg", 1, 170)) {
-                      config.hfov_rad = *degrees * M_PI / 180;
-                    }
-                  },
-                  [&](TableReader& reader) { ReadStates(reader, config.look_in); },
-                  row::Number("rate_hz", config.rate_hz, 0, 1000),
-                  row::Time("self_check_ms", config.self_check_time),
-                  row::Time("silence_ms", config.silence),
-                  row::Integer("still_pictures", config.still_pictures, 0, 1000),
-                  row::Sub("detector", DetectorRows(config.cascade, config.limits)),
-                  row::Sub("faces", FaceRows(config.faces)),
-                  row::Sub("target", {row::Time("lost_ms", target.lost),
-                                      row::Number("nearer", target.nearer, 0, 0.99)}),
-                  row::Sub("too_close", ClosenessRows(config.faces.closeness)),
-                  row::Bool("detect_faces", config.detect_faces),
-                  [&](TableReader& reader) {
-                    config.detectors = ReadCourseEntries(reader, findings, FaceTopicNames(config));
-                  }});
-  for (CourseEntry& entry : config.detectors) entry.still_pictures = config.still_pictures;
+  ReadRows(root,
+           {row::Topic("picture", config.picture, kTopic),
+            row::Topic("camera_info", config.camera_info, kTopic),
+            row::Topic("publish_under", config.publish_under, kTopic),
+            row::Text("frame_id", config.frame_id),
+            [&](TableReader& reader) {
+              if (const auto degrees = reader.Number("hfov_deg", 1, 170)) {
+                config.hfov_rad = *degrees * M_PI / 180;
+              }
+            },
+            [&](TableReader& reader) { ReadStates(reader, config.look_in); },
+            row::Number("rate_hz", config.rate_hz, 0, 1000),
+            row::Time("self_check_ms", config.self_check_time),
+            row::Time("silence_ms", config.silence), row::Time("still_ms", config.still, 0),
+            RefuseStillPictures, row::Sub("detector", DetectorRows(config.cascade, config.limits)),
+            row::Sub("faces", FaceRows(config.faces)),
+            row::Sub("target", {row::Time("lost_ms", target.lost),
+                                row::Number("nearer", target.nearer, 0, 0.99)}),
+            row::Sub("too_close", ClosenessRows(config.faces.closeness)),
+            row::Bool("detect_faces", config.detect_faces),
+            [&](TableReader& reader) {
+              config.detectors = ReadCourseEntries(reader, findings, FaceTopicNames(config));
+            }});
+  for (CourseEntry& entry : config.detectors) entry.still = config.still;
   CheckRate(root, config);
   CheckAny(root, config);
   config.cascade.smallest = config.faces.tracker.smallest;

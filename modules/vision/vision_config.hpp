@@ -27,7 +27,7 @@ struct VisionConfig {
   double rate_hz = 10;  // pictures looked at in a second of their own time; 0: all
   Duration self_check_time = Milliseconds(5000);
   Duration silence = Milliseconds(2000);  // timeout without a processed picture
-  int still_pictures = 0;                 // equal ones in a row: the camera stands still; 0: off
+  Duration still = Milliseconds(300);     // old pictures for so long: it stands still; 0: off
   CascadeConfig cascade;
   DetectorLimits limits;
   FaceRules faces;

@@ -82,6 +82,7 @@ class EntriesReader {
     entry.parameters =
         ReadCourseParameters(*kind, hall_, entry.picture, parameter_reader, findings_);
     entry.factory = FactoryOf(entry.parameters);
+    if (parameters != nullptr) ReadOwnColor(*parameters, parameter_reader, entry);
     parameter_reader.RefuseOthers();
     CheckOutputs(reader, entry);
     entries_.push_back(std::move(entry));
@@ -107,6 +108,15 @@ class EntriesReader {
                        std::to_string(first->second) + " already");
     }
     entry.name = name->text;
+  }
+
+  // One beside that of the hall is most often forgotten there; only an amber light needs it.
+  void ReadOwnColor(const config_toml::Table& parameters, TableReader& reader, CourseEntry& entry) {
+    const std::string key = ColorKeyOf(entry.kind);
+    entry.own_color = !key.empty() && config_toml::Find(parameters, key) != nullptr;
+    if (!entry.own_color || entry.kind == CourseKind::kLight || !hall_.HasColor(key)) return;
+    reader.Warn(reader.At(key), key,
+                "wins over that of [hall]; remove it, unless this detector needs one of its own");
   }
 
   static std::optional<CourseKind> ReadKind(TableReader& reader) {
@@ -139,6 +149,23 @@ class EntriesReader {
 };
 
 }  // namespace
+
+std::string ColorKeyOf(CourseKind kind) {
+  switch (kind) {
+    case CourseKind::kLines:
+    case CourseKind::kMarker:
+    case CourseKind::kLight:
+      return "yellow";
+    case CourseKind::kArrow:
+      return "green";
+    case CourseKind::kBarrier:
+      return "red";
+    case CourseKind::kQr:
+    case CourseKind::kAruco:
+      break;
+  }
+  return "";
+}
 
 std::vector<std::string> CourseOutputs::All() const {
   std::vector<std::string> all;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
@@ -42,6 +43,10 @@ struct CourseOutputs {
   std::vector<std::string> All() const;
 };
 
+// The key of the colour in [hall] that detectors of that kind have, and of their own one: "yellow";
+// empty: they have none.
+std::string ColorKeyOf(CourseKind kind);
+
 struct CourseEntry {
   std::string name;
   CourseKind kind = CourseKind::kQr;
@@ -49,11 +54,12 @@ struct CourseEntry {
   std::string camera_info;            // empty: camera_info below the picture's
   std::optional<double> hfov_rad;     // of the picture, where no CameraInfo comes
   double rate_hz = 10;                // pictures processed in a second of their own time; 0: all
-  int still_pictures = 0;             // as of the whole file
+  Duration still{};                   // as of the whole file
   std::string publish;                // the text, or of a detector of lines its lines
   DetectorLimits limits;
   CourseParameters parameters;
-  CourseFactory factory;  // with them
+  bool own_color = false;  // not that of [hall], which its kind has
+  CourseFactory factory;   // with them
 
   std::string CameraInfoTopic() const {
     return camera_info.empty() ? picture + "/camera_info" : camera_info;

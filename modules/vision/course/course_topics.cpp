@@ -16,7 +16,7 @@ FeedRules FeedRulesOf(const CourseEntry& entry, Duration silence) {
           .needs_lens = false,
           .rate_hz = entry.rate_hz,
           .silence = silence,
-          .still_pictures = entry.still_pictures,
+          .still = entry.still,
           .hang = entry.limits.hang};
 }
 

@@ -14,6 +14,9 @@ constexpr int kLevels = 256;
 // floor's own. Oak and tape differ by 45 under lamps of 3000 K, and by 100 in daylight.
 constexpr double kLeastContrast = 24;
 constexpr double kLeastSpreads = 2.5;
+constexpr double kLittle = 0.5;          // of the greatest coverage
+constexpr double kMostPaintSpread = 24;  // of the lines' own, in levels
+constexpr double kMostSpread = 0.45;     // of a floor without their colour, see Spread()
 
 struct Histogram {
   std::array<double, kLevels> count{};
@@ -72,34 +75,54 @@ int BestThreshold(const Histogram& histogram) {
   return threshold;
 }
 
-std::string FloorHasTheColor(double coverage) {
+std::string FloorHasTheColor(double share, const std::string& of) {
   return "the floor has the colour of the lines: " +
-         std::to_string(static_cast<int>(std::lround(100 * coverage))) + " % of the region";
+         std::to_string(static_cast<int>(std::lround(100 * share))) + " % of " + of;
 }
 
-}  // namespace
+// The share of the floor's cells in which some of the mask is. Lines go through few of them.
+double Spread(const cv::Mat& mask) {
+  constexpr int kColumns = 12, kRows = 8;
+  constexpr double kSome = 0.08 * 255;
+  cv::Mat cells;
+  cv::resize(mask, cells, {kColumns, kRows}, 0, 0, cv::INTER_AREA);
+  return cv::countNonZero(cells > kSome) / double(cells.total());
+}
 
-LineMask MaskOfLines(const cv::Mat& bgr, const HsvRange& yellow, double most_coverage) {
-  LineMask lines{MaskOf(bgr, yellow), ""};
-  const auto total = static_cast<double>(lines.mask.total());
-  const double coverage = cv::countNonZero(lines.mask) / total;
-  if (coverage <= most_coverage) return lines;
-
+cv::Mat SaturationOf(const cv::Mat& bgr) {
   constexpr int kNoisePx = 5;
   cv::Mat smooth, saturation;
   cv::GaussianBlur(bgr, smooth, {kNoisePx, kNoisePx}, 0);
   cv::cvtColor(smooth, smooth, cv::COLOR_BGR2HSV);
   cv::extractChannel(smooth, saturation, 1);
+  return saturation;
+}
+
+}  // namespace
+
+LineMask MaskOfLines(const cv::Mat& bgr, const HsvRange& yellow, double most_coverage,
+                     const cv::Mat& floor) {
+  LineMask lines{MaskOf(bgr, yellow), ""};
+  const auto total = static_cast<double>(lines.mask.total());
+  const double coverage = cv::countNonZero(lines.mask) / total;
+  const double spread = floor.empty() ? 0 : Spread(MaskOf(floor, yellow));
+  if (coverage <= most_coverage && spread <= kMostSpread) return lines;
+
+  const cv::Mat saturation = SaturationOf(bgr);
   const Histogram histogram = HistogramOf(saturation, lines.mask);
   const int threshold = BestThreshold(histogram);
-  const Class floor = ClassOf(histogram, 0, threshold);
+  const Class less = ClassOf(histogram, 0, threshold);
   const Class paint = ClassOf(histogram, threshold, kLevels);
-  const double contrast = paint.mean - floor.mean;
-  const bool apart = floor.share > 0 && paint.share > 0 && contrast >= kLeastContrast &&
-                     contrast >= kLeastSpreads * floor.spread;
+  const double contrast = paint.mean - less.mean;
+  const bool apart = less.share > 0 && paint.share > 0 && contrast >= kLeastContrast &&
+                     contrast >= kLeastSpreads * less.spread &&
+                     (floor.empty() || paint.spread <= kMostPaintSpread);
+  // Little of the region has it: then the shapes of what has it decide.
+  if (!apart && coverage <= kLittle * most_coverage) return lines;
   if (!apart || paint.share * coverage > most_coverage) {
     lines.mask.setTo(0);
-    lines.doubt = FloorHasTheColor(coverage);
+    lines.doubt = coverage > most_coverage ? FloorHasTheColor(coverage, "the region")
+                                           : FloorHasTheColor(spread, "the places below it");
     return lines;
   }
   lines.mask.setTo(0, saturation < threshold);

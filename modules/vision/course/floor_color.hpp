@@ -2,9 +2,9 @@
 // Yellow lines on a floor that may have their colour: oak, or any floor under warm lamps. Pure.
 //
 // Lines cover a small part of the floor. Where more than `most_coverage` of a region is in the
-// range of their colour, the floor is; then lines are what is clearly more saturated than the rest
-// of it, because paint and tape are. Where nothing is, the lines cannot be distinguished from the
-// floor.
+// range of their colour, or where it is found all over a sample of the floor, the floor is; then
+// lines are what is clearly more saturated than the rest of it, and of one saturation, because
+// paint and tape are. Where nothing is, the lines cannot be distinguished from the floor.
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -18,7 +18,9 @@ struct LineMask {
   std::string doubt;  // why the lines cannot be distinguished from the floor; empty: they can
 };
 
-// `bgr`: the region. `most_coverage`: a share of it.
-LineMask MaskOfLines(const cv::Mat& bgr, const HsvRange& yellow, double most_coverage);
+// `bgr`: the region. `most_coverage`: a share of it. `floor`: a sample of the floor, in which lines
+// may be; empty: the region alone counts.
+LineMask MaskOfLines(const cv::Mat& bgr, const HsvRange& yellow, double most_coverage,
+                     const cv::Mat& floor = {});
 
 }  // namespace musher::vision

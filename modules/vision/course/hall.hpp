@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
@@ -22,6 +23,13 @@ struct Hall {
   double least_line_m = 0.02;      // the width of a line
   double most_line_m = 0.1;
   std::map<std::string, Mount> mounts;  // by the topic of the camera's picture
+
+  // "yellow", "green" or "red".
+  bool HasColor(std::string_view name) const {
+    return name == "yellow"  ? yellow.has_value()
+           : name == "green" ? green.has_value()
+                             : red.has_value();
+  }
 };
 
 Hall ReadHall(config_toml::TableReader& root, config_toml::Findings& findings);

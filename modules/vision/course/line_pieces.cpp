@@ -1,6 +1,7 @@
 #include "musher/modules/vision/course/line_pieces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -19,7 +20,9 @@ constexpr double kSquint =
 // From a piece's middle to the axis of its line, at most: in widths of the line, or so much.
 constexpr double kWidthsBeside = 1.5;
 constexpr double kLeastBesideM = 0.05, kLeastBesidePx = 4;
-constexpr double kLeastOffFloor = 12;  // see ContrastOf()
+// See Tint: of contrast around a piece, and on each side of it; and of the tint of the strongest
+// piece, for paint is of one colour.
+constexpr double kLeastOffFloor = 12, kLeastOffSide = 8, kLeastOfStrongest = 0.7;
 // Between the ends of two pieces, at most: so much, or in the picture the length of the longer one.
 constexpr double kMostGapM = 0.4;
 constexpr double kMostTurn = 0.35;  // radians between the axes of two pieces
@@ -195,10 +198,44 @@ cv::Vec2d DirectionOf(const HsvRange& color) {
   return cv::normalize(cv::Vec2d(pixel(0, 0)[1] - kGrey, pixel(0, 0)[2] - kGrey));
 }
 
-// How much more of its colour a piece has than what is around it, brightness aside: in OpenCV's
-// Lab, 0 to 255. Nothing where there is not enough around it.
-std::optional<double> ContrastOf(const cv::Mat& bgr, const cv::Mat& mask, const cv::Mat& filled,
-                                 const cv::Rect& box, const HsvRange& color) {
+// The colour of a piece beside that of the floor around it, brightness aside.
+struct Tint {
+  double tint = 0;  // the piece's own: how much of its colour it has, for its brightness
+  // How much more of its colour it has than what is around it, and than the one of its two sides
+  // that has more: in OpenCV's Lab, 0 to 255.
+  double contrast = 0, least_contrast = 0;
+  bool is_rim = false;  // one side is bright and one dark, and the piece between them
+};
+
+struct Side {
+  cv::Vec3d sum;
+  int count = 0;
+  cv::Vec3d mean() const { return sum / std::max(1, count); }
+};
+
+// The pixels of `around` on either side of the piece's axis in the picture.
+std::array<Side, 2> SidesOf(const cv::Mat& lab, const cv::Mat& piece, const cv::Mat& around) {
+  const cv::Moments moments = cv::moments(piece, true);
+  const double x = moments.m10 / moments.m00, y = moments.m01 / moments.m00;
+  const double turn = std::atan2(2 * moments.mu11, moments.mu20 - moments.mu02) / 2;
+  const double aside_x = -std::sin(turn), aside_y = std::cos(turn);
+  std::array<Side, 2> sides;
+  for (int row = 0; row < lab.rows; ++row) {
+    const auto* in = around.ptr<std::uint8_t>(row);
+    const auto* color = lab.ptr<cv::Vec3b>(row);
+    for (int column = 0; column < lab.cols; ++column) {
+      if (in[column] == 0) continue;
+      Side& side = sides.at((column - x) * aside_x + (row - y) * aside_y < 0 ? 0 : 1);
+      side.sum += cv::Vec3d(color[column]);
+      ++side.count;
+    }
+  }
+  return sides;
+}
+
+// Nothing where there is not enough around it.
+std::optional<Tint> TintOf(const cv::Mat& bgr, const cv::Mat& mask, const cv::Mat& filled,
+                           const cv::Rect& box, const HsvRange& color) {
   constexpr int kAroundPx = 7, kFromPx = 3, kLeastPx = 30;
   const cv::Vec2d direction = DirectionOf(color);
   if (direction == cv::Vec2d(0, 0)) return std::nullopt;
@@ -216,8 +253,24 @@ std::optional<double> ContrastOf(const cv::Mat& bgr, const cv::Mat& mask, const 
   far.setTo(0, mask(around));
   if (cv::countNonZero(far) < kLeastPx) return std::nullopt;
   cv::cvtColor(bgr(around), lab, cv::COLOR_BGR2Lab);
-  const cv::Scalar off = cv::mean(lab, piece) - cv::mean(lab, far);
-  return direction.dot({off[1], off[2]});
+
+  const cv::Scalar own = cv::mean(lab, piece);
+  const auto off = [&](const cv::Vec3d& from) {
+    return direction.dot({own[1] - from[1], own[2] - from[2]});
+  };
+  constexpr double kGrey = 128, kDark = 20;
+  Tint tint;
+  tint.tint = off({0, kGrey, kGrey}) / std::max(kDark, own[0]);
+  const std::array<Side, 2> sides = SidesOf(lab, piece, far);
+  tint.contrast = off((sides[0].sum + sides[1].sum) / (sides[0].count + sides[1].count));
+  tint.least_contrast = tint.contrast;
+  if (std::min(sides[0].count, sides[1].count) < kLeastPx / 2) return tint;
+  const cv::Vec3d one = sides[0].mean(), other = sides[1].mean();
+  tint.least_contrast = std::min(off(one), off(other));
+  constexpr double kApart = 40, kNearly = 10;  // of brightness
+  const double dark = std::min(one[0], other[0]), bright = std::max(one[0], other[0]);
+  tint.is_rim = bright - dark > kApart && own[0] > dark + kNearly && own[0] < bright + kNearly;
+  return tint;
 }
 
 // Of the ground that the pixels show.
@@ -236,13 +289,14 @@ double AreaM2(const cv::Mat& filled, const cv::Rect& box, const Floor& floor) {
   return area_m2;
 }
 
-// Why an outline is no line; empty: it is one. `line`: its shape. Where the cuts are too wide they
-// may be aslant, both of them, at the edge of a fisheye: then its area by its length is the width.
-std::string WhyOdd(const cv::Mat& bgr, const cv::Mat& mask, const cv::Mat& filled,
-                   const cv::Rect& box, const YellowLine& line, const Floor& floor,
+// Why an outline is no line; empty: it is one. `line`: its shape, `tint`: its colour. Where the
+// cuts are too wide they may be aslant, both of them, at the edge of a fisheye: then its area by
+// its length is the width.
+std::string WhyOdd(const cv::Size& region, const cv::Mat& filled, const cv::Rect& box,
+                   const YellowLine& line, const std::optional<Tint>& tint, const Floor& floor,
                    const PieceRules& rules) {
   if (floor.in_metres()) {
-    auto width = OddWidth(Widths(filled, box, mask.size(), floor).Sorted(), rules);
+    auto width = OddWidth(Widths(filled, box, region, floor).Sorted(), rules);
     if (width && *width > rules.most_width_m && line.placed && line.length > 0) {
       const double by_area_m = AreaM2(filled, box, floor) / line.length;
       if (by_area_m <= kSquint * rules.most_width_m) width.reset();
@@ -253,15 +307,32 @@ std::string WhyOdd(const cv::Mat& bgr, const cv::Mat& mask, const cv::Mat& fille
       return std::string("is ") + text + " m wide, which no line is";
     }
   }
-  const auto contrast = ContrastOf(bgr, mask, filled, box, rules.color);
-  if (contrast && *contrast < kLeastOffFloor) return "does not stand out from the floor";
-  return "";
+  if (!tint) return "";
+  if (tint->contrast < kLeastOffFloor || tint->least_contrast < kLeastOffSide) {
+    return "does not stand out from the floor";
+  }
+  return tint->is_rim ? "is between a bright and a dark floor, as the rim of a lamp's light is"
+                      : "";
 }
 
 struct Piece {
   YellowLine line;
   Shape shape;
+  std::optional<double> tint{};
 };
+
+// What is much paler than the strongest piece is none of its lines. Returns its area.
+double RemovePale(std::vector<Piece>& pieces) {
+  double strongest = 0;
+  for (const Piece& piece : pieces) strongest = std::max(strongest, piece.tint.value_or(0));
+  double area_px2 = 0;
+  std::erase_if(pieces, [&](const Piece& piece) {
+    const bool is_pale = piece.tint && *piece.tint < kLeastOfStrongest * strongest;
+    if (is_pale) area_px2 += piece.line.area_px2;
+    return is_pale;
+  });
+  return area_px2;
+}
 
 double Beside(const YellowLine& line, const cv::Point2d& point) {
   const cv::Point2d off = point - line.middle;
@@ -387,9 +458,13 @@ LinesOnFloor LinesOf(const cv::Mat& bgr, const cv::Mat& mask, const Floor& floor
     const cv::Mat filled = Filled(outline, box, mask);
     Piece piece{{}, ShapeOf(filled, box, floor)};
     piece.shape.Describe(piece.line);
-    if (std::string odd = WhyOdd(bgr, mask, filled, box, piece.line, floor, rules); !odd.empty()) {
+    const auto tint = TintOf(bgr, mask, filled, box, rules.color);
+    if (tint) piece.tint = tint->tint;
+    if (std::string odd = WhyOdd(mask.size(), filled, box, piece.line, tint, floor, rules);
+        !odd.empty()) {
       if (moments.m00 > odd_area_px2) found.odd = std::move(odd);
       odd_area_px2 = std::max(odd_area_px2, moments.m00);
+      found.odd_area_px2 += moments.m00;
       continue;
     }
     piece.line.area_px2 = moments.m00;
@@ -398,6 +473,7 @@ LinesOnFloor LinesOf(const cv::Mat& bgr, const cv::Mat& mask, const Floor& floor
     piece.line.pieces.push_back(std::move(outline));
     pieces.push_back(std::move(piece));
   }
+  found.odd_area_px2 += RemovePale(pieces);
   std::stable_sort(pieces.begin(), pieces.end(), Larger);
   if (pieces.size() > kMostPieces) pieces.resize(kMostPieces);
   std::vector<Piece> lines = Joined(std::move(pieces), floor.in_metres());

@@ -90,7 +90,8 @@ struct PieceRules {
 
 struct LinesOnFloor {
   std::vector<YellowLine> lines;  // the largest first
-  std::string odd;  // why the largest outline that is none was left out; empty: none was
+  std::string odd;          // why the largest outline that is none was left out; empty: none was
+  double odd_area_px2 = 0;  // of all that were left out
 };
 
 // `bgr`: the region, as large as its mask.

@@ -15,9 +15,9 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// Of the lane's width: two lines nearer to each other are one, and one farther from the centre may
-// be another lane's.
-constexpr double kLeastGap = 0.6, kFarthest = 0.95;
+// Of the lane's width: two lines nearer to each other are one, and those farther apart are of two
+// lanes; one that is farther from the centre may be another lane's.
+constexpr double kLeastGap = 0.6, kMostGap = 1.35, kFarthest = 0.95;
 
 PieceRules RulesOf(const LinesParameters& parameters) {
   return {parameters.yellow, parameters.least_area_px2, parameters.least_length,
@@ -35,7 +35,7 @@ class Middle {
         floor_(floor),
         parameters_(parameters) {
     Choose(lines);
-    if (left_ != right_ && AreOne(*left_, *right_)) left_ = right_ = Nearer(*left_, *right_);
+    if (left_ != right_ && !AreOfOneLane(*left_, *right_)) left_ = right_ = Nearer(*left_, *right_);
     if (left_ == right_) LookBeside(*left_);
     if (IsShapeless(*left_) || IsShapeless(*right_)) {
       doubt_ = "what has the colour of the lines has not the shape of one";
@@ -70,10 +70,12 @@ class Middle {
            line.width > 2 * parameters_.most_width_m;
   }
 
-  bool AreOne(const YellowLine& one, const YellowLine& other) const {
-    if (!floor_.in_metres() || one.lies_across || other.lies_across) return false;
+  // True where it is not known. Neither one line that is seen twice, nor lines of two lanes.
+  bool AreOfOneLane(const YellowLine& one, const YellowLine& other) const {
+    if (!floor_.in_metres() || one.lies_across || other.lies_across) return true;
     const auto gap_m = Gap(one, other, floor_);
-    return gap_m && *gap_m < kLeastGap * parameters_.lane_m;
+    return !gap_m ||
+           (*gap_m >= kLeastGap * parameters_.lane_m && *gap_m <= kMostGap * parameters_.lane_m);
   }
 
   const YellowLine* Nearer(const YellowLine& one, const YellowLine& other) const {
@@ -180,12 +182,23 @@ void AddNearest(const std::vector<YellowLine>& lines, const cv::Rect& region, in
   }
 }
 
+// The ground from the region's upper edge down to the robot, at a quarter of its size.
+cv::Mat FloorSample(const cv::Mat& bgr, const cv::Rect& region) {
+  constexpr double kScale = 0.25;
+  const cv::Mat below = bgr.rowRange(region.y, bgr.rows);
+  if (std::min(below.rows, below.cols) * kScale < 1) return below;
+  cv::Mat sample;
+  cv::resize(below, sample, {}, kScale, kScale, cv::INTER_NEAREST);
+  return sample;
+}
+
 }  // namespace
 
 LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   CheckCoursePicture(bgr);
   const cv::Rect region = RectOf(parameters.region, bgr.size());
-  LineMask seen = MaskOfLines(bgr(region), parameters.yellow, parameters.most_coverage);
+  LineMask seen = MaskOfLines(bgr(region), parameters.yellow, parameters.most_coverage,
+                              FloorSample(bgr, region));
   constexpr int kKernelPx = 3;
   CleanMask(seen.mask, kKernelPx, kKernelPx);
   const Floor floor(parameters.mount, region, bgr.size());
@@ -207,10 +220,14 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
 
   const Middle middle(lines, region.width, floor, parameters);
   message.middle_offset = static_cast<float>(middle.offset());
-  message.ycy = middle.doubt().empty() ? Ycy(middle, parameters.ycy_threshold) : "center";
   message.doubt = middle.doubt();
-  AddNearest(lines, region, bgr.rows, parameters, message);
   for (const YellowLine& line : lines) message.area_px2 += static_cast<float>(line.area_px2);
+  // Where most of it is none, what is left is by chance as wide as a line.
+  if (message.doubt.empty() && on_floor.odd_area_px2 > double(message.area_px2)) {
+    message.doubt = "most of what has the colour of the lines is none";
+  }
+  if (message.doubt.empty()) message.ycy = Ycy(middle, parameters.ycy_threshold);
+  AddNearest(lines, region, bgr.rows, parameters, message);
   AddEdge(seen.mask, lines, region, bgr.size(), parameters.edge_columns, message);
   for (YellowLine& line : lines) {
     for (Contour& piece : line.pieces) {

@@ -10,8 +10,9 @@
 //         centre by more than the threshold: "right", for the robot is right of the middle; and
 //         vice versa. The centre is that of the region, or for a camera that is not in the middle
 //         of the body beside it (`ycy_center`). Otherwise "center".
-//         Two lines nearer to each other than a lane are one line. Of one line the middle is half a
-//         lane beside it, towards the centre. Without the camera's mount only the line's side is
+//         Two lines nearer to each other than a lane are one line; of two that are farther apart
+//         the nearer one counts alone. Of one line the middle is half a lane beside it, towards the
+//         centre. Without the camera's mount only the line's side is
 //         known: the robot is too near to it, so that a line on the left is "left".
 //   dy    The line whose centroid is nearest to the vertical centre line: farther away than the
 //         target by more than the threshold (higher in the picture) is "front", nearer "back".
@@ -20,8 +21,8 @@
 //
 // With no line at all the words are "center", and `contours` is 0. With a doubt the words are
 // "center", too, and `doubt` says why they mean nothing: the floor has the colour of the lines;
-// what has it is not as wide as a line, does not stand out from the floor, or has not the shape of
-// a line; the only line may be another lane's.
+// what has it, or most of it, is not as wide as a line, does not stand out from the floor, or has
+// not the shape of a line; the only line may be another lane's.
 //
 // Distance for a given offset: on a lane 0.83 m wide, `middle_offset` changes by 0.05 for
 // each 0.1 m beside its middle in the picture of the front camera, and by 0.036 in that of a

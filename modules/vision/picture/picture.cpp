@@ -14,7 +14,6 @@ constexpr std::array<std::pair<std::string_view, std::uint32_t>, 5> kEncodings =
     {{"rgb8", 3}, {"bgr8", 3}, {"rgba8", 4}, {"bgra8", 4}, {"mono8", 1}}};
 constexpr std::uint32_t kMostPx = 8192;     // of a side
 constexpr std::size_t kSampledStride = 61;  // bytes; a prime, so that no column is sampled alone
-constexpr int kMostEqual = 1'000'000;
 constexpr std::int64_t kNewerNs = 1'000'000;
 constexpr std::int64_t kJumpNs = 1'000'000'000;  // no picture is later than this
 
@@ -54,15 +53,19 @@ Result<> CheckPicture(const msg::Image& picture) {
   return Ok();
 }
 
-int StillPictures::Count(const msg::Image& picture) {
+Duration StillPictures::StillFor(const msg::Image& picture, std::int64_t stamp_ns) {
   std::uint64_t digest = 0xcbf29ce484222325;  // FNV-1a
   const auto add = [&digest](std::uint64_t word) { digest = (digest ^ word) * 0x100000001b3; };
   add(picture.width);
   add(picture.height);
   for (std::size_t i = 0; i < picture.data.size(); i += kSampledStride) add(picture.data[i]);
-  equal_ = digest_ == digest ? std::min(equal_ + 1, kMostEqual) : 1;
-  digest_ = digest;
-  return equal_;
+  const bool is_old = std::ranges::find(digests_, std::optional(digest)) != digests_.end();
+  if (!is_old) {
+    digests_[oldest_] = digest;
+    oldest_ = (oldest_ + 1) % kBuffers;
+  }
+  if (!is_old || stamp_ns < changed_ns_) changed_ns_ = stamp_ns;
+  return Duration(stamp_ns - changed_ns_);
 }
 
 StampGate::StampGate(double rate_hz)

@@ -1,6 +1,7 @@
 #pragma once
 // Which pictures are processed. Pure.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -40,16 +41,20 @@ class StampGate {
   std::int64_t due_ns_ = 0;
 };
 
-// How many pictures in a row are equal. A live camera has noise in each pixel: equal pictures are
-// one that its driver repeats.
+// How long the pictures are old ones. A live camera has noise in each pixel: equal pictures are one
+// that its driver repeats, or a ring of buffers.
 class StillPictures {
  public:
-  // Counts this one, too: 1 for one that differs from the last. Compares a part of the pixels.
-  int Count(const msg::Image& picture);
+  // By the stamps; 0 for a picture that differs from the last kBuffers different ones. Compares a
+  // part of the pixels.
+  Duration StillFor(const msg::Image& picture, std::int64_t stamp_ns);
 
  private:
-  std::optional<std::uint64_t> digest_;  // of the last picture
-  int equal_ = 0;
+  static constexpr std::size_t kBuffers = 4;
+
+  std::array<std::optional<std::uint64_t>, kBuffers> digests_;  // of different pictures
+  std::size_t oldest_ = 0;
+  std::int64_t changed_ns_ = 0;  // the stamp of the last picture that differs
 };
 
 }  // namespace musher::vision

@@ -42,12 +42,17 @@ Result<> PictureFeed::Subscribe() {
   camera->Subscribe<msg::CameraInfo>(
       rules_.camera_info, [this](const msg::CameraInfo& info) { OnInfo(info); },
       transport::kSensorDataQos);
-  auto* pictures = camera->Subscribe<msg::Image>(
-      rules_.picture, [this](msg::Image&& picture) { OnPicture(std::move(picture)); },
-      kNewestPictureQos);
   if (!camera->opened()) return camera->opened();
+  auto pictures = transport::MakeSubscription<msg::Image>(
+      dependencies_.node, Topic(rules_.picture),
+      [this](msg::Image&& picture, const transport::SampleInfo& info) {
+        if (!HasSeveralPublishers(info)) OnPicture(std::move(picture));
+      },
+      kNewestPictureQos);
+  if (!pictures) return pictures.error();
   camera_ = std::move(camera);
-  pictures_ = pictures;
+  pictures_ = std::move(pictures).value();
+  publishers_ = {};
   seen_ = false;
   AwaitNext();
   return Ok();
@@ -55,7 +60,7 @@ Result<> PictureFeed::Subscribe() {
 
 void PictureFeed::Unsubscribe() {
   silence_timer_.reset();
-  pictures_ = nullptr;
+  pictures_.reset();
   camera_.reset();
   silence_ = {};
   requested_at_.reset();
@@ -88,21 +93,41 @@ void PictureFeed::OnPicture(msg::Image picture) {
     case StampGate::Verdict::kLook:
       break;
   }
-  if (StandsStill(picture)) return;
+  if (StandsStill(picture, stamp_ns)) return;
   newest_ns_ = stamp_ns;
   if (!requested_at_) requested_at_ = dependencies_.clock.Now();
   events_.on_shot({stamp_ns, std::move(picture)});
 }
 
-bool PictureFeed::StandsStill(const msg::Image& picture) {
-  if (rules_.still_pictures == 0) return false;
-  const int equal = still_.Count(picture);
-  const bool is_still = equal >= rules_.still_pictures;
+bool PictureFeed::HasSeveralPublishers(const transport::SampleInfo& info) {
+  const Time now = dependencies_.node.loop().Now();
+  publishers_.Add(info.writer, info.participant, now);
+  const bool several = publishers_.AreSeveral(now);
+  if (several && publishers_fault_.error) return true;  // to name them is slow
+  faults_.Set(publishers_fault_,
+              several ? Result<>(FeedFault(KeyCode::kParametersInvalid, PublishersText())) : Ok(),
+              "one publisher of " + Topic(rules_.picture) + " again");
+  return several;
+}
+
+std::string PictureFeed::PublishersText() const {
+  std::string names;
+  for (const transport::ParticipantId participant : publishers_.Participants()) {
+    const std::string name = transport::NameOf(dependencies_.node, participant);
+    if (!name.empty()) names += (names.empty() ? ": " : ", ") + name;
+  }
+  return "several publishers of " + Topic(rules_.picture) + names;
+}
+
+bool PictureFeed::StandsStill(const msg::Image& picture, std::int64_t stamp_ns) {
+  if (rules_.still == Duration(0)) return false;
+  const bool is_still = still_.StillFor(picture, stamp_ns) >= rules_.still;
   faults_.Set(still_fault_,
-              is_still ? Result<>(FeedFault(KeyCode::kTimeout,
-                                            "the picture stands still: " + std::to_string(equal) +
-                                                " equal ones in a row on " + Topic(rules_.picture)))
-                       : Ok(),
+              is_still
+                  ? Result<>(FeedFault(KeyCode::kTimeout,
+                                       "the picture stands still: only old ones for " +
+                                           MsText(rules_.still) + " on " + Topic(rules_.picture)))
+                  : Ok(),
               "the picture changes again");
   return is_still;
 }
@@ -138,6 +163,7 @@ void PictureFeed::OnSilence() {
   const std::string why =
       hangs ? "the detector has been processing one for " + MsText(events_.busy())
       : pictures_->MatchedWriters() == 0 ? "no publisher of " + Topic(rules_.picture)
+      : publishers_fault_.error          ? publishers_fault_.error->message
       : still_fault_.error               ? "the picture stands still on " + Topic(rules_.picture)
                                          : "no usable picture on " + Topic(rules_.picture);
   faults_.Set(silence_,
@@ -156,11 +182,18 @@ Result<> PictureFeed::Check() const {
   }
   if (detector_fault_.error) return FeedFault(kFailed, detector_fault_.error->message);
   if (still_fault_.error) return FeedFault(kFailed, still_fault_.error->message);
+  if (publishers_fault_.error) return FeedFault(kFailed, publishers_fault_.error->message);
   if (!seen_) {
     if (picture_fault_.error) return FeedFault(kFailed, picture_fault_.error->message);
     const bool published = on() && pictures_->MatchedWriters() > 0;
     return FeedFault(kFailed, published ? "no picture came on " + Topic(rules_.picture)
                                         : "no publisher of " + Topic(rules_.picture));
+  }
+  // The second may have sent nothing yet. One that has crashed is matched until its lease ends.
+  const bool alone = dependencies_.node.loop().Now() - publishers_.alone_since().value_or(Time()) >=
+                     PicturePublishers::kWithin;
+  if (pictures_ && pictures_->MatchedWriters() > 1 && !alone) {
+    return FeedFault(kFailed, PublishersText());
   }
   if (!rules_.needs_lens || lens_ || rules_.hfov_rad) return Ok();
   return FeedFault(kFailed, info_fault_.error

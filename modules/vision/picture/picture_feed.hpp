@@ -1,7 +1,7 @@
 #pragma once
 // The pictures of one camera for one detector: the subscription while it is on, the accepted
 // pictures and their lens, and the supervision: invalid pictures, a camera that repeats its last
-// one, silence, a detector that fails or hangs. Runs on any transport.
+// ones, two cameras on one topic, silence, a detector that fails or hangs. Runs on any transport.
 //
 // Threads: the loop's.
 
@@ -16,6 +16,7 @@
 #include "musher/modules/vision/picture/fault_log.hpp"
 #include "musher/modules/vision/picture/lens.hpp"
 #include "musher/modules/vision/picture/picture.hpp"
+#include "musher/modules/vision/picture/picture_publishers.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -37,7 +38,7 @@ struct FeedRules {
   bool needs_lens = true;          // a self-check without a lens fails
   double rate_hz = 0;              // pictures accepted in a second of their own time; 0: all
   Duration silence{};              // timeout without a processed picture
-  int still_pictures = 0;          // equal pictures in a row: the camera stands still; 0: off
+  Duration still{};                // old pictures for so long: the camera stands still; 0: off
   Duration hang{};                 // a picture that takes longer: the detector hangs
 };
 
@@ -74,9 +75,12 @@ class PictureFeed {
   Result<> Subscribe();
   void Unsubscribe();
   void OnPicture(msg::Image picture);
+  // Whether it is from one of several publishers, which is then a fault.
+  bool HasSeveralPublishers(const transport::SampleInfo& info);
+  std::string PublishersText() const;
   void OnInfo(const msg::CameraInfo& info);
-  // Whether it is one of too many equal pictures, which is then a fault.
-  bool StandsStill(const msg::Image& picture);
+  // Whether its pictures have been old ones for too long, which is then a fault.
+  bool StandsStill(const msg::Image& picture, std::int64_t stamp_ns);
   void OnSilence();
   void AwaitNext();
   std::string Topic(const std::string& name) const {
@@ -89,21 +93,23 @@ class PictureFeed {
   const FaultLog faults_;
   StampGate gate_;
   StillPictures still_;
+  PicturePublishers publishers_;
   std::optional<Lens> lens_;  // of the CameraInfo
   std::uint64_t looked_at_ = 0;
   bool seen_ = false;           // a picture was processed since the subscription
   std::int64_t newest_ns_ = 0;  // stamp of the last picture passed to the detector
   FaultLog::Fault picture_fault_;
   FaultLog::Fault still_fault_;
+  FaultLog::Fault publishers_fault_;
   FaultLog::Fault info_fault_;
   FaultLog::Fault detector_fault_;
   FaultLog::Fault silence_;
   std::optional<Time> jump_logged_at_;
   std::optional<Time> requested_at_;  // when the detector got a picture, with no result since
   transport::LoopHandlePtr silence_timer_;
-  transport::Subscription* pictures_ = nullptr;  // of `camera_`
-  std::unique_ptr<transport::Endpoints>
-      camera_;  // while it is on; last: its callbacks use the rest
+  // While it is on; last: their callbacks use the rest.
+  std::unique_ptr<transport::Endpoints> camera_;
+  std::unique_ptr<transport::Subscription> pictures_;
 };
 
 }  // namespace musher::vision

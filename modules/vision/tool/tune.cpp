@@ -277,6 +277,11 @@ Result<> Tune(const VisionConfig& config, const TuneOptions& options, std::ostre
   out << "with these colours:\n";
   PrintScores(pictures.value(), proposed, out);
   out << "\n" << TomlOf(proposed);
+  for (const CourseEntry& entry : config.detectors) {
+    const std::string key = ColorKeyOf(entry.kind);
+    if (!entry.own_color || !proposed.contains(key)) continue;
+    out << fmt::format("remove parameters.{} of {}: it wins over [hall]\n", key, entry.name);
+  }
   return Ok();
 }
 

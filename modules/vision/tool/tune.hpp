@@ -27,8 +27,8 @@ struct TuneOptions {
 };
 
 // Prints how well each detector does now, the colours that do better, how well it does with them,
-// and the table [hall] with them. Fails for a picture whose name has no detector of the config or
-// no label of its kind, or that cannot be read.
+// the table [hall] with them, and which colours of detectors have to be removed for it. Fails for a
+// picture whose name has no detector of the config or no label of its kind, or that cannot be read.
 Result<> Tune(const VisionConfig& config, const TuneOptions& options, std::ostream& out);
 
 }  // namespace musher::vision::tool

@@ -30,7 +30,7 @@ class VisionDetectors : public SkillsMachine {
       : SkillsMachine({{"vision", "[\"musher-vision-manager\", \"vision.toml\"]"},
                        {"r", "[\"musher-skills\", \"r.toml\"]"}}) {
     std::ofstream(folder_ / "vision.toml")
-        << "detect_faces = false\n[[detectors]]\nname = \"arrow\"\nkind = \"arrow\"\n"
+        << "detect_faces = false\nstill_ms = 0\n[[detectors]]\nname = \"arrow\"\nkind = \"arrow\"\n"
            "publish = \"/arrow/info\"\n";
     std::ofstream(folder_ / "r.toml")
         << "robot = \"r\"\nkind = \"jetbot\"\n[topics]\nobjects = \"\"\nscan = \"\"\n"

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/test/support/paths.hpp"
@@ -26,8 +28,9 @@ std::vector<std::string> Said(const std::string& text) {
 }
 
 VisionConfig Read(const std::string& text) {
-  EXPECT_THAT(Said(text), IsEmpty());
-  return ReadVisionText(text, "/robot/course.toml").config.value();
+  const VisionReading reading = ReadVisionText(text, "/robot/course.toml");
+  EXPECT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.front());
+  return reading.config.value();
 }
 
 TEST(CourseConfig, OfTheRepositoryIsGood) {
@@ -35,13 +38,59 @@ TEST(CourseConfig, OfTheRepositoryIsGood) {
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   EXPECT_FALSE(reading.config->detect_faces);
-  EXPECT_EQ(reading.config->still_pictures, 15);
-  EXPECT_EQ(reading.config->detectors.front().still_pictures, 15);
+  EXPECT_EQ(reading.config->still, Milliseconds(300));
+  EXPECT_EQ(reading.config->detectors.front().still, Milliseconds(300));
   std::vector<std::string> names;
   for (const CourseEntry& entry : reading.config->detectors) names.push_back(entry.name);
   EXPECT_THAT(names, IsSupersetOf({"qr_detector", "green_arrow_detector", "red_barrier_detector",
                                    "yellow_marker_detector", "yellow_light_detector", "left",
                                    "right", "front", "right_lane", "front_lane"}));
+}
+
+// Otherwise what `musher-vision tune` prints for [hall] would change nothing.
+TEST(CourseConfig, OfTheRepositoryHasTheColorsOfItsHall) {
+  std::ifstream file(SourceDir() + "/config/vision/course.toml");
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const std::string colors =
+      "\nyellow = { from = [1, 2, 3], to = [4, 5, 6] }\ngreen = { from = [1, 2, 3], to = [4, 5, 6] "
+      "}"
+      "\nred = { from = [1, 2, 3], to = [4, 5, 6] }";
+  text.insert(text.find("\n[hall]\n") + 7, colors);
+  const VisionReading reading = ReadVisionText(text, "/robot/course.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.config);
+  const HsvRange of_hall{{1, 2, 3}, {4, 5, 6}};
+  for (const CourseEntry& entry : reading.config->detectors) {
+    if (const auto* lines = std::get_if<LinesParameters>(&entry.parameters)) {
+      EXPECT_EQ(lines->yellow, of_hall) << entry.name;
+    } else if (const auto* marker = std::get_if<MarkerParameters>(&entry.parameters)) {
+      EXPECT_EQ(marker->yellow, of_hall) << entry.name;
+    } else if (const auto* arrow = std::get_if<ArrowParameters>(&entry.parameters)) {
+      EXPECT_EQ(arrow->green, of_hall) << entry.name;
+    } else if (const auto* barrier = std::get_if<BarrierParameters>(&entry.parameters)) {
+      EXPECT_EQ(barrier->red, of_hall) << entry.name;
+    }
+  }
+}
+
+TEST(CourseConfig, WarnsOfAColorThatWinsOverThatOfTheHall) {
+  const auto reading = ReadVisionText(R"([hall]
+yellow = { from = [18, 90, 40], to = [32, 255, 255] }
+[[detectors]]
+name = "left"
+kind = "lines"
+parameters.yellow = { from = [20, 50, 50], to = [35, 255, 255] }
+[[detectors]]
+name = "lamp"
+kind = "light"
+parameters.yellow = { from = [9, 100, 100], to = [34, 255, 255] }
+)",
+                                      "/robot/course.toml");
+  ASSERT_TRUE(reading.config) << "a warning is no error";
+  ASSERT_THAT(reading.diagnostics, SizeIs(1)) << "an amber light needs one of its own";
+  EXPECT_THAT(FormatDiagnostic(reading.diagnostics[0]),
+              HasSubstr("course.toml:6:21: warning: detectors.left.parameters.yellow: wins over "
+                        "that of [hall]; remove it"));
 }
 
 TEST(CourseConfig, HasTheDefaultsOfTheKind) {

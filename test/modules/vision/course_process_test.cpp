@@ -1,6 +1,8 @@
 // musher-vision-manager with detectors of a course: the real program over DDS, with a camera
 // controlled by the test.
 
+#include <unistd.h>
+
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -74,6 +76,7 @@ TEST_F(FaultyVision, HangsWhenADetectorOfACourseDoesNotReturn) {
 constexpr const char* kCourseFile = R"(
 detect_faces = false
 self_check_ms = 15000
+still_ms = 0
 [[detectors]]
 name = "left"
 kind = "lines"
@@ -142,6 +145,18 @@ TEST_F(CourseProcess, FailsItsSelfCheckWithTheDetectorThatHasNoPictures) {
   Start(file);
   EXPECT_THAT(Failure("SelfCheck"),
               HasSubstr("5909 green_arrow_detector: no publisher of image_rgb"));
+}
+
+TEST_F(CourseProcess, FailsItsSelfCheckWithTheNamesOfTwoPublishersOfOnePicture) {
+  StartCameras();
+  cameras_.push_back(Publisher<msg::Image>("image_rgb", transport::kSensorDataQos));
+  std::string file = kCourseFile;
+  file.replace(file.find("15000"), 5, "3000");
+  Start(file);
+  EXPECT_THAT(
+      Failure("SelfCheck"),
+      HasSubstr("5909 green_arrow_detector: several publishers of image_rgb: /vision_test_" +
+                std::to_string(getpid())));
 }
 
 TEST_F(CourseProcess, FailsItsSelfCheckWithoutTesseractsModel) {

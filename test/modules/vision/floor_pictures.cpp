@@ -53,6 +53,27 @@ cv::Mat Wood(cv::RNG& random, const cv::Scalar& albedo, double contrast) {
   return floor;
 }
 
+// Strips of oak, ash and walnut along x, as wide as a line.
+cv::Mat Parquet(cv::RNG& random) {
+  cv::Mat floor = Even({0, 0, 0});
+  constexpr double kStripM = 0.07, kStripLongM = 0.45;
+  const std::array<cv::Scalar, 3> woods{cv::Scalar(0.1, 0.2, 0.33), cv::Scalar(0.28, 0.4, 0.49),
+                                        cv::Scalar(0.04, 0.07, 0.12)};
+  for (int row = 0; row * kStripM < kSideM; ++row) {
+    const int left = int(row * kStripM * kPxPerM), right = int((row + 1) * kStripM * kPxPerM);
+    double begin_m = -random.uniform(0.0, kStripLongM);
+    while (begin_m < kSideM) {
+      const cv::Rect strip(left, int(begin_m * kPxPerM), right - left, int(kStripLongM * kPxPerM));
+      const cv::Scalar& wood = woods.at(std::size_t(random.uniform(0, 3)));
+      const cv::Rect inside = strip & cv::Rect(0, 0, kSidePx, kSidePx);
+      if (inside.area() > 0) floor(inside).setTo(wood * random.uniform(0.9, 1.1));
+      begin_m += kStripLongM;
+    }
+  }
+  Multiply(floor, 1 + 0.1 * Blotches(random, 0.5, 0.008));
+  return floor;
+}
+
 cv::Mat Concrete(cv::RNG& random) {
   cv::Mat floor = Even({0.28, 0.29, 0.3});
   Multiply(floor, 1 + 0.18 * Blotches(random, 0.4, 0.4));
@@ -75,6 +96,8 @@ cv::Mat FloorOf(const Floor& floor, cv::RNG& random) {
     case Material::kConcrete:
     case Material::kWet:
       return Concrete(random);
+    case Material::kParquet:
+      return Parquet(random);
     case Material::kGrey:
       break;
   }
@@ -101,6 +124,22 @@ cv::Scalar ColorOf(double kelvin) {
   const double t = std::clamp((kelvin - low[0]) / (high[0] - low[0]), 0.0, 1.0);
   return {low[1] + t * (high[1] - low[1]), low[2] + t * (high[2] - low[2]),
           low[3] + t * (high[3] - low[3])};
+}
+
+// Pools of the light of warm lamps, beside that of the hall.
+void AddPools(cv::Mat& floor, cv::RNG& random) {
+  constexpr int kLamps = 4;
+  const cv::Scalar warm(0.25, 0.7, 1.4);
+  cv::Mat light = Even({1, 1, 1});
+  for (int i = 0; i < kLamps; ++i) {
+    const cv::Point2d at = PixelOf({random.uniform(-0.5, 1.5), random.uniform(-1.5, 1.5)});
+    const double radius_px = random.uniform(0.25, 0.5) * kPxPerM;
+    cv::Mat pool = cv::Mat::zeros(floor.size(), CV_32FC3);
+    cv::circle(pool, at, int(radius_px), warm * random.uniform(1.0, 3.0), cv::FILLED);
+    cv::blur(pool, pool, {int(radius_px), int(radius_px)});
+    light += pool;
+  }
+  cv::multiply(floor, light, floor);
 }
 
 // From the camera through a pixel, in the body's frame; false outside of a fisheye's circle.
@@ -166,6 +205,7 @@ FloorPicture::FloorPicture(const Floor& floor) : floor_(floor) {
     }
     cv::fillConvexPoly(above_, corners, kTape * random.uniform(0.85, 1.0));
   }
+  if (floor.light.pools) AddPools(above_, random);
   if (floor.material == Material::kWet) Wet(above_, random);
   cv::GaussianBlur(above_, above_, {5, 5}, 1);
 }

@@ -14,13 +14,14 @@
 
 namespace musher::vision::floors {
 
-enum class Material { kGrey, kConcrete, kOak, kBeech, kBlueMat, kWet };
+enum class Material { kGrey, kConcrete, kOak, kBeech, kBlueMat, kWet, kParquet };
 
 inline const std::vector<std::pair<Material, std::string>>& Materials() {
   static const std::vector<std::pair<Material, std::string>> all = {
       {Material::kGrey, "grey"},        {Material::kConcrete, "concrete, tiles"},
       {Material::kOak, "oak"},          {Material::kBeech, "beech"},
-      {Material::kBlueMat, "blue mat"}, {Material::kWet, "wet spots"}};
+      {Material::kBlueMat, "blue mat"}, {Material::kWet, "wet spots"},
+      {Material::kParquet, "parquet"}};
   return all;
 }
 
@@ -32,7 +33,8 @@ struct Tape {
 
 struct Light {
   double kelvin = 6500;
-  double share = 1;  // of bright daylight
+  double share = 1;    // of bright daylight
+  bool pools = false;  // of warm lamps above, on the floor
 };
 
 struct Floor {

@@ -365,6 +365,26 @@ TEST(OnlyLine, FartherAwayThanALaneIsWideIsADoubt) {
   EXPECT_EQ(far.ycy, "center");
 }
 
+// Of lanes side by side, the line between them worn away.
+TEST(LinesOfTwoLanes, AreNotThoseOfOne) {
+  world::Scene lanes = Hall();
+  LinesParameters far = Mounted();
+  far.region = {0.5, 1, 0, 1};
+  for (const double side : {1.0, -1.0}) {
+    lanes.lines.clear();
+    for (const double y : {-0.44 * side, 1.32 * side}) {
+      world::Line line;
+      line.points_m = {{-3, y}, {3, y}};
+      lanes.lines.push_back(line);
+    }
+    const msg::YellowLines lines =
+        FindLines(SceneShot(lanes, CourseCamera::kFront, At(-2, 0, 0)), far).lines;
+    EXPECT_EQ(lines.contours, 2U);
+    EXPECT_EQ(lines.doubt, "");
+    EXPECT_EQ(lines.ycy, "center") << side << ": " << lines.middle_offset;
+  }
+}
+
 TEST(WhatIsWiderThanALine, IsNone) {
   world::Scene hall = Hall();
   world::Line carpet;

@@ -37,20 +37,42 @@ TEST(CheckPicture, TakesWhatCamerasSend) {
             "");
 }
 
-TEST(StillPictures, CountEqualOnesInARow) {
-  StillPictures still;
+class StillPicturesTest : public ::testing::Test {
+ protected:
+  // A picture each 100 ms.
+  Duration Still(const msg::Image& picture) { return still_.StillFor(picture, at_ns_ += kEveryNs); }
+
+  static constexpr std::int64_t kEveryNs = 100'000'000;
+  StillPictures still_;
+  std::int64_t at_ns_ = 0;
+};
+
+TEST_F(StillPicturesTest, CountTheTimeOfEqualOnes) {
   msg::Image picture = Picture();
-  EXPECT_EQ(still.Count(picture), 1);
-  picture.header.stamp.sec += 1;
-  EXPECT_EQ(still.Count(picture), 2) << "its stamp says nothing";
-  EXPECT_EQ(still.Count(picture), 3);
+  EXPECT_EQ(Still(picture), Duration(0));
+  EXPECT_EQ(Still(picture), Milliseconds(100));
+  EXPECT_EQ(Still(picture), Milliseconds(200));
   ASSERT_FALSE(picture.data.empty());
   picture.data[0] ^= 1;
-  EXPECT_EQ(still.Count(picture), 1);
-  EXPECT_EQ(still.Count(picture), 2);
+  EXPECT_EQ(Still(picture), Duration(0));
+  EXPECT_EQ(Still(picture), Milliseconds(100));
   std::swap(picture.width, picture.height);
   picture.width += 1;
-  EXPECT_EQ(still.Count(picture), 1);
+  EXPECT_EQ(Still(picture), Duration(0));
+  at_ns_ = 0;  // time has jumped back
+  EXPECT_EQ(Still(picture), Duration(0));
+}
+
+TEST_F(StillPicturesTest, CountARingOfUpToFourBuffers) {
+  for (const int buffers : {2, 3, 4, 5}) {
+    msg::Image picture = Picture();
+    Duration still{};
+    for (int i = 0; i < 20; ++i) {
+      picture.data[0] = static_cast<std::uint8_t>(10 * buffers + i % buffers);
+      still = Still(picture);
+    }
+    EXPECT_EQ(still, buffers > 4 ? Duration(0) : Milliseconds(100) * (20 - buffers)) << buffers;
+  }
 }
 
 TEST(CheckPicture, RefusesAnInvalidPicture) {

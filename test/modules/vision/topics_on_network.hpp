@@ -33,6 +33,7 @@ class FaceTopicsTest : public test::ModuleOnNetwork {
  protected:
   FaceTopicsTest() {
     config_.rate_hz = 0;
+    config_.still = {};
     worker_.on_result = [this](const DetectionResult<Detector>& result) {
       topics_->OnResult(result);
     };

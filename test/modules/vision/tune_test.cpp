@@ -71,6 +71,18 @@ TEST_F(TuneTest, FindsTheColorOfLinesThatTheFileDoesNotHave) {
   EXPECT_THAT(out_.str(), HasSubstr("no other colours do better"));
 }
 
+TEST_F(TuneTest, NamesTheDetectorsWhoseOwnColorWinsOverTheTable) {
+  const cv::Scalar orange(10, 110, 235);
+  Save("lane-center-1.png", {100, 540}, orange);
+  std::string own = kConfig;
+  own.insert(own.find("kind = \"lines\"") + 14,
+             "\nparameters.yellow = { from = [20, 50, 50], to = [35, 255, 255] }");
+  ASSERT_TRUE(Tune(own));
+  EXPECT_THAT(out_.str(), HasSubstr("remove parameters.yellow of lane: it wins over [hall]\n"));
+  ASSERT_TRUE(Tune());
+  EXPECT_THAT(out_.str(), Not(HasSubstr("remove")));
+}
+
 TEST_F(TuneTest, LeavesColorsThatAreRight) {
   Save("lane-left-1.png", {203, 540}, kYellow);
   Save("lane-none-1.png", {}, kYellow);

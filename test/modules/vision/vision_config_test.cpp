@@ -21,6 +21,15 @@ std::vector<std::string> Said(const std::string& text) {
   return lines;
 }
 
+TEST(VisionConfig, OfOldFilesCountsEqualPicturesNoLonger) {
+  EXPECT_THAT(
+      Said("still_pictures = 15\n"),
+      ElementsAre("/robot/faces.toml:1:18: error: still_pictures: is replaced by still_ms, the "
+                  "milliseconds in which a camera shows only old pictures: 300, or 0 to "
+                  "check nothing"));
+  EXPECT_EQ(ReadVisionText("", "/robot/faces.toml").config->still, Milliseconds(300));
+}
+
 TEST(VisionConfig, OfTheRepositoryIsGood) {
   const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/faces.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
