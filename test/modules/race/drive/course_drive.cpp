@@ -224,6 +224,8 @@ void CourseDrive::Step() {
   for (; logged_by_dog_ < dog_.log().size(); ++logged_by_dog_) {
     Log("motion", dog_.log()[logged_by_dog_]);
   }
+  const std::size_t feet = dog_.world().referee().whole_foot_count();
+  if (feet > std::exchange(feet_, feet)) Log("referee", "a foot is wholly on a line");
   const Time now = dog_.now();
   const msg::Odometry odometry = OdometryOf(dog_.world());
   walker_.OnOdometry(odometry, now);

@@ -140,6 +140,7 @@ class CourseDrive : private RaceOutputs {
   Race race_;
   std::vector<Due> due_;
   std::size_t logged_by_dog_ = 0;
+  std::size_t feet_ = 0;  // wholly on a line so far
   std::size_t shots_ = 0;
   std::optional<Time> shown_to_walker_;  // a picture that no frame has followed yet
   Duration walker_cpu_{};                // of that picture
