@@ -70,6 +70,7 @@ struct DriveResult {
   std::string state;   // the last one
   std::string reason;  // of ERROR, as in state_info
   std::vector<std::string> states;
+  std::vector<std::string> wrong_words;  // read, and not those of the scene: "qr_a is A-2"
   std::vector<std::string> log;
   Duration took{};
   std::size_t pictures = 0;
