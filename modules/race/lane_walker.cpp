@@ -1,5 +1,6 @@
 #include "musher/modules/race/lane_walker.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -19,9 +20,13 @@ constexpr std::string_view kStopped = "stopped";
 
 // Of odometry: a sample that is older says nothing of the present place, and one that is farther
 // from the one before than a body moves is a jump.
-constexpr Duration kLatestPlace = Milliseconds(1000);
 constexpr double kPlaceJumpM = 0.1;
 constexpr double kBodyMS = 3;
+
+// Never shorter than what the course takes for fresh.
+Duration LatestPlace(const OdometryRules& rules) {
+  return std::max<Duration>(Milliseconds(1000), 3 * rules.fresh);
+}
 
 double DistanceM(const navigation::Pose& from, const navigation::Pose& to) {
   return std::hypot(to.at.x_m - from.at.x_m, to.at.y_m - from.at.y_m);
@@ -69,7 +74,7 @@ LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
     return End::kNone;
   }
   if (std::exchange(received_, false)) received_at_ = now;
-  if (!from_ && now - started_at_ >= kLatestPlace)
+  if (!from_ && now - started_at_ >= LatestPlace(course_.odometry))
     lost_ = true;  // a later pose is not of its begin
   const bool good = end_ == walk.end;
   const bool ended = !end_.empty() && !good && (running_ || now - started_at_ >= kOldEnd);
@@ -131,7 +136,8 @@ void LaneWalker::OnOdometry(const navigation::Pose& pose, Time time) {
 }
 
 std::optional<double> LaneWalker::WayM(Time time) const {
-  if (lost_ || !from_ || !place_ || time - place_->at > kLatestPlace) return std::nullopt;
+  if (lost_ || !from_ || !place_ || time - place_->at > LatestPlace(course_.odometry))
+    return std::nullopt;
   return DistanceM(*from_, place_->pose);
 }
 
