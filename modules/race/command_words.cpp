@@ -1,25 +1,19 @@
 #include "musher/modules/race/command_words.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 
 namespace musher::race {
 namespace {
 
-bool Same(std::string_view a, std::string_view b) {
-  return std::ranges::equal(
-      a, b, [](unsigned char x, unsigned char y) { return std::toupper(x) == std::toupper(y); });
-}
-
 // The rest of `typed` behind `prefix`.
 std::optional<std::string> Behind(std::string_view typed, std::string_view prefix) {
-  if (!Same(typed.substr(0, prefix.size()), prefix)) return std::nullopt;
+  if (!SameWord(typed.substr(0, prefix.size()), prefix)) return std::nullopt;
   return std::string(typed.substr(prefix.size()));
 }
 
 std::string Of(const std::vector<std::string>& names, std::string typed) {
-  const auto name = std::ranges::find_if(names, [&](const auto& n) { return Same(n, typed); });
+  const auto name = std::ranges::find_if(names, [&](const auto& n) { return SameWord(n, typed); });
   return name == names.end() ? typed : *name;
 }
 
@@ -35,7 +29,7 @@ std::optional<std::string> OfResult(const ResultRule& result, std::string_view t
   if (result.command.empty()) return std::nullopt;
   const auto rest = Behind(typed, result.command);
   if (!rest) return std::nullopt;
-  if (Same(*rest, "_DEFAULT")) return result.command + "_DEFAULT";
+  if (SameWord(*rest, "_DEFAULT")) return result.command + "_DEFAULT";
   if (!rest->starts_with(":")) return std::nullopt;
   const std::size_t begin = rest->find_first_not_of(" \t", 1);
   if (begin == std::string::npos) return std::nullopt;
@@ -47,7 +41,7 @@ Result<std::string> OfValue(const Course& course, std::string_view typed) {
   for (const ResultRule& result : course.results) {
     if (result.command.empty()) continue;
     const auto value =
-        std::ranges::find_if(result.values, [&](const auto& v) { return Same(v, typed); });
+        std::ranges::find_if(result.values, [&](const auto& v) { return SameWord(v, typed); });
     if (value == result.values.end()) continue;
     std::string command = result.command + ":" + *value;
     if (found) {
@@ -63,10 +57,10 @@ Result<std::string> OfValue(const Course& course, std::string_view typed) {
 
 Result<std::string> CommandOf(const Course& course, std::string_view typed) {
   for (const std::string_view command : {"START", "STOP", "RESET"}) {
-    if (Same(command, typed)) return std::string(command);
+    if (SameWord(command, typed)) return std::string(command);
   }
   for (const CourseCommand& own : course.commands) {
-    if (Same(own.name, typed)) return own.name;
+    if (SameWord(own.name, typed)) return own.name;
   }
   const std::vector<std::string> states = StateNames(course);
   if (const auto target = Behind(typed, "START:")) {

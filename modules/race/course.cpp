@@ -1,6 +1,7 @@
 #include "musher/modules/race/course.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 namespace musher::race {
 namespace {
@@ -64,8 +65,14 @@ class Stay {
 
 }  // namespace
 
+bool SameWord(std::string_view a, std::string_view b) {
+  return std::ranges::equal(
+      a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
 std::optional<LineWord> LineWordOf(std::string_view word) {
-  const auto* found = std::ranges::find(kLineWords, word);
+  const auto* found = std::ranges::find_if(
+      kLineWords, [word](std::string_view known) { return SameWord(known, word); });
   if (found == kLineWords.end()) return std::nullopt;
   return static_cast<LineWord>(found - kLineWords.begin());
 }

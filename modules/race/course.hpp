@@ -75,11 +75,17 @@ struct Stretch {
   int count = 1;
 };
 
+// Words from outside are the same in upper and lower case.
+bool SameWord(std::string_view a, std::string_view b);
+
 // The word of a picture of lines.
 enum class LineWord : std::uint8_t { kLeft, kRight, kFront, kBack, kCenter };
 // "left"; nothing for another word.
 std::optional<LineWord> LineWordOf(std::string_view word);
 std::string_view Name(LineWord word);
+
+// By LineWord, but of kCenter: right as that is, without a correction.
+using Accepted = std::array<bool, 4>;
 
 using Corrections = std::array<std::optional<Stretch>, 4>;  // by LineWord, but of kCenter
 
@@ -95,6 +101,7 @@ struct Check {
   double threshold = 0.04;  // of a box: a smaller offset, as a share of the width, is "center"
   Corrections usual;        // after a movement ahead, back or aside
   Corrections after_turn;   // after a turn
+  Accepted accepted{};
   std::optional<int> max_corrections;  // else that of CheckRules
   bool required = false;               // given up, it is a fault
 };
@@ -189,6 +196,10 @@ struct LaneWalk {
   Duration silent = Milliseconds(3000);  // without a status the walker has failed
   int retries = 0;                       // after another end: it is started again
   Duration retry_after = Milliseconds(2000);
+  // From its begin straight to its end, by odometry: the end nearer than the first is another line
+  // that was taken for it, and beyond the second it was passed. 0: not checked.
+  double least_m = 0;
+  double most_m = 0;
   Otherwise otherwise;  // after a limit, or another end and all retries
 };
 
@@ -237,7 +248,8 @@ struct WalkStep {
 };
 struct SayStep {
   Index speech = 0;
-  // Said instead where a check of this state or of the one before was given up.
+  // Said instead where the result of the speech is its default, or, of a speech without one, where
+  // a check of this state or of the one before was given up.
   std::optional<Index> unsure;
 };
 struct CountStep {

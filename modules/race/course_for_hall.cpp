@@ -110,36 +110,9 @@ const std::vector<CountRule>& CountRules() {
   return rules;
 }
 
-struct HallKey {
-  std::string_view key;
-  double Hall::*member;
-};
-constexpr HallKey kHallKeys[] = {
-    {"lane_m", &Hall::lane_m},
-    {"line_m", &Hall::line_m},
-    {"start_m", &Hall::start_m},
-    {"cross_m", &Hall::cross_m},
-    {"s1_m", &Hall::s1_m},
-    {"bay_a_aside_m", &Hall::bay_a_aside_m},
-    {"bay_a_in_m", &Hall::bay_a_in_m},
-    {"bay_a_ahead_m", &Hall::bay_a_ahead_m},
-    {"lane_aside_m", &Hall::lane_aside_m},
-    {"lane_length_m", &Hall::lane_length_m},
-    {"bay_b_aside_m", &Hall::bay_b_aside_m},
-    {"bay_b_in_m", &Hall::bay_b_in_m},
-};
-
 std::string Text(const char* format, double value) {
   char text[48];
   std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-// As short as it is exact to 0.1 mm.
-std::string Number(double value) {
-  std::string text = Text("%.4f", value);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.ends_with('.')) text += '0';
   return text;
 }
 
@@ -154,15 +127,15 @@ double StepLength(const Course& course, std::string_view movement) {
 
 // Every measure of the hall in the table [hall] of the text.
 void WriteHall(const Hall& hall, TomlNumbers& numbers, AdaptedFile& file) {
-  for (const HallKey& each : kHallKeys) {
+  for (const HallMeasure& each : kHallMeasures) {
     const TomlNumbers::Place place{"hall", "", each.key};
     const auto before = numbers.Get(place);
     const double now = hall.*each.member;
     if (before && std::abs(*before - now) < 1e-9) continue;
-    if (numbers.Set(place, Number(now))) continue;
+    if (numbers.Set(place, MeasureText(now))) continue;
     if (now == Hall{}.*each.member) continue;
     file.open.push_back("hall." + std::string(each.key) + " is missing in the base: write " +
-                        Number(now));
+                        MeasureText(now));
   }
 }
 
@@ -194,6 +167,13 @@ bool Needs(const Course& base, const CountRule& rule) {
 }
 
 }  // namespace
+
+std::string MeasureText(double metres) {
+  std::string text = Text("%.4f", metres);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text += '0';
+  return text;
+}
 
 AdaptedFile CourseForHall(const Hall& hall, const Course& base, std::string_view text) {
   AdaptedFile file;
@@ -354,12 +334,13 @@ void WriteTarget(const TargetRule& rule, const Hall& hall, const Hall& base,
   const double target = here && there ? *before + *here - *there : -1;
   constexpr double kEdge = 0.05;  // of the region
   if (target < kEdge || target > 1 - kEdge) {
-    file.open.push_back(name + ": its line, " + Number(rule.away_m(hall)) +
+    file.open.push_back(name + ": its line, " + MeasureText(rule.away_m(hall)) +
                         " m away, is not in its region; it needs another one");
     return;
   }
   numbers.Set(place, Text("%.3f", target));
-  file.changes.push_back(name + ": dy_target " + Number(*before) + " -> " + Text("%.3f", target));
+  file.changes.push_back(name + ": dy_target " + MeasureText(*before) + " -> " +
+                         Text("%.3f", target));
 }
 
 }  // namespace
@@ -369,10 +350,10 @@ AdaptedFile VisionForHall(const Hall& hall, const Hall& base, std::string_view t
   TomlNumbers numbers(text);
   const VisionText vision(text);
   if (std::abs(hall.pitch_m() - base.pitch_m()) > 1e-9) {
-    if (numbers.Set({"hall", "", "lane_m"}, Number(hall.pitch_m()))) {
-      file.changes.push_back("hall: lane_m " + Number(hall.pitch_m()));
+    if (numbers.Set({"hall", "", "lane_m"}, MeasureText(hall.pitch_m()))) {
+      file.changes.push_back("hall: lane_m " + MeasureText(hall.pitch_m()));
     } else {
-      file.open.push_back("hall.lane_m is missing: write " + Number(hall.pitch_m()));
+      file.open.push_back("hall.lane_m is missing: write " + MeasureText(hall.pitch_m()));
     }
   }
   for (const TargetRule& rule : kTargets) WriteTarget(rule, hall, base, vision, numbers, file);
@@ -387,10 +368,11 @@ AdaptedFile WalkerForHall(const Hall& hall, std::string_view text) {
   const TomlNumbers::Place place{"lane", "", "width_m"};
   const auto before = numbers.Get(place);
   if (!before) {
-    file.open.push_back("lane.width_m is missing: write " + Number(hall.lane_m));
+    file.open.push_back("lane.width_m is missing: write " + MeasureText(hall.lane_m));
   } else if (std::abs(*before - hall.lane_m) > 1e-9) {
-    numbers.Set(place, Number(hall.lane_m));
-    file.changes.push_back("lane: width_m " + Number(*before) + " -> " + Number(hall.lane_m));
+    numbers.Set(place, MeasureText(hall.lane_m));
+    file.changes.push_back("lane: width_m " + MeasureText(*before) + " -> " +
+                           MeasureText(hall.lane_m));
   }
   file.text = numbers.text();
   return file;

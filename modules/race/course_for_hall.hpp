@@ -7,6 +7,7 @@
 //
 // Threads: any.
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,30 @@
 #include "musher/modules/race/hall.hpp"
 
 namespace musher::race {
+
+struct HallMeasure {
+  std::string_view key;  // of [hall]
+  double Hall::*member;
+  std::string_view what;
+};
+inline constexpr std::array<HallMeasure, 12> kHallMeasures = {{
+    {"lane_m", &Hall::lane_m, "a lane's width, between the inner edges of its lines"},
+    {"line_m", &Hall::line_m, "a line's width"},
+    {"start_m", &Hall::start_m, "the start to lane Q"},
+    {"cross_m", &Hall::cross_m, "the START lane to the cross lane A, along lane Q"},
+    {"s1_m", &Hall::s1_m, "the START lane to the S lane at S1, along lane Q"},
+    {"bay_a_aside_m", &Hall::bay_a_aside_m, "lane Q to the bays A1 and A2"},
+    {"bay_a_in_m", &Hall::bay_a_in_m, "the cross lane A back to the place in a bay"},
+    {"bay_a_ahead_m", &Hall::bay_a_ahead_m, "this place to the line ahead of it"},
+    {"lane_aside_m", &Hall::lane_aside_m, "the S lane at S2 to L1 and R1"},
+    {"lane_length_m", &Hall::lane_length_m,
+     "L1 and R1: the line behind S2 to that between the bays of zone B"},
+    {"bay_b_aside_m", &Hall::bay_b_aside_m, "the S lane at S2 to the bays B1 and B2"},
+    {"bay_b_in_m", &Hall::bay_b_in_m, "QR B ahead to the place in a bay"},
+}};
+
+// As short as it is exact to 0.1 mm.
+std::string MeasureText(double metres);
 
 struct AdaptedFile {
   std::string text;

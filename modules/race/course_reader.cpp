@@ -200,6 +200,28 @@ class CourseReader {
     take(by_dy ? "back" : "right", by_dy ? LineWord::kBack : LineWord::kRight);
   }
 
+  static void ReadAccepted(TableReader& table, Check& check) {
+    const auto words = table.Strings("accept");
+    if (!words) return;
+    const bool by_dy = check.by == Check::By::kDy;
+    for (const auto& each : *words) {
+      const auto word = LineWordOf(each.text);
+      const bool fits = word && (by_dy ? word == LineWord::kFront || word == LineWord::kBack
+                                       : word == LineWord::kLeft || word == LineWord::kRight);
+      if (!fits) {
+        table.Fault(each.at, "accept",
+                    std::string("expected ") +
+                        (by_dy ? "\"front\" or \"back\"" : "\"left\" or \"right\"") + ", found " +
+                        config_toml::Quote(each.text));
+        continue;
+      }
+      const auto index = static_cast<std::size_t>(*word);
+      check.accepted.at(index) = true;
+      if (!check.usual.at(index)) continue;
+      table.Fault(each.at, "accept", each.text + " has a correction, too");
+    }
+  }
+
   Rows CheckRows(Check& check) {
     using By = Check::By;
     const auto corrections = [this, &check](Corrections& which) {
@@ -223,6 +245,7 @@ class CourseReader {
         },
         row::Bool("required", check.required),
         corrections(check.usual),
+        [&check](TableReader& table) { ReadAccepted(table, check); },
         [&check](TableReader&) { check.after_turn = check.usual; },
         row::Sub("after_turn", {corrections(check.after_turn)}),
     };
@@ -302,6 +325,12 @@ class CourseReader {
         row::Time("silent_ms", walk.silent),
         row::Integer("retries", walk.retries, 0, 100),
         row::Time("retry_ms", walk.retry_after, 0),
+        row::Number("least_m", walk.least_m, 0, 1000),
+        row::Number("most_m", walk.most_m, 0, 1000),
+        [&walk](TableReader& table) {
+          if (walk.most_m == 0 || walk.most_m > walk.least_m) return;
+          table.Fault(table.At("most_m"), "most_m", "expected more than least_m, or 0");
+        },
         EndOrStateRow(walk.otherwise),
     };
   }

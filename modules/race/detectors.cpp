@@ -31,42 +31,67 @@ void Detectors::Update() {
   }
 }
 
+template <msg::Message M>
+void Detectors::Subscribe(Index detector, std::function<void(const M&)> handler) {
+  Open& open = open_[detector];
+  open.subscription = open.endpoints->SubscribeEach<M>(
+      course_.detectors[detector].topic,
+      [this, detector, handler = std::move(handler)](const M& sample,
+                                                     transport::EndpointId publisher) {
+        Note(detector, publisher);
+        handler(sample);
+      },
+      [](transport::EndpointId) {}, transport::kSensorDataQos);
+}
+
 // Best effort, so that both kinds of publishers match.
 void Detectors::Subscribe(Index detector) {
   const Detector& rule = course_.detectors[detector];
   Open& open = open_[detector];
   open.endpoints = std::make_unique<transport::Endpoints>(node_, name_space_);
   if (rule.kind == Detector::Kind::kSighting) {
-    open.subscription = open.endpoints->Subscribe<msg::Sighting>(
-        rule.topic,
-        [this, detector](const msg::Sighting& sighting) {
-          handlers_.on_sighting(detector, sighting);
-        },
-        transport::kSensorDataQos);
+    Subscribe<msg::Sighting>(detector, [this, detector](const msg::Sighting& sighting) {
+      handlers_.on_sighting(detector, sighting);
+    });
   } else if (rule.kind == Detector::Kind::kText) {
-    open.subscription = open.endpoints->Subscribe<msg::String>(
-        rule.topic,
-        [this, detector](const msg::String& text) { handlers_.on_text(detector, text.data); },
-        transport::kSensorDataQos);
+    Subscribe<msg::String>(detector, [this, detector](const msg::String& text) {
+      handlers_.on_text(detector, text.data);
+    });
   } else {
-    open.subscription = open.endpoints->Subscribe<msg::YellowLines>(
-        rule.topic,
-        [this, detector](const msg::YellowLines& lines) { handlers_.on_lines(detector, lines); },
-        transport::kSensorDataQos);
+    Subscribe<msg::YellowLines>(detector, [this, detector](const msg::YellowLines& lines) {
+      handlers_.on_lines(detector, lines);
+    });
   }
   if (const Result<>& opened = open.endpoints->opened(); !opened) {
     handlers_.log("no subscription to " + rule.topic + ": " + opened.error().message);
   }
 }
 
-std::vector<std::string> Detectors::Missing() const {
-  std::vector<std::string> missing;
+void Detectors::Note(Index detector, transport::EndpointId publisher) {
+  Open& open = open_[detector];
+  if (publisher == open.newest) return;
+  const bool takes_turns = publisher == open.other && publisher != 0;
+  open.other = std::exchange(open.newest, publisher);
+  if (takes_turns) handlers_.on_two_publishers(detector);
+}
+
+std::vector<std::string> Detectors::TopicsWith(
+    const std::function<bool(int publishers)>& fits) const {
+  std::vector<std::string> topics;
   for (Index i = 0; i < open_.size(); ++i) {
-    const bool found =
-        open_[i].subscription != nullptr && open_[i].subscription->MatchedWriters() > 0;
-    if (open_[i].endpoints && !found) missing.push_back(course_.detectors[i].topic);
+    const transport::Subscription* subscription = open_[i].subscription;
+    const int publishers = subscription == nullptr ? 0 : subscription->MatchedWriters();
+    if (open_[i].endpoints && fits(publishers)) topics.push_back(course_.detectors[i].topic);
   }
-  return missing;
+  return topics;
+}
+
+std::vector<std::string> Detectors::Missing() const {
+  return TopicsWith([](int publishers) { return publishers == 0; });
+}
+
+std::vector<std::string> Detectors::Doubled() const {
+  return TopicsWith([](int publishers) { return publishers > 1; });
 }
 
 }  // namespace musher::race

@@ -23,6 +23,8 @@ class Detectors {
     std::function<void(Index detector, const msg::Sighting&)> on_sighting;
     std::function<void(Index detector, const msg::YellowLines&)> on_lines;
     std::function<void(Index detector, const std::string& text)> on_text;
+    // Samples of two publishers take turns.
+    std::function<void(Index detector)> on_two_publishers;
     std::function<void(const std::string&)> log;
   };
 
@@ -36,15 +38,25 @@ class Detectors {
 
   // The topics that are open and have no publisher.
   std::vector<std::string> Missing() const;
+  // Those with more than one.
+  std::vector<std::string> Doubled() const;
 
  private:
   struct Open {
     std::unique_ptr<transport::Endpoints> endpoints;
     transport::Subscription* subscription = nullptr;
+    // Publishers of the last samples: the newest, and another one before it.
+    transport::EndpointId newest = 0;
+    transport::EndpointId other = 0;
   };
 
   void Update();
   void Subscribe(Index detector);
+  template <msg::Message M>
+  void Subscribe(Index detector, std::function<void(const M&)> handler);
+  // A publisher that was restarted is another one, and the one before it never comes again.
+  void Note(Index detector, transport::EndpointId publisher);
+  std::vector<std::string> TopicsWith(const std::function<bool(int publishers)>& fits) const;
 
   transport::Node& node_;
   const std::string name_space_;

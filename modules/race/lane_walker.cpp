@@ -1,5 +1,7 @@
 #include "musher/modules/race/lane_walker.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "musher/modules/race/printable.hpp"
@@ -16,6 +18,20 @@ constexpr Duration kLatestBegin = Milliseconds(5000);
 // The end of a walk that a STOP has ended, an emergency stop, or a state other than Active.
 constexpr std::string_view kStopped = "stopped";
 
+// Of odometry: a sample that is older says nothing of the present place, and one that is farther
+// from the one before than a body moves is a jump.
+constexpr double kPlaceJumpM = 0.1;
+constexpr double kBodyMS = 3;
+
+// Never shorter than what the course takes for fresh.
+Duration LatestPlace(const OdometryRules& rules) {
+  return std::max<Duration>(Milliseconds(1000), 3 * rules.fresh);
+}
+
+double DistanceM(const navigation::Pose& from, const navigation::Pose& to) {
+  return std::hypot(to.at.x_m - from.at.x_m, to.at.y_m - from.at.y_m);
+}
+
 // The value of ",End:<reason>"; empty: none.
 std::string_view EndOf(std::string_view status) {
   constexpr std::string_view kKey = ",End:";
@@ -27,10 +43,13 @@ std::string_view EndOf(std::string_view status) {
 
 }  // namespace
 
-void LaneWalker::Begin(Index walk, Duration walked) {
+void LaneWalker::Begin(Index walk, const LaneProgress& progress) {
   walk_ = walk;
   started_ = false;
-  walked_ = walked;
+  walked_ = progress.walked;
+  from_ = progress.from;
+  place_.reset();
+  lost_ = progress.lost;
   arrived_ = false;
   tries_ = 0;
   retry_at_.reset();
@@ -55,6 +74,8 @@ LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
     return End::kNone;
   }
   if (std::exchange(received_, false)) received_at_ = now;
+  if (!from_ && now - started_at_ >= LatestPlace(course_.odometry))
+    lost_ = true;  // a later pose is not of its begin
   const bool good = end_ == walk.end;
   const bool ended = !end_.empty() && !good && (running_ || now - started_at_ >= kOldEnd);
   if (ended) {
@@ -98,10 +119,26 @@ void LaneWalker::Pause() {
   outputs_.CommandWalker(course_.walks[*walk_], false);
 }
 
-Duration LaneWalker::Interrupt() {
+LaneProgress LaneWalker::Interrupt() {
   Pause();
   walk_.reset();
-  return walked_;
+  return {walked_, from_, lost_};
+}
+
+void LaneWalker::OnOdometry(const navigation::Pose& pose, Time time) {
+  if (!walk_) return;
+  if (place_) {
+    const double most_m = kPlaceJumpM + kBodyMS * ToSeconds(time - place_->at);
+    if (DistanceM(place_->pose, pose) > most_m) lost_ = true;
+  }
+  place_ = Place{pose, time};
+  if (!from_) from_ = pose;
+}
+
+std::optional<double> LaneWalker::WayM(Time time) const {
+  if (lost_ || !from_ || !place_ || time - place_->at > LatestPlace(course_.odometry))
+    return std::nullopt;
+  return DistanceM(*from_, place_->pose);
 }
 
 void LaneWalker::OnStatus(Index walk, std::string_view status) {

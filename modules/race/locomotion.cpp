@@ -16,6 +16,9 @@ namespace {
 constexpr double kMostSeconds = 60;  // of a walk, between two samples of odometry
 // A walk of so long that comes less far than OdometryRules::blocked_share is blocked.
 constexpr Duration kLatestMove = Milliseconds(1500);
+// The slip of a way is known after so long a walk, and forgotten with about this time.
+constexpr Duration kLeastOfWay = Milliseconds(2000);
+constexpr Duration kMostOfWay = std::chrono::seconds(30);
 constexpr int kBadReports = 3;  // in a row: 0.3 s of motion_status
 constexpr Index kSwitchNames = 15;
 
@@ -128,7 +131,7 @@ void Locomotion::CountProgress(Duration now) {
     Fail(movement.name +
          ": the pose of the odometry stands still: something is in the way, or it is frozen");
   }
-  if (by_time || !odometer_.believed()) return Measure(std::exchange(unmeasured_, {}));
+  if (by_time || !odometer_.believed()) return Measure(ByTime(std::exchange(unmeasured_, {})));
   if (!moved) {
     // A pose that stands still has its next sample to say how far it was.
     if (odometer_.still() > Duration(0)) {
@@ -141,10 +144,44 @@ void Locomotion::CountProgress(Duration now) {
       twist.turns() ? moved->yaw_rad / twist.yaw_rad_s
                     : (moved->forward_m * twist.forward_m_s + moved->left_m * twist.left_m_s) /
                           (speed * speed);
-  unmeasured_ = {};
   const double counted = std::clamp(seconds / movement.odometry_share, -kMostSeconds, kMostSeconds);
-  Measure(Times(std::chrono::seconds(1), counted));
+  const Duration distance = Times(std::chrono::seconds(1), counted);
+  WaySums& sums = ways_.at(static_cast<std::size_t>(WayOf(twist)));
+  sums.walked += std::exchange(unmeasured_, {});
+  sums.measured += distance;
+  if (sums.walked > kMostOfWay) sums = {sums.walked / 2, sums.measured / 2};
+  Measure(distance);
   FailIfBlocked(movement);
+}
+
+Locomotion::Way Locomotion::WayOf(const Twist& twist) {
+  if (twist.turns()) return Way::kTurn;
+  return std::abs(twist.left_m_s) > std::abs(twist.forward_m_s) ? Way::kAside : Way::kAhead;
+}
+
+double Locomotion::ShareOf(Way way) const {
+  const WaySums& sums = ways_.at(static_cast<std::size_t>(way));
+  if (sums.walked < kLeastOfWay) return 1;
+  const OdometryRules& rules = course_.odometry;
+  return std::clamp(ToSeconds(sums.measured) / ToSeconds(sums.walked), 1 / rules.most_share,
+                    1 / rules.least_share);
+}
+
+Duration Locomotion::ByTime(Duration time) const {
+  const Twist& twist = course_.movements[walk_->movement].twist;
+  return twist == Twist{} ? time : Times(time, ShareOf(WayOf(twist)));
+}
+
+std::string Locomotion::SlipText() const {
+  constexpr std::array<const char*, 3> kNames{"ahead", "aside", "of a turn"};
+  std::string all;
+  for (std::size_t i = 0; i < ways_.size(); ++i) {
+    if (ways_.at(i).walked < kLeastOfWay) continue;
+    char text[48];
+    std::snprintf(text, sizeof text, "%.2f %s", ShareOf(static_cast<Way>(i)), kNames.at(i));
+    all += (all.empty() ? "" : ", ") + std::string(text);
+  }
+  return all;
 }
 
 void Locomotion::CountTurn(double yaw_rad) {
@@ -195,7 +232,7 @@ void Locomotion::Send(bool end) {
 
 void Locomotion::EndStream() {
   if (!std::exchange(streaming_, false)) return;
-  Measure(std::exchange(unmeasured_, {}));
+  Measure(ByTime(std::exchange(unmeasured_, {})));
   Send(true);
 }
 

@@ -13,6 +13,7 @@
 //
 // Times are those of the machine, which stands still in a pause. One thread.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -106,6 +107,11 @@ class Locomotion {
     if (streaming_) odometer_.OnSample(stamp_ns, pose, age);
   }
 
+  // A run begins: what the feet did before it does not count.
+  void ForgetSlip() { ways_ = {}; }
+  // "0.91 of its way ahead, 0.88 aside": what odometry has shown so far; empty: not enough of it.
+  std::string SlipText() const;
+
   // Why it cannot go on: once, with the text. Evaluated each tick in which the body is in use.
   std::optional<std::string> Fault(Duration now);
 
@@ -126,6 +132,18 @@ class Locomotion {
     bool paused = false;  // a pause has come between: a failure is repeated
   };
 
+  // The ways of which the feet slip differently.
+  enum class Way : std::uint8_t { kAhead, kAside, kTurn };
+  struct WaySums {
+    Duration walked{};
+    Duration measured{};
+  };
+
+  static Way WayOf(const Twist& twist);
+  // How much of the usual way odometry has shown: 1 where it has not shown enough.
+  double ShareOf(Way way) const;
+  // What time alone counts: it slips as the walks before.
+  Duration ByTime(Duration time) const;
   bool AdvanceMotion(Motion& motion, Duration now);
   void StandFirst(Duration now);
   bool AdvanceWalk(Duration now, Time time);
@@ -151,6 +169,7 @@ class Locomotion {
   WalkProgress ended_walk_;
   Duration unmeasured_{};  // of the walk, since the last sample of odometry
   std::optional<std::string> difference_;
+  std::array<WaySums, 3> ways_;  // by Way, the older the less
   double steer_rad_s_ = 0;
   bool streaming_ = false;
   Duration frame_at_{};  // of the last frame

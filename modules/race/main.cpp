@@ -28,11 +28,11 @@ int main(int argc, char** argv) {
   return musher::program::Main(
       argc, argv,
       {"musher-race", "The race course, as the actuator race.",
-       "`musher-race check COURSE` reports the errors of a course, `musher-race course HALL "
-       "COURSE` "
-       "prints\n"
-       "it for the measures of another hall, `musher-race send START` publishes a command of a "
-       "running race,\n"
+       "`musher-race check COURSE` reports the errors of a course, `musher-race course COURSE "
+       "--lane 0.9`\n"
+       "prints it for the measures of another hall, `musher-race send START` publishes a command "
+       "of a running\n"
+       "race, "
        "`musher-race replay FILE COURSE` replays a recorded one; see their --help.\n\n"
        "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or course."},
       Run);

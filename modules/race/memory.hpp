@@ -35,9 +35,15 @@ class Memory {
     return value ? course_.results[result].values[*value] : "None";
   }
   void Set(Index result, Index value, bool by_command = false) {
-    results_[result] = {value, by_command};
+    results_[result] = {value, by_command, false};
     if (course_.results[result].shown) shown_ = result;
   }
+  // Its default, as it was not found.
+  void SetDefault(Index result) {
+    Set(result, *course_.results[result].by_default);
+    results_[result].by_default = true;
+  }
+  bool IsDefault(Index result) const { return results_[result].by_default; }
   // The last one that state_info shows.
   std::string Shown() const { return shown_ ? Text(*shown_) : "None"; }
 
@@ -101,6 +107,7 @@ class Memory {
   struct Known {
     std::optional<Index> value;
     bool by_command = false;
+    bool by_default = false;
   };
 
   const Course& course_;

@@ -84,10 +84,20 @@ std::string Race::InfoText() const {
   std::string text = "CurrentState:" + std::to_string(state_number()) +
                      ",QRResult:" + memory().Shown() +
                      ",TaskCompleted:" + (memory().completed() ? "True" : "False");
+  text += DefaultsText();
   const bool failed = running() && runner_.state() == course_.error && !runner_.reason().empty();
   if (waits_for_start()) text += ",Waits:START";
   if (memory().completed() || failed) text += ReservationsText();
   return failed ? text + ",Reason:" + runner_.reason() : text;
+}
+
+// The results that were not found.
+std::string Race::DefaultsText() const {
+  std::string names;
+  for (Index i = 0; i < course_.results.size(); ++i) {
+    if (memory().IsDefault(i)) names += (names.empty() ? "" : ";") + course_.results[i].name;
+  }
+  return names.empty() ? "" : ",Default:" + names;
 }
 
 // A comma separates keys: there is none in a value.
@@ -223,6 +233,28 @@ void Race::OnBody(int switch_status, int motion_id, Time now) {
   now_ = now;
   Record(input::kBody, {std::to_string(switch_status), std::to_string(motion_id)});
   runner_.locomotion().OnBody(switch_status, motion_id);
+}
+
+// In the pause it is led up after it, or lifted off its charger: it waits for START.
+void Race::OnCharger(bool on, Time now) {
+  if (on == on_charger_) return;
+  now_ = now;
+  Record(input::kCharger, {on ? "1" : "0"});
+  on_charger_ = on;
+  if (!on || !under_way()) return;
+  if (resting_) {
+    charged_ = true;
+  } else if (!waits_for_start()) {
+    runner_.OnFault("it is on a charger");
+  }
+}
+
+void Race::OnTwoPublishers(Index detector, Time now) {
+  if (detector >= course_.detectors.size() || !under_way() || resting_) return;
+  now_ = now;
+  Record(input::kTwoPublishers, {std::to_string(detector)});
+  runner_.OnFault("two publishers of " + course_.detectors[detector].topic +
+                  ": both are believed in turn; end one of them");
 }
 
 void Race::OnServoReply(bool accepted, std::int32_t code, Time now) {
@@ -389,13 +421,15 @@ void Race::Resume(Time now) {
   // In a long pause people come near, or put the robot on its charger.
   const std::optional<Time> rested_at = std::exchange(rested_at_, std::nullopt);
   const Duration within = course_.robot.resume_within;
-  const Index state = runner_.state();
-  const bool under_way = state != course_.start && state != course_.end && state != course_.error;
-  if (!rested_at || !running() || !under_way || within == Duration(0)) return;
-  if (now - *rested_at <= within) return;
+  const bool charged = std::exchange(charged_, false);
+  const bool was_long = rested_at && within > Duration(0) && now - *rested_at > within;
+  if (!under_way() || (!charged && !was_long)) return;
   if (!held_from_) held_from_ = machine_->time();
-  outputs_.Log(course_.states[state].name + ": the pause was longer than " +
-               std::to_string(ToMilliseconds(within)) + " ms: it goes on after START");
+  outputs_.Log(
+      course_.states[runner_.state()].name + ": " +
+      (charged ? "it was put on a charger in the pause"
+               : "the pause was longer than " + std::to_string(ToMilliseconds(within)) + " ms") +
+      ": it goes on after START");
 }
 
 void Race::GoOn() {

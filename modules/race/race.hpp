@@ -61,6 +61,10 @@ class Race : private fsm::Listener {
   void OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time taken, Time now);
   // switch_status and motion_id of motion_status.
   void OnBody(int switch_status, int motion_id, Time now);
+  // Whether it is on a charger: the battery's message.
+  void OnCharger(bool on, Time now);
+  // Samples of two publishers of a detector take turns.
+  void OnTwoPublishers(Index detector, Time now);
   // motion_servo_response.
   void OnServoReply(bool accepted, std::int32_t code, Time now);
 
@@ -80,7 +84,8 @@ class Race : private fsm::Listener {
   // "" while the machine does not run.
   std::string_view state() const;
   int state_number() const;
-  // "CurrentState:2,QRResult:A-1,TaskCompleted:False"; after the end and after a fault with
+  // "CurrentState:2,QRResult:A-1,TaskCompleted:False"; with ",Default:<result>;<result>" where they
+  // are defaults, as they were not found; after the end and after a fault with
   // ",Reservations:<n>,FirstReservation:<text>,LastReservation:<text>", of which the texts are left
   // out where there is none; after a fault with ",Reason:<text>" as the last.
   std::string InfoText() const;
@@ -96,6 +101,10 @@ class Race : private fsm::Listener {
   void OnInput(const fsm::Machine& machine, const fsm::Input& input) override;
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
 
+  bool under_way() const {
+    const Index state = runner_.state();
+    return running() && state != course_.start && state != course_.end && state != course_.error;
+  }
   // By START, where it waits for that.
   void GoOn();
   bool waits_for_start() const { return held_from_.has_value(); }
@@ -107,6 +116,7 @@ class Race : private fsm::Listener {
   void GoTo(std::string_view target);
   void JumpTo(const Jump& jump);
   void ExecuteJump();
+  std::string DefaultsText() const;
   std::string ReservationsText() const;
   void Clean(Index detector, Sighting& sighting);
   void Refuse(std::string_view kind, const std::string& why);
@@ -128,6 +138,8 @@ class Race : private fsm::Listener {
   bool resting_ = true;
   bool has_run_ = false;  // since the process began
   std::optional<Time> rested_at_;
+  bool on_charger_ = false;
+  bool charged_ = false;               // it was put on a charger in this pause
   std::optional<Duration> held_from_;  // of the machine: after a long pause, until START
   Time now_{};
 };

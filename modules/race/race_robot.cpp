@@ -5,6 +5,7 @@
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/base/joined.hpp"
+#include "musher/messages/protocol/device.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/yaw.hpp"
 #include "musher/modules/race/topic_names.hpp"
@@ -87,6 +88,14 @@ void RaceRobot::Subscribe(transport::Endpoints& topics) {
   topics.Subscribe<msg::MotionServoResponse>(topic::kServoReply, [this](const auto& reply) {
     race_.OnServoReply(reply.result, reply.code, Now());
   });
+  topics.Subscribe<msg::BmsStatus>(
+      topic::kBattery,
+      [this](const msg::BmsStatus& battery) {
+        race_.OnCharger(
+            battery.power_wired_charging || battery.power_wp_place || battery.power_wp_charging,
+            Now());
+      },
+      transport::kSensorDataQos);
   const OdometryRules& odometry = race_.course().odometry;
   if (!odometry.used()) return;
   topics.Subscribe<msg::Odometry>(
@@ -120,6 +129,7 @@ Detectors::Handlers RaceRobot::DetectorHandlers() {
               },
           .on_text = [this](Index detector,
                             const std::string& text) { race_.OnText(detector, text, Now()); },
+          .on_two_publishers = [this](Index detector) { race_.OnTwoPublishers(detector, Now()); },
           .log = [this](const std::string& line) { Log(line); }};
 }
 
@@ -160,6 +170,10 @@ MissingParts RaceRobot::Look() {
   if (!wire->speech->Ready()) found.audio = "no service " + std::string(topic::kSpeech);
   if (const auto missing = wire->detectors->Missing(); !missing.empty()) {
     found.cameras = "no publisher of " + Joined(missing);
+  }
+  if (const auto doubled = wire->detectors->Doubled(); !doubled.empty()) {
+    found.cameras += (found.cameras.empty() ? "" : ", ") +
+                     std::string("more than one publisher of ") + Joined(doubled);
   }
   std::vector<std::string> walkers;
   for (Index i = 0; i < wire->walker_statuses.size(); ++i) {

@@ -10,7 +10,7 @@ struct Kind {
   std::string_view name;
   std::size_t words;
 };
-constexpr std::array<Kind, 11> kKinds = {{{input::kSighting, 7},
+constexpr std::array<Kind, 13> kKinds = {{{input::kSighting, 7},
                                           {input::kLines, 7},
                                           {input::kWalker, 2},
                                           {input::kMotionDone, 3},
@@ -18,6 +18,8 @@ constexpr std::array<Kind, 11> kKinds = {{{input::kSighting, 7},
                                           {input::kOdometry, 5},
                                           {input::kBody, 2},
                                           {input::kServo, 2},
+                                          {input::kCharger, 1},
+                                          {input::kTwoPublishers, 1},
                                           {input::kCommand, 1},
                                           {input::kRest, 0},
                                           {input::kResume, 0}}};
@@ -104,6 +106,10 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
     OnBody(numbers.Integer<int>(0), numbers.Integer<int>(1), now);
   } else if (input == input::kServo) {
     OnServoReply(numbers.Integer<int>(0) != 0, numbers.Integer<std::int32_t>(1), now);
+  } else if (input == input::kCharger) {
+    OnCharger(numbers.Integer<int>(0) != 0, now);
+  } else if (input == input::kTwoPublishers) {
+    OnTwoPublishers(numbers.Integer<Index>(0), now);
   } else if (input == input::kCommand) {
     OnCommand(words[0], now);
   } else if (input == input::kRest) {

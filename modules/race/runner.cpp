@@ -1,7 +1,6 @@
 #include "musher/modules/race/runner.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <string_view>
@@ -46,13 +45,16 @@ std::string MovedText(const OdometryRules& rules, const navigation::Pose& from,
 
 // The value that a text is, in upper or lower case.
 std::optional<Index> ValueOf(const ResultRule& result, const std::string& text) {
-  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
-  const auto is_text = [&](const std::string& value) {
-    return std::ranges::equal(value, text, {}, lower, lower);
-  };
+  const auto is_text = [&](const std::string& value) { return SameWord(value, text); };
   const auto value = std::ranges::find_if(result.values, is_text);
   if (value == result.values.end()) return std::nullopt;
   return static_cast<Index>(value - result.values.begin());
+}
+
+std::string MetresText(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f m", metres);
+  return text;
 }
 
 std::string Steps(int count) {
@@ -91,6 +93,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     place_checked_ = true;
   }
   unknown_.clear();
+  outside_fault_.clear();
   if (back) {
     const Interrupted interrupted = *std::exchange(interrupted_, std::nullopt);
     state_ = state;
@@ -98,9 +101,10 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     at_ = interrupted.activity;
     unsure_ = interrupted.unsure;
     unsure_before_ = interrupted.unsure_before;
-    if (interrupted.lane_walked) {
+    by_command_ = interrupted.by_command;
+    if (interrupted.lane) {
       const auto& step = std::get<WalkStep>(rule().steps[at_.step]);
-      lane_walker_.Begin(step.walk, *interrupted.lane_walked);
+      lane_walker_.Begin(step.walk, *interrupted.lane);
       static_cast<void>(locomotion_.Rise(now));
     } else {
       locomotion_.Continue(interrupted.walk);
@@ -110,6 +114,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   }
   if (begins) {
     memory_.BeginRun();
+    locomotion_.ForgetSlip();
     reason_.clear();
     by_time_ = false;
     if (light_) light_->Reset();
@@ -118,6 +123,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   if (!by_decision || state == course_.error || begins) interrupted_.reset();
   unsure_before_ = by_decision && unsure_;
   unsure_ = false;
+  by_command_ = !by_decision;
   previous_ = state_;
   state_ = state;
   at_ = {};
@@ -127,6 +133,9 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
 }
 
 void Runner::ReportReservations() {
+  if (const std::string slip = locomotion_.SlipText(); !slip.empty()) {
+    Say("of the way of the steps odometry has shown " + slip);
+  }
   const std::size_t count = memory_.reserved();
   if (count == 0) return Say("without a reservation");
   Say("with " + std::to_string(count) + (count == 1 ? " reservation:" : " reservations:"));
@@ -206,6 +215,7 @@ void Runner::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Dur
                         Time time) {
   locomotion_.OnOdometry(stamp_ns, pose, age);
   if (age > course_.odometry.fresh) return;
+  if (!paused_at_) lane_walker_.OnOdometry(pose, time);
   if (PoseOfRestAt(time)) rest_pose_ = pose;
   if (paused_at_ || !checks_pose_from_ || !rest_pose_) return;
   checks_pose_from_.reset();
@@ -238,6 +248,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
   if (ChecksPose(now)) return std::nullopt;
   place_checked_ = true;
   if (!moved_.empty()) return Fail(std::exchange(moved_, {}));
+  if (!outside_fault_.empty()) return Fail(std::exchange(outside_fault_, {}));
   if (skips_) {
     if (locomotion_.busy()) return std::nullopt;
     at_.step = rule().steps.size();
@@ -329,7 +340,7 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
     return Outcome::kRunning;
   }
   if (Unseen(now)) {
-    if (WatchesLight()) perception_.Want(course_.light->detector);
+    if (NeedsLight()) perception_.Want(course_.light->detector);
     locomotion_.Wait();
     return Outcome::kRunning;
   }
@@ -345,7 +356,7 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
 }
 
 void Runner::Interrupt() {
-  interrupted_ = Interrupted{state_, previous_, at_, {}, {}, unsure_, unsure_before_};
+  interrupted_ = Interrupted{state_, previous_, at_, {}, {}, unsure_, unsure_before_, by_command_};
   light_stops_ = true;
   target_ = course_.light->state;
 }
@@ -367,17 +378,14 @@ void Runner::ReserveDistances() {
 // The same along a lane: the line walker gets a STOP, and walks on after the countdown. A walk that
 // has come to its end has nothing left to stop.
 Runner::Outcome Runner::AdvanceLane(const LaneWalk& walk, Duration now, Time time) {
-  if (lane_walker_.arrived()) {
-    lane_walker_.Stop();
-    return Outcome::kDone;
-  }
+  if (lane_walker_.arrived()) return EndLane(walk, time);
   if (Blind(now, time)) {
     lane_walker_.Pause();
     return Outcome::kRunning;
   }
   if (StoppedByLight(now, time)) {
     Interrupt();
-    interrupted_->lane_walked = lane_walker_.Interrupt();
+    interrupted_->lane = lane_walker_.Interrupt();
     Say("a yellow light: the line walker stops");
     return Outcome::kTarget;
   }
@@ -387,45 +395,78 @@ Runner::Outcome Runner::AdvanceLane(const LaneWalk& walk, Duration now, Time tim
     Reserve(reason);
     Say(reason);
   }
+  if (end == LaneWalker::End::kGood) return EndLane(walk, time);
+  const std::optional<double> way_m = lane_walker_.WayM(time);
+  if (end == LaneWalker::End::kNone && walk.most_m > 0 && way_m > walk.most_m) {
+    lane_walker_.Stop();
+    return GiveUp(walk.otherwise, "the line walker has come " + MetresText(*way_m) +
+                                      " by odometry, more than " + MetresText(walk.most_m) +
+                                      ": it has passed the end of its lane");
+  }
   if (end == LaneWalker::End::kNone) return Outcome::kRunning;
   lane_walker_.Stop();
-  if (end == LaneWalker::End::kGood) return Outcome::kDone;
   if (end == LaneWalker::End::kOther) return GiveUp(walk.otherwise, reason);
   fault_ = reason;
   return Outcome::kRunning;
 }
 
-bool Runner::WatchesLight() const {
-  if (!light_ || !rule().light) return false;
-  const bool in_lane = at_.step < rule().steps.size() && at_.phase != 0 &&
-                       std::holds_alternative<WalkStep>(rule().steps[at_.step]);
-  return in_lane || locomotion_.ahead();
+// A state that a command has entered may begin anywhere in the lane: then it is nearer to the end.
+Runner::Outcome Runner::EndLane(const LaneWalk& walk, Time time) {
+  const std::optional<double> way_m = lane_walker_.WayM(time);
+  lane_walker_.Stop();
+  const bool checks = walk.least_m > 0 && !by_command_ && course_.odometry.used();
+  if (!checks || (way_m && *way_m >= walk.least_m)) return Outcome::kDone;
+  if (way_m) {
+    return GiveUp(walk.otherwise, "the line walker has ended with " + walk.end + " after " +
+                                      MetresText(*way_m) + " by odometry, less than " +
+                                      MetresText(walk.least_m) +
+                                      ": another line was taken for the end of its lane");
+  }
+  const std::string reason = "the line walker has ended with " + walk.end +
+                             ", and how far it has come is not known: no odometry on " +
+                             course_.odometry.topic;
+  Reserve(reason);
+  Say(reason);
+  unsure_ = true;
+  return Outcome::kDone;
 }
 
-bool Runner::GoesAhead(const Step& step) const {
-  if (std::holds_alternative<WalkStep>(step)) return true;
-  std::optional<Index> movement;
-  if (const auto* move = std::get_if<MoveStep>(&step)) movement = move->movement;
-  if (const auto* until = std::get_if<UntilStep>(&step)) {
-    movement = course_.untils[until->until].most.movement;
+bool Runner::InLane() const {
+  return at_.step < rule().steps.size() && at_.phase != 0 &&
+         std::holds_alternative<WalkStep>(rule().steps[at_.step]);
+}
+
+bool Runner::NeedsLight() const {
+  return light_ && rule().light && (InLane() || locomotion_.walking());
+}
+
+bool Runner::StopsByLight() const {
+  return NeedsLight() && (InLane() || locomotion_.ahead());
+}
+
+// A check may walk, too.
+bool Runner::Walks(const Step& step) const {
+  if (const auto* move = std::get_if<MoveStep>(&step)) {
+    return course_.movements[move->movement].walks;
   }
-  return movement && course_.movements[*movement].walks &&
-         course_.movements[*movement].twist.forward_m_s > 0;
+  return std::holds_alternative<WalkStep>(step) || std::holds_alternative<UntilStep>(step) ||
+         std::holds_alternative<CheckStep>(step);
 }
 
 void Runner::WantLight() {
   if (!light_ || !rule().light) return;
   const std::size_t next = at_.step + 1;
-  const bool now_ahead = at_.phase == 0 && GoesAhead(rule().steps[at_.step]);
-  const bool soon_ahead = next < rule().steps.size() && GoesAhead(rule().steps[next]) &&
+  const bool is_check = std::holds_alternative<CheckStep>(rule().steps[at_.step]);
+  const bool now_walks = (at_.phase == 0 || is_check) && Walks(rule().steps[at_.step]);
+  const bool soon_walks = next < rule().steps.size() && Walks(rule().steps[next]) &&
                           (!locomotion_.walking() || WalkEndsSoon());
-  if (now_ahead || soon_ahead) perception_.Want(course_.light->detector);
+  if (now_walks || soon_walks) perception_.Want(course_.light->detector);
 }
 
 // Until the first picture it stands without a word: the detector has to start. The fault is one of
 // pictures that are late: where none comes at all, Perception::EndTick() has found that before.
 bool Runner::Blind(Duration now, Time time) {
-  if (!WatchesLight()) return false;
+  if (!NeedsLight()) return false;
   const Index detector = course_.light->detector;
   const std::string& name = course_.detectors[detector].name;
   const std::string blind = std::to_string(ToMilliseconds(course_.light->blind)) + " ms";
@@ -446,8 +487,9 @@ bool Runner::Blind(Duration now, Time time) {
 }
 
 bool Runner::StoppedByLight(Duration now, Time time) {
-  if (!WatchesLight()) return false;
+  if (!NeedsLight()) return false;
   perception_.Want(course_.light->detector);
+  if (!StopsByLight()) return false;
   const Time since = time - course_.light->blind;
   return light_->Stops(perception_.SightingSince(course_.light->detector, since), now);
 }
@@ -548,7 +590,7 @@ Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
     Phase(kLook, now);
   }
   perception_.Want(check.detector);
-  if (at_.phase == kLook) return Look(check, step.after_turn, now, time);
+  if (at_.phase == kLook) return Look(check, step.after_turn, now);
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
   at_.after = locomotion_.walked_until() + course_.check.settle;
@@ -602,11 +644,27 @@ std::optional<Index> Runner::Agreed(Index detector, std::optional<Index> word, b
   return agrees ? word : std::nullopt;
 }
 
-Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, Time /*time*/) {
+bool Runner::HasSample(const Check& check) const {
+  return check.by == Check::By::kBox
+             ? perception_.SightingSince(check.detector, at_.after) != nullptr
+             : perception_.LinesSince(check.detector, at_.after) != nullptr;
+}
+
+// Pictures without the thing are no reason to wait on. Without any picture it stands, as by
+// Perception::EndTick(), until that is a fault.
+Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) {
   const CheckRules& rules = course_.check;
   const std::optional<LineWord> word = Word(check);
   if (!word) {
     if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
+    if (!HasSample(check)) {
+      if (now - at_.since < rules.settle + rules.silent) return Outcome::kRunning;
+      fault_ = "check " + check.name + ": all pictures for the detector " +
+               course_.detectors[check.detector].name +
+               " are older than the movement before it, for " +
+               std::to_string(ToMilliseconds(rules.silent)) + " ms";
+      return Outcome::kRunning;
+    }
     const Lines* lines = perception_.LinesSince(check.detector, at_.after);
     const bool in_doubt = lines != nullptr && !lines->doubt.empty();
     return GiveUpCheck(check, "check " + check.name + ": no picture of it within " +
@@ -615,9 +673,11 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
   }
   if (*word == LineWord::kCenter) return Outcome::kDone;
   const Corrections& corrections = after_turn ? check.after_turn : check.usual;
-  const auto& correction = corrections.at(static_cast<std::size_t>(*word));
-  if (!correction) return Outcome::kDone;
+  const auto index = static_cast<std::size_t>(*word);
+  if (check.accepted.at(index)) return Outcome::kDone;
+  const auto& correction = corrections.at(index);
   const std::string found = "check " + check.name + ": " + std::string(Name(*word));
+  if (!correction) return GiveUpCheck(check, found + ", for which it has no correction");
   if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
     return GiveUpCheck(check, found + " after " + std::to_string(at_.tries) + " corrections");
   }
@@ -699,7 +759,8 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
     return Outcome::kRunning;
   }
   if (wait.otherwise.kind != Otherwise::Kind::kDefault) return GiveUp(wait.otherwise, none);
-  memory_.Set(wait.result, *result.by_default);
+  memory_.SetDefault(wait.result);
+  unsure_ = true;
   const std::string taken = none + ": its default " + result.values[*result.by_default];
   Reserve(taken);
   Say(taken);
@@ -734,13 +795,13 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   };
   const Sighting* sighting = perception_.SightingSince(until.detector, time - blind());
   const bool of_walk = perception_.SightingSince(until.detector, at_.after) != nullptr;
-  if (sighting != nullptr && of_walk && sighting->phase == until.phase) {
+  if (sighting != nullptr && of_walk && SameWord(sighting->phase, until.phase)) {
     memory_.SetMissed(step.until, false);
     Say(until.name + " after " + store(locomotion_.Halt(time)));
     return Outcome::kDone;
   }
   if (WaitsForSight(until, sighting, now)) {
-    if (WatchesLight()) perception_.Want(course_.light->detector);
+    if (NeedsLight()) perception_.Want(course_.light->detector);
     unseen_since_.reset();
     locomotion_.Wait();
     return Outcome::kRunning;
@@ -764,7 +825,7 @@ bool Runner::WaitsForSight(const Until& until, const Sighting* sighting, Duratio
     return true;
   }
   at_.stale_since.reset();
-  if (sighting->phase != kHidden) {
+  if (!SameWord(sighting->phase, kHidden)) {
     at_.hidden_since.reset();
     at_.hidden_over = false;
     return false;
@@ -791,8 +852,10 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time time) {
 
 Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
-    const bool unsure = step.unsure && (unsure_ || unsure_before_);
-    if (unsure)
+    const auto result = course_.speeches[step.speech].result;
+    const bool unsure =
+        step.unsure && (result ? memory_.IsDefault(*result) : unsure_ || unsure_before_);
+    if (unsure && !result)
       Say("it is not sure of the place: a check on the way was given up, or a walk not confirmed");
     voice_.Begin(unsure ? *step.unsure : step.speech, memory_, now);
     Phase(1, now);

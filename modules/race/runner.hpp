@@ -43,10 +43,13 @@ class Runner {
   void GoOn(Duration now, Duration held);
   // Odometry counts: during a walk, where the robot comes to rest in a pause, and after it.
   bool WantsOdometry(Time time) const {
-    return locomotion_.streaming() || PoseOfRestAt(time) || checks_pose_from_.has_value();
+    return locomotion_.streaming() || lane_walker_.under_way() || PoseOfRestAt(time) ||
+           checks_pose_from_.has_value();
   }
   // See Locomotion::OnOdometry().
   void OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Duration age, Time time);
+  // Found outside of it: the next tick takes the state's way of a fault.
+  void OnFault(const std::string& reason) { outside_fault_ = reason; }
   // The steps that are left are dropped: the next tick takes a transition.
   void SkipSteps();
 
@@ -90,10 +93,11 @@ class Runner {
     Index state = 0;
     Index previous = 0;
     Activity activity;
-    WalkProgress walk;                    // of a movement,
-    std::optional<Duration> lane_walked;  // or how long the line walker has walked
-    bool unsure = false;                  // as of the state that was left
+    WalkProgress walk;                 // of a movement,
+    std::optional<LaneProgress> lane;  // or that of the line walker
+    bool unsure = false;               // as of the state that was left
     bool unsure_before = false;
+    bool by_command = false;
   };
   enum class Outcome : std::uint8_t {
     kRunning,
@@ -128,13 +132,18 @@ class Runner {
   Outcome Advance(Duration now, Time time);
   // The same of the line walker's walk.
   Outcome AdvanceLane(const LaneWalk& walk, Duration now, Time time);
-  // Ahead, or along a lane: in a state with light = true.
-  bool WatchesLight() const;
-  // Its detector needs a moment to start: before a movement ahead.
+  // The good end of a walk: whether the lane is as long, by odometry.
+  Outcome EndLane(const LaneWalk& walk, Time time);
+  // In a state with light = true each walk needs its pictures; a walk ahead or along a lane stops
+  // by them.
+  bool NeedsLight() const;
+  bool StopsByLight() const;
+  bool InLane() const;
+  // Its detector needs a moment to start: before a walk.
   void WantLight();
-  bool GoesAhead(const Step& step) const;
-  // No picture of the last LightRule::blind could show the light: the movement ahead waits for one,
-  // at most CheckRules::silent, which is then a fault.
+  bool Walks(const Step& step) const;
+  // No picture of the last LightRule::blind could show the light: the walk waits for one, at most
+  // CheckRules::silent, which is then a fault.
   bool Blind(Duration now, Time time);
   void SeesAgain() {
     blind_since_.reset();
@@ -158,7 +167,9 @@ class Runner {
   // The word, where the last pictures with one have the same, and no more of the pictures were
   // in doubt than not: one picture decides nothing.
   std::optional<Index> Agreed(Index detector, std::optional<Index> word, bool clear);
-  Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
+  Outcome Look(const Check& check, bool after_turn, Duration now);
+  // A sample that is new enough for the present check.
+  bool HasSample(const Check& check) const;
   Outcome GiveUpCheck(const Check& check, const std::string& why);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
   Outcome GiveUp(const Otherwise& otherwise, const std::string& what);
@@ -208,6 +219,7 @@ class Runner {
   bool by_time_ = false;        // a walk of this run went by its time, without odometry
   bool unsure_ = false;         // a check of this state was given up, or a walk not confirmed
   bool unsure_before_ = false;  // one of the state before
+  bool by_command_ = false;     // this state was entered by a command, wherever the robot was
   Index target_ = 0;
   std::optional<Time> paused_at_;
   bool place_checked_ = true;                  // since the pause before
@@ -217,6 +229,7 @@ class Runner {
   std::string moved_;                          // in the pause
   std::vector<std::string> unknown_;           // texts without a meaning, in this state
   std::string fault_;                          // found by a step in this tick
+  std::string outside_fault_;
   std::string reason_;
 };
 

@@ -1,9 +1,12 @@
 // musher-line-walker as a controller and the robot's other modules use it: the real program over
 // DDS.
 
+#include <unistd.h>
+
 #include <csignal>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
@@ -13,6 +16,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/line_walker/s_lane.hpp"
 #include "musher/test/modules/module_process.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 namespace musher::line_walker::walker_process_test {
 
@@ -134,6 +138,48 @@ TEST_F(WalkerProcess, ThatIsKilledInAWalkStandsUntilTheNextStart) {
   const auto starts = peer_.node().loop().Every(
       Milliseconds(200), [this] { static_cast<void>(command_->Publish({"START"})); });
   EXPECT_TRUE(AwaitStatus("State:WALKING")) << status_ << peer_.Output();
+}
+
+// The process that the test below starts and kills: it sends START, and heartbeats until its end.
+TEST(WalkerCommander, DISABLED_SendsHeartbeatsUntilItIsKilled) {
+  const auto node = transport::NodeThread::Start().value();
+  std::unique_ptr<transport::Publisher<msg::String>> command;
+  transport::LoopHandlePtr ticker;
+  bool started = false;
+  node->RunOnLoop([&] {
+    command =
+        transport::MakePublisher<msg::String>(node->node(), "yellow_line_walker/command").value();
+    ticker = node->loop().Every(Milliseconds(500), [&] {
+      if (command->MatchedReaders() < 2) return;  // the walker, and the test
+      static_cast<void>(command->Publish({std::exchange(started, true) ? "HEARTBEAT" : "START"}));
+    });
+  });
+  for (;;) pause();
+}
+
+// On one machine its publisher counts as matched for 10 s more, and here that of the test always.
+TEST_F(WalkerProcess, WhoseCommanderIsKilledEndsItsWalk) {
+  StartRobot();
+  int heartbeats = 0;
+  Subscribe<msg::String>("yellow_line_walker/command", [&](const msg::String& word) {
+    if (word.data == "HEARTBEAT") ++heartbeats;
+  });
+  Start(kFile);
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  exec::Child commander =
+      Launch({"line_walker_test", "--gtest_also_run_disabled_tests",
+              "--gtest_filter=WalkerCommander.DISABLED_SendsHeartbeatsUntilItIsKilled"});
+  ASSERT_TRUE(AwaitStatus("State:WALKING")) << status_ << peer_.Output() << Said();
+  ASSERT_TRUE(peer_.Until([&] { return heartbeats >= 4; })) << Said();
+  EXPECT_THAT(status_, ::testing::StartsWith("State:WALKING"));
+  kill(commander.pid(), SIGKILL);
+  EXPECT_EQ(Await(commander), -SIGKILL);
+  const int before = statuses_;
+  EXPECT_TRUE(AwaitStatus(",End:stopped")) << status_;
+  EXPECT_LE(statuses_ - before, 30) << "3 s";
+  EXPECT_TRUE(peer_.Until([&] { return ends_ == 1; }));
+  EXPECT_TRUE(AwaitOutput("no heartbeat of its commander for 1.5 s")) << peer_.Output();
 }
 
 TEST_F(WalkerProcess, FailsItsSelfCheckWithoutDetectorsAndMotion) {

@@ -54,6 +54,7 @@ void ExpectNoFault(const DriveResult& result, const Route& route) {
   const world::Referee& referee = result.world->referee();
   EXPECT_EQ(referee.whole_foot_count(), 0U) << "a foot was wholly on a line\n" << log;
   EXPECT_EQ(referee.collisions(), 0U) << log;
+  EXPECT_THAT(result.wrong_words, ::testing::IsEmpty());
   EXPECT_THAT(result.states, Contains("START_TO_QRA").Times(route.yellow_light ? 2 : 1))
       << "it continues behind the light";
   EXPECT_THAT(result.states, Contains("YELLOW_LIGHT_COUNTDOWN").Times(route.yellow_light));
@@ -242,12 +243,13 @@ DriveResult DriveIn(const HallCase& hall) {
   DriveResult result = drive.Run();
   std::cout << fmt::format(
       "hall {:2}: lane {:.2f} m, line {:.2f} m, S {:.1f} m {:.0f}°, slip {:.2f}, {}, {:.0f} K, "
-      "light {:.2f}: {}, {} whole feet ({} touches), {} reservations, {:.0f} s\n",
+      "light {:.2f}: {}, {} whole feet ({} touches), {} wrong words, {} reservations, {:.0f} s\n",
       hall.number, hall.hall.hall.lane_m, hall.hall.hall.line_m, hall.hall.s.radius_m,
       hall.hall.s.arc_deg, *hall.route.slip, NameOf(hall.hall.flooring),
       hall.hall.light.temperature_k, hall.hall.light.share, result.state,
       result.world->referee().whole_foot_count(), result.world->referee().touch_count(),
-      result.reservations.size(), ToSeconds(result.took));
+      result.wrong_words.size(), result.reservations.size(), ToSeconds(result.took));
+  if (!result.reason.empty()) std::cout << "  " << result.reason << "\n";
   for (const std::string& each : result.reservations) std::cout << "  " << each << "\n";
   return result;
 }
@@ -262,6 +264,7 @@ TEST_P(WholeCourseOfAnotherHall, IsDrivenOrEndsWithItsReason) {
   const world::Referee& referee = result.world->referee();
   EXPECT_EQ(referee.whole_foot_count(), 0U) << Joined(result.log);
   EXPECT_EQ(referee.collisions(), 0U) << Joined(result.log);
+  EXPECT_THAT(result.wrong_words, ::testing::IsEmpty());
   if (hall.ends) {
     EXPECT_EQ(result.state, "END") << result.reason << "\n" << Joined(result.log);
   }

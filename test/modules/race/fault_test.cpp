@@ -72,6 +72,18 @@ TEST(RaceFault, OfASilentCameraLeadsToTheError) {
   ExpectError(rig, std::chrono::seconds(11), "no sample of the detector qr for 10000 ms");
 }
 
+// The race believed both, in turn.
+TEST(RaceFault, OfTwoPublishersOfADetectorNamesIt) {
+  Rig rig;
+  const Index qr = FindByName(rig.course_.detectors, "qr").value();
+  rig.race->OnTwoPublishers(qr, rig.now);
+  rig.Command("START:IN_QR_A");
+  rig.Run(Milliseconds(500));
+  EXPECT_EQ(rig.state(), "IN_QR_A") << "it does not look in START";
+  rig.race->OnTwoPublishers(qr, rig.now);
+  ExpectError(rig, Milliseconds(200), "two publishers of /qr_detector/sighting");
+}
+
 TEST(RaceFault, OfALostWalkerLeadsToTheError) {
   Rig rig;
   rig.script.walker = [](Duration) { return std::string(); };

@@ -95,6 +95,42 @@ TEST(YellowLight, StopsAMovementWhileNoPictureComes) {
   EXPECT_TRUE(rig.RunTo("IN_A1"));
 }
 
+// Aside, back and in a turn it walked on without a camera.
+TEST(YellowLight, NeedsItsPicturesInEveryWalkOfItsStates) {
+  const std::vector<std::pair<const char*, Twist>> walks = {
+      {"QRB_TO_B1", {0, 0.3, 0}}, {"B1_TO_B2", {-0.3, 0, 0}}, {"B1_TO_L1", {0, 0, -0.9}}};
+  for (const auto& [state, twist] : walks) {
+    Lamp rig;
+    rig.seen = true;  // it does not stop these
+    rig.Command("START:" + std::string(state));
+    ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; })) << state;
+    ASSERT_EQ(rig.field.frames.back().twist, twist);
+    rig.Run(Milliseconds(500));
+    ASSERT_TRUE(rig.field.streaming) << state;
+    rig.script.silent = {"light"};
+    rig.Run(Milliseconds(1200));
+    EXPECT_FALSE(rig.field.streaming) << state;
+    rig.script.silent.clear();
+    rig.Run(Milliseconds(300));
+    EXPECT_TRUE(rig.field.streaming) << state;
+  }
+}
+
+TEST(YellowLight, NeedsItsPicturesInACorrection) {
+  Lamp rig;
+  rig.script.lines = [](const std::string& detector) {
+    return Lines{2, detector == "right_lane" ? LineWord::kLeft : LineWord::kCenter,
+                 LineWord::kCenter};
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  rig.script.silent = {"light"};
+  rig.Run(Milliseconds(5000));
+  EXPECT_LE(rig.field.streams, 2) << "the last picture permits a second";
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(10)));
+}
+
 TEST(YellowLight, WithoutPicturesForTenSecondsLeadsToTheError) {
   Lamp rig;
   rig.Command("START:QRA_TO_A1");
@@ -203,19 +239,21 @@ TEST(YellowLight, IsNotLookedForInOldPicturesInACorrectionAhead) {
   const int streams = rig.field.streams;
   rig.script.picture_age = Milliseconds(1500);
   rig.Run(Milliseconds(3000));
-  EXPECT_EQ(rig.field.streams, streams);
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_LE(rig.FramesOf({0.4, 0, 0}), 23 * 4 + 2) << "it walks by old pictures";
   rig.script.picture_age = Milliseconds(60);
   rig.Run(Milliseconds(500));
   EXPECT_GT(rig.field.streams, streams);
 }
 
-TEST(YellowLight, IsOnlyWatchedDuringMovementsAhead) {
+TEST(YellowLight, StopsOnlyMovementsAhead) {
   Lamp rig;
   rig.seen = true;
   rig.Command("START:B1_TO_L1");  // stands up and turns
   rig.Run(Milliseconds(3000));
   EXPECT_TRUE(rig.field.streaming);
-  EXPECT_FALSE(rig.Wants("light"));
+  EXPECT_TRUE(rig.Wants("light"));
+  EXPECT_EQ(rig.state(), "B1_TO_L1");
 }
 
 // The document has it in all states with a movement ahead.

@@ -61,6 +61,46 @@ TEST(WalkByOdometry, AsideIsMeasuredAside) {
   EXPECT_NEAR(std::hypot(rig.pose.at.x_m, rig.pose.at.y_m), 23 * 0.06 * kWalkShare, 0.06);
 }
 
+// Its corrections are shorter than the time that the body needs to take up its speed: they went by
+// their time, and slipped as ever.
+TEST(WalkByOdometry, OfFewStepsLeadsAsFarOnceTheSlipIsKnown) {
+  Ahead rig;
+  rig.script.slip = 0.15;
+  rig.WalkOnce();
+  rig.script.lines = [&rig](const std::string& detector) {
+    const bool right = detector == "right_lane" && !rig.field.Logged("correction 1");
+    return Lines{2, right ? LineWord::kRight : LineWord::kCenter, LineWord::kCenter};
+  };
+  const double before_m = rig.pose.at.x_m;
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 2; }));
+  ASSERT_TRUE(rig.field.Logged("correction 1: forward 2"));
+  EXPECT_NEAR(rig.pose.at.x_m - before_m, 2 * kStepM, 0.017) << "a tick";
+  EXPECT_EQ(rig.field.frames_of_stream.back(), 10) << "8 without slip";
+}
+
+TEST(WalkByOdometry, ThatIsLostGoesOnWithTheSlipThatItHasShown) {
+  Ahead rig;
+  rig.script.slip = 0.15;
+  rig.WalkOnce();
+  rig.script.odometry = nullptr;
+  rig.Command("START:L1_TO_QRB");
+  rig.script.odometry = nullptr;
+  const double before_m = rig.pose.at.x_m;
+  const double way_m = 85 * kStepM;
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 2; }));
+  EXPECT_NEAR(rig.pose.at.x_m - before_m, way_m, 0.05);
+}
+
+TEST(WalkByOdometry, ShowsTheSlipAtTheEndOfARun) {
+  Ahead rig;
+  rig.script.slip = 0.1;
+  rig.Command("START:A1_TO_START");
+  ASSERT_TRUE(rig.RunTo("END"));
+  EXPECT_TRUE(
+      rig.field.Logged("END: of the way of the steps odometry has shown 0.90 ahead, 0.90 "
+                       "aside"));
+}
+
 // By pictures that stood still it was turned by 0.2 rad/s for 17 s.
 TEST(WalkByOdometry, OfAStraightWalkThatTurnsIsAFault) {
   Ahead rig;

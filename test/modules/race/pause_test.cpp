@@ -4,7 +4,7 @@
 
 #include <tuple>
 
-#include "musher/test/modules/race/race_rig.hpp"
+#include "musher/test/modules/race/race_replay.hpp"
 
 namespace musher::race::pause_test {
 
@@ -241,6 +241,50 @@ TEST(Pause, ThatIsLongIsFollowedByTheRestOnlyAfterStart) {
   rig.Command("START");
   ASSERT_TRUE(rig.RunTo("IN_A1", std::chrono::seconds(60)));
   EXPECT_THAT(rig.race->InfoText(), ::testing::Not(HasSubstr("Waits")));
+}
+
+// Led up within a minute, it walked off from its charger "where it was".
+TEST(Pause, OnAChargerIsFollowedByTheRestOnlyAfterStart) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(Milliseconds(5000));
+  rig.race->OnCharger(true, rig.now);
+  rig.Run(Milliseconds(10'000));
+  rig.race->OnCharger(false, rig.now);  // lifted off it
+  rig.Run(Milliseconds(2000));
+  rig.race->Resume(rig.now);
+  rig.Run(std::chrono::seconds(20));
+  EXPECT_EQ(rig.field.streams, 1);
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr(",Waits:START"));
+  EXPECT_TRUE(rig.field.Logged("it was put on a charger in the pause: it goes on after START"));
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("IN_A1", std::chrono::seconds(60)));
+  ExpectReplays(rig);
+}
+
+TEST(Pause, AfterOneOnAChargerNeedsNoStart) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.race->OnCharger(true, rig.now);
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  EXPECT_EQ(rig.field.streams, 1) << "a person has started it there";
+  PauseFor(rig, Milliseconds(5000));
+  EXPECT_TRUE(rig.RunTo("IN_A1", std::chrono::seconds(60)));
+}
+
+TEST(Pause, IsNotNeededForACharger) {
+  Rig rig;
+  rig.Command("START:IN_QRB");
+  rig.Run(Milliseconds(3000));
+  rig.race->OnCharger(true, rig.now);
+  ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(200)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr(",Reason:IN_QRB: it is on a charger"));
+  ExpectReplays(rig);
 }
 
 TEST(Pause, ThatIsLongMayBeEndedByAnotherCommand) {

@@ -178,14 +178,27 @@ TEST_F(EmptyBattery, OfARaceStopsItAndChargedItStandsInItsStart) {
   EXPECT_TRUE(testing::Until([this] { return FramesDuring(2) > 0; }));
 }
 
-TEST_F(EmptyBattery, OfARaceThatContinuesWhereItWasIsFollowedByTheRest) {
+TEST_F(EmptyBattery, ThatWasReplacedIsFollowedByTheRestWhereItWas) {
   ASSERT_NO_FATAL_FAILURE(Walk("where_it_was"));
   Charge(4, false);
   Await("LowPower");
   FramesDuring(4);
   EXPECT_EQ(FramesDuring(20), 0) << "it walks on";
+  Charge(80, false);
+  Await("Active");
+  EXPECT_TRUE(testing::Until([this] { return FramesDuring(2) > 0; }));
+}
+
+// It walked off from its charger by itself.
+TEST_F(EmptyBattery, ThatWasChargedIsFollowedByTheRestOnlyAfterStart) {
+  ASSERT_NO_FATAL_FAILURE(Walk("where_it_was"));
+  Charge(4, false);
+  Await("LowPower");
+  FramesDuring(4);
   Charge(80, true);
   Await("Active");
+  EXPECT_EQ(FramesDuring(30), 0) << "it moves by itself";
+  node_->RunOnLoop([this] { static_cast<void>(command_->Publish({"START"})); });
   EXPECT_TRUE(testing::Until([this] { return FramesDuring(2) > 0; }));
 }
 

@@ -164,6 +164,7 @@ class RaceProcess : public test::ModuleProcess {
   }
 
   std::int32_t motion_code_ = 0;
+  std::string reads_ = "A-2";
   std::string walker_says_ = "State:IDLE,Active:False";
   std::vector<std::string> infos_;
   std::vector<std::string> states_;
@@ -180,7 +181,7 @@ class RaceProcess : public test::ModuleProcess {
       msg::Sighting sighting;
       sighting.header.stamp = Stamp();
       sighting.seen = true;
-      sighting.text = "A-2";
+      sighting.text = reads_;
       static_cast<void>(qr_->Publish(sighting));
     }
     msg::YellowLines lines;
@@ -329,6 +330,31 @@ TEST_F(RaceProcess, FailsItsSelfCheckWithTheDetectorThatIsMissing) {
   ExpectDone("SelfCheck");
 }
 
+TEST_F(RaceProcess, FailsItsSelfCheckWithTheDetectorThatTwoPublish) {
+  auto second = Publisher<msg::Sighting>("qr_detector/sighting");
+  Start(kCourse);
+  EXPECT_THAT(Failure(kSelfCheck),
+              HasSubstr("cameras: more than one publisher of /qr_detector/sighting"));
+  second.reset();
+  ExpectDone("SelfCheck");
+}
+
+TEST_F(RaceProcess, GoesToErrorWhereASecondPublisherOfADetectorAppears) {
+  StartActive();
+  std::string course = kCourse;
+  Command("START:BOARD");
+  qr_.reset();
+  OpenQr();  // a restarted one
+  reads_ = "C-3";
+  const auto second = Publisher<msg::Sighting>("qr_detector/sighting");
+  const auto turns =
+      peer_.node().loop().Every(Milliseconds(70), [&] { static_cast<void>(second->Publish({})); });
+  ASSERT_TRUE(AwaitState("State:46")) << peer_.Output();
+  ASSERT_TRUE(peer_.Until([&] {
+    return infos_.back().find("two publishers of /qr_detector/sighting") != std::string::npos;
+  })) << infos_.back();
+}
+
 TEST_F(RaceProcess, TakesCommandsOfItsTool) {
   StartActive();
   EXPECT_EQ(RunTool({"send", "SET_QR_A:A-1"}), 0) << Said();
@@ -376,6 +402,28 @@ TEST_F(RaceProcess, PrintsACourseForAnotherHall) {
   EXPECT_EQ(RunTool({"course", hall, config + "race/course.toml", "--walker",
                      config + "line_walker/walker.toml"}),
             0);
+  EXPECT_EQ(RunTool({"course", config + "race/course.toml", "--start", "1.33", "--line", "0.04"}),
+            1);
+  EXPECT_THAT(Said(), HasSubstr("state.START_TO_QRA: forward 12 -> 17 (0.40 m more)"));
+  EXPECT_EQ(RunTool({"course", hall, config + "race/course.toml", "--start", "0.93"}), 0);
+  EXPECT_THAT(Said(), HasSubstr("start_m = 0.93")) << "an option is over the file";
+  EXPECT_EQ(RunTool({"course", config + "race/course.toml", "--lane", "9"}), 2);
+  EXPECT_THAT(Said(),
+              HasSubstr("options:1:10: error: lane_m: expected a number from 0.4 to 3, found 9"));
+  const std::string folder = peer_.folder() / "here";
+  const std::vector<std::string> all = {
+      "course",   config + "race/course.toml",   "--lane",   "0.9",
+      "--vision", config + "vision/course.toml", "--walker", config + "line_walker/walker.toml"};
+  EXPECT_EQ(RunTool(all), 2);
+  EXPECT_THAT(Said(), HasSubstr("both with --write"));
+  std::vector<std::string> to_folder = all;
+  to_folder.insert(to_folder.end(), {"--write", folder});
+  EXPECT_EQ(RunTool(to_folder), 0) << Said();
+  EXPECT_THAT(Said(), HasSubstr("walker.toml: lane: width_m 0.83 -> 0.9"));
+  EXPECT_THAT(Said(), HasSubstr("vision.toml: hall: lane_m 0.95"));
+  EXPECT_EQ(RunTool({"check", folder + "/course.toml"}), 0) << Said();
+  EXPECT_EQ(RunTool(to_folder), 2) << "it overwrites nothing";
+  EXPECT_THAT(Said(), HasSubstr("course.toml: error: there is such a file already"));
   EXPECT_EQ(RunTool({"course", "/no/such.toml", config + "race/course.toml"}), 2);
   EXPECT_EQ(RunTool({"course", hall}), 2);
 }

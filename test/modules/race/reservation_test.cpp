@@ -100,7 +100,7 @@ TEST_F(Doubt, IsKeptWithStateAndReasonAndShownAtTheEnd) {
   EXPECT_THAT(rig.race->InfoText(), EndsWith(",TaskCompleted:False"));
   ASSERT_TRUE(rig.RunTo("END"));
   EXPECT_EQ(rig.race->InfoText(),
-            "CurrentState:3,QRResult:None,TaskCompleted:True,Reservations:4,"
+            "CurrentState:3,QRResult:None,TaskCompleted:True,Default:qr,Reservations:4,"
             "FirstReservation:DRIVE: no bar within 10 steps,"
             "LastReservation:BAY: check ahead: no picture of it within 3000 ms");
   EXPECT_TRUE(rig.field.Logged("END: with 4 reservations:"));
@@ -148,6 +148,32 @@ TEST_F(Doubt, OfTooManyCorrectionsIsKept) {
                         "corrections"));
 }
 
+// It was done without a word.
+TEST_F(Doubt, OfAWordWithoutACorrectionIsKept) {
+  Rig rig(Small());
+  SeeAll(rig);
+  rig.script.lines = [](const std::string&) {
+    return Lines{2, LineWord::kRight, LineWord::kCenter};
+  };
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("END"));
+  EXPECT_THAT(rig.race->InfoText(),
+              HasSubstr("Reservations:2,FirstReservation:DRIVE: check ahead: right; for which it "
+                        "has no correction"));
+}
+
+TEST_F(Doubt, OfAWordThatTheCheckAcceptsIsNone) {
+  Rig rig(Small("left = { move = \"forward\", count = 1 }",
+                "left = { move = \"forward\", count = 1 }\naccept = [\"right\"]"));
+  SeeAll(rig);
+  rig.script.lines = [](const std::string&) {
+    return Lines{2, LineWord::kRight, LineWord::kCenter};
+  };
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("END"));
+  EXPECT_EQ(rig.race->memory().reserved(), 0U);
+}
+
 TEST_F(Doubt, OfALineWalkerThatEndedOtherwiseIsKept) {
   Rig rig(Small("next = \"BAY\"", R"(next = "LANE"
 [walk.lane]
@@ -188,8 +214,9 @@ TEST_F(Doubt, OfMoreChecksThanTheCourseAllowsIsAFault) {
   SeeNothing(rig);
   rig.Command("START");
   ASSERT_TRUE(rig.RunTo("ERROR"));
-  EXPECT_THAT(rig.race->InfoText(),
-              HasSubstr("TaskCompleted:False,Reservations:4,FirstReservation:DRIVE: no bar"));
+  EXPECT_THAT(
+      rig.race->InfoText(),
+      HasSubstr("TaskCompleted:False,Default:qr,Reservations:4,FirstReservation:DRIVE: no bar"));
   EXPECT_THAT(rig.race->InfoText(),
               EndsWith(",Reason:BAY: 2 checks were given up, the last: check ahead in BAY: no "
                        "picture of it within 3000 ms"));

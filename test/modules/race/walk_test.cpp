@@ -81,6 +81,16 @@ TEST(Walk, UntilTheBarrierIsAtTheTopStoresItsStepsForTheRemainder) {
   EXPECT_EQ(rig.field.frames_of_stream[before - 1], 50 * kFramesOfAStep);
 }
 
+TEST(Walk, UntilASightTakesItsPhaseInAnyCase) {
+  Rig rig;
+  rig.script.sight = [&](const std::string&) -> Sighting {
+    return {true, 1, rig.FramesOf({0.4, 0, 0}) > 40 ? "Top" : "SEEN", ""};
+  };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("IN_L1"));
+  EXPECT_TRUE(rig.field.Logged("S2_TO_L1: barrier after 10 steps"));
+}
+
 TEST(Walk, UntilABarrierThatIsNotFoundEndsAfter85StepsAndSaysSo) {
   Rig rig;
   rig.Command("START:S2_TO_L1");
@@ -202,7 +212,7 @@ TEST(Walk, InALaneThatIsSeenAgainGoesOn) {
 
 TEST(Walk, UntilAMarkerIgnoresAPictureThatWasTakenBefore) {
   Rig rig;
-  rig.script.cameras = false;
+  rig.script.silent = {"marker"};
   rig.Command("START:B2_TO_R1");
   ASSERT_TRUE(rig.RunUntil([&] { return rig.Wants("marker"); }));
   const Index marker = FindByName(rig.course_.detectors, "marker").value();
@@ -438,6 +448,47 @@ TEST(Check, ContinuesWithoutALineAfterItsLimitAndSaysSo) {
   EXPECT_TRUE(rig.field.Logged("check right_ycy: no picture of it within 3000 ms"));
 }
 
+// It went on after 3.5 s with a reservation, past a camera that was lost.
+TEST(Check, WithoutAnySampleWaitsUntilThatIsAFault) {
+  Rig rig;
+  rig.script.silent = {"right_lane"};
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  ASSERT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(11)));
+  EXPECT_EQ(rig.field.streams, 1);
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("no sample of the detector right_lane"));
+}
+
+TEST(Check, WhoseSamplesAreAllOfBeforeItsMovementIsAFault) {
+  Rig rig;
+  rig.script.silent = {"right_lane"};
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  const Index lines = FindByName(rig.course_.detectors, "right_lane").value();
+  for (Time taken = rig.now - std::chrono::seconds(5); rig.state() != "ERROR";) {
+    ASSERT_LT(taken, rig.now + std::chrono::seconds(5)) << "it waits without end";
+    rig.race->OnLines(lines, 2, "center", "center", 0, taken, rig.now);
+    taken += Milliseconds(25);
+    rig.Tick();
+  }
+  EXPECT_THAT(rig.race->InfoText(),
+              HasSubstr("all pictures for the detector right_lane are older than the movement"));
+  EXPECT_EQ(rig.field.streams, 1);
+}
+
+TEST(Check, TakesAWordInAnyCase) {
+  Rig rig;
+  rig.script.silent = {"right_lane"};
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  const Index lines = FindByName(rig.course_.detectors, "right_lane").value();
+  for (int i = 0; i < 20; ++i) {
+    rig.race->OnLines(lines, 2, "Left", "CENTER", 0.1, rig.now, rig.now);
+    rig.Tick(2);
+  }
+  EXPECT_TRUE(rig.field.Logged("check right_ycy: left, correction 1"));
+}
+
 TEST(Check, OpensItsDetectorShortlyBeforeTheMovementEndsAndClosesItAfterwards) {
   Rig rig;
   rig.Command("START:QRA_TO_A1");
@@ -457,7 +508,17 @@ TEST(Wait, TakesTheDefaultAfterAllRetries) {
   ASSERT_TRUE(rig.RunTo("QRA_TO_A1"));
   EXPECT_TRUE(rig.field.Logged("no qr_a within 20000 ms: its default A-1"));
   EXPECT_EQ(rig.field.streams, 5);
-  EXPECT_THAT(rig.race->InfoText(), HasSubstr("QRResult:A-1"));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("QRResult:A-1,TaskCompleted:False,Default:qr_a"));
+  // It spoke of the bay as if it had read it.
+  EXPECT_THAT(rig.field.spoken, ElementsAre("没有读到标牌,默认A区库位1"));
+}
+
+TEST(Wait, WhoseWordIsReadOrSetAfterADefaultIsNoDefaultAnyMore) {
+  Rig rig;
+  rig.Command("START:IN_QR_A");
+  ASSERT_TRUE(rig.RunTo("QRA_TO_A1"));
+  rig.Command("SET_QR_A:A-2");
+  EXPECT_THAT(rig.race->InfoText(), ::testing::Not(HasSubstr("Default")));
 }
 
 TEST(Wait, TakesTheDefaultsOfBayAndArrow) {
@@ -594,6 +655,73 @@ TEST(Lane, ThatTheRaceItselfHasStoppedIsStartedAgain) {
   rig.race->Resume(rig.now);
   ASSERT_TRUE(rig.RunTo("IN_S2", std::chrono::seconds(20)));
   EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP", "START", "STOP"));
+}
+
+class MeasuredLane : public ::testing::Test {
+ protected:
+  MeasuredLane() {
+    rig_.script.odometry = Truth;
+    rig_.Command("START:IN_S1");
+  }
+  Rig rig_;
+};
+
+// It took a line on the floor for the lane's end, and went on as if it were at S2.
+TEST_F(MeasuredLane, WhoseEndIsTooNearIsAFault) {
+  rig_.script.lane_m_s = 0.2;
+  ASSERT_TRUE(rig_.RunTo("ERROR", std::chrono::seconds(15))) << rig_.state();
+  EXPECT_THAT(rig_.race->InfoText(),
+              HasSubstr("the line walker has ended with course_end after 1.60 m by odometry, less "
+                        "than 3.50 m: another line was taken for the end of its lane"));
+}
+
+TEST_F(MeasuredLane, WhoseEndIsPassedIsAFault) {
+  rig_.script.walker = [](Duration) { return std::string("State:WALKING,Active:True"); };
+  ASSERT_TRUE(rig_.RunTo("ERROR", std::chrono::seconds(15))) << rig_.state();
+  EXPECT_THAT(rig_.race->InfoText(), HasSubstr("more than 7.00 m: it has passed the end"));
+  EXPECT_FALSE(rig_.field.walking_lane);
+}
+
+TEST_F(MeasuredLane, OfItsLengthEndsWithoutAReservation) {
+  ASSERT_TRUE(rig_.RunTo("IN_S2", std::chrono::seconds(15)));
+  EXPECT_EQ(rig_.race->memory().reserved(), 0U);
+}
+
+TEST_F(MeasuredLane, IsMeasuredFromItsBeginAlsoAfterAYellowLight) {
+  bool light = false;
+  rig_.script.sight = [&](const std::string& detector) -> Sighting {
+    return {light && detector == "light", 0.5, "", ""};
+  };
+  rig_.script.lane_m_s = 0.3;  // 2.4 m, and as much again
+  ASSERT_TRUE(rig_.RunUntil([&] { return rig_.field.walking_lane; }));
+  rig_.Run(Milliseconds(6000));
+  light = true;
+  ASSERT_TRUE(rig_.RunTo("YELLOW_LIGHT_STOP", Milliseconds(300)));
+  light = false;
+  ASSERT_TRUE(rig_.RunTo("S1_TO_S2", Milliseconds(8000)));
+  EXPECT_TRUE(rig_.RunTo("IN_S2", std::chrono::seconds(15))) << rig_.race->InfoText();
+}
+
+TEST_F(MeasuredLane, MayBeShorterWhereACommandHasEnteredIt) {
+  rig_.Command("STOP");
+  rig_.script.lane_m_s = 0.2;
+  rig_.Command("START:S1_TO_S2");
+  EXPECT_TRUE(rig_.RunTo("IN_S2", std::chrono::seconds(15))) << rig_.race->InfoText();
+}
+
+TEST_F(MeasuredLane, WithoutOdometryIsAReservation) {
+  rig_.script.odometry = nullptr;
+  ASSERT_TRUE(rig_.RunTo("IN_S2", std::chrono::seconds(15)));
+  EXPECT_TRUE(rig_.field.Logged("how far it has come is not known: no odometry on odom_out"));
+}
+
+TEST_F(MeasuredLane, WhoseOdometryJumpsIsAReservation) {
+  rig_.script.odometry = [this](OdometrySample truth) -> std::optional<OdometrySample> {
+    if (rig_.now > Time{Milliseconds(5000)}) truth.pose.at.x_m -= 20;
+    return truth;
+  };
+  ASSERT_TRUE(rig_.RunTo("IN_S2", std::chrono::seconds(15))) << rig_.race->InfoText();
+  EXPECT_TRUE(rig_.field.Logged("how far it has come is not known"));
 }
 
 TEST(Speech, OfTheCountdownTakesFiveSeconds) {

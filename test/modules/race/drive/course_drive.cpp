@@ -190,6 +190,13 @@ DriveResult CourseDrive::Run() {
   if (const auto at = info.find(kReason); at != std::string::npos) {
     result_.reason = info.substr(at + kReason.size());
   }
+  const Memory& memory = race_.memory();
+  for (Index i = 0; i < course.results.size(); ++i) {
+    const auto chosen = settings_.chosen.find(course.results[i].name);
+    if (chosen == settings_.chosen.end() || !memory.Value(i) || memory.IsDefault(i)) continue;
+    if (memory.Text(i) == chosen->second) continue;
+    result_.wrong_words.push_back(course.results[i].name + " is " + memory.Text(i));
+  }
   result_.pictures = shots_;
   for (const Reservation& each : race_.memory().reservations()) {
     result_.reservations.push_back(each.Text());
@@ -224,6 +231,8 @@ void CourseDrive::Step() {
   for (; logged_by_dog_ < dog_.log().size(); ++logged_by_dog_) {
     Log("motion", dog_.log()[logged_by_dog_]);
   }
+  const std::size_t feet = dog_.world().referee().whole_foot_count();
+  if (feet > std::exchange(feet_, feet)) Log("referee", "a foot is wholly on a line");
   const Time now = dog_.now();
   const msg::Odometry odometry = OdometryOf(dog_.world());
   walker_.OnOdometry(odometry, now);

@@ -70,6 +70,7 @@ struct DriveResult {
   std::string state;   // the last one
   std::string reason;  // of ERROR, as in state_info
   std::vector<std::string> states;
+  std::vector<std::string> wrong_words;  // read, and not those of the scene: "qr_a is A-2"
   std::vector<std::string> log;
   Duration took{};
   std::size_t pictures = 0;
@@ -140,6 +141,7 @@ class CourseDrive : private RaceOutputs {
   Race race_;
   std::vector<Due> due_;
   std::size_t logged_by_dog_ = 0;
+  std::size_t feet_ = 0;  // wholly on a line so far
   std::size_t shots_ = 0;
   std::optional<Time> shown_to_walker_;  // a picture that no frame has followed yet
   Duration walker_cpu_{};                // of that picture
