@@ -2,7 +2,6 @@
 // and on the loopback of this computer; and the motion board of a world alone.
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/lcm_group.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -29,16 +29,11 @@ using ::testing::Not;
 class LcmBoard : public ::testing::Test {
  protected:
   LcmBoard() {
-    static int tests = 0;
-    const int process = getpid();
-    const std::string group = "udpm://239.252." + std::to_string(process / 256 % 256) + "." +
-                              std::to_string(process % 256) + ":";
-    const int port = 22'000 + 10 * tests++;
     BoardSpec& board = scene_.motion_board;
     board.lcm = true;
-    board.command_url = group + std::to_string(port);
-    board.response_url = group + std::to_string(port + 1);
-    board.localization_url = group + std::to_string(port + 2);
+    board.command_url = transport::NextTestLcmUrl();
+    board.response_url = transport::NextTestLcmUrl();
+    board.localization_url = transport::NextTestLcmUrl();
     board.network_interface = "lo";
     config_.board = motion::BoardKind::kLcm;
     config_.lcm = {board.command_url, board.response_url, board.localization_url, "lo", 0, ""};
