@@ -1,5 +1,6 @@
 // The motion manager and the simulated body, with the datagrams of LCM between them, in real time
-// and on the loopback of this computer; and the motion board of a world alone.
+// and on the loopback of this computer; and the motion board of a world alone. What holds for every
+// kind of board is in motion_board_test.cpp.
 
 #include <gmock/gmock.h>
 
@@ -226,21 +227,6 @@ TEST_F(LcmBoard, ReportsABodyThatIsTiltedAsDamped) {
   });
   EXPECT_TRUE(RunUntil([&] { return last_.report.switch_status == 3; })) << log_;
   EXPECT_EQ(last_.report.ori_error, 1);
-}
-
-TEST_F(LcmBoard, ReportsTheFaultOfAMotorAsTheBoardDoes) {
-  StartWorld();
-  StartMotion();
-  auto fault = transport::MakePublisher<msg::String>(*node_, "world/fault").value();
-  const auto sending = loop_.Every(Milliseconds(100), [&] {
-    msg::String text;
-    text.data = "motor_over_heat 4";
-    static_cast<void>(fault->Publish(text));
-  });
-  EXPECT_TRUE(RunUntil([&] {
-    return last_.report.motor_error[4] == static_cast<std::int32_t>(motion::MotorFault::kTooHot);
-  })) << log_;
-  EXPECT_EQ(last_.report.motor_error[5], 0);
 }
 
 TEST(LcmBoardScene, ReadsItsKeys) {
