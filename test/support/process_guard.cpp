@@ -12,8 +12,6 @@
 namespace musher::testing {
 namespace {
 
-constexpr const char* kVariable = "MUSHER_TEST_GUARD";
-
 // Waits until its input ends; then kills each process with the variable until none is left. A
 // zombie has no environment.
 constexpr const char* kKiller = R"(
@@ -33,8 +31,8 @@ constexpr const char* kKiller = R"(
 
 ProcessGuard::ProcessGuard() {
   static int guards = 0;
-  const std::string value = std::to_string(getpid()) + "." + std::to_string(++guards);
-  unsetenv(kVariable);  // the killer itself does not have it
+  variable_ = "MUSHER_TEST_GUARD_" + std::to_string(++guards);
+  const std::string value = std::to_string(getpid());
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
   alive_ = ends[1];
@@ -47,7 +45,7 @@ ProcessGuard::ProcessGuard() {
   std::string shell = "sh";
   std::string option = "-c";
   std::string script = kKiller;
-  std::string pattern = std::string(kVariable) + "=" + value;
+  std::string pattern = variable_ + "=" + value;
   std::array<char*, 6> words = {shell.data(), option.data(),  script.data(),
                                 shell.data(), pattern.data(), nullptr};
   const int error = posix_spawnp(&killer_, "sh", &actions, &attributes, words.data(), environ);
@@ -55,11 +53,11 @@ ProcessGuard::ProcessGuard() {
   posix_spawn_file_actions_destroy(&actions);
   close(ends[0]);
   if (error != 0) throw std::runtime_error("cannot run sh");
-  setenv(kVariable, value.c_str(), 1);
+  setenv(variable_.c_str(), value.c_str(), 1);  // after the killer has begun, without it
 }
 
 ProcessGuard::~ProcessGuard() {
-  unsetenv(kVariable);
+  unsetenv(variable_.c_str());
   close(alive_);
   waitpid(killer_, nullptr, 0);
 }

@@ -10,7 +10,8 @@ namespace musher::testing {
 
 class ProcessGuard {
  public:
-  // Sets the variable: the processes that are started from now on have it. One guard at a time.
+  // Sets the variable: the processes that are started from now on have it, also that of a guard
+  // before.
   ProcessGuard();
   // Kills them, and waits until it has.
   ~ProcessGuard();
@@ -18,6 +19,7 @@ class ProcessGuard {
   ProcessGuard& operator=(const ProcessGuard&) = delete;
 
  private:
+  std::string variable_;
   pid_t killer_ = 0;  // a process that kills them when `alive_` closes
   int alive_ = -1;    // the end of a pipe; of this process only
 };
