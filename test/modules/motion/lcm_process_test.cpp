@@ -47,6 +47,7 @@ class LcmProcess : public ::testing::Test {
     return board;
   }
 
+  ProcessGuard guard_;  // of the boards; a RobotRig has its own
   std::vector<std::string> urls_;
 };
 
@@ -68,6 +69,24 @@ TEST_F(LcmProcess, StandsWalksAndStopsOnABoardOfLcmsOwnLibrary) {
   EXPECT_EQ(square.exit, 0) << square.out;
   EXPECT_EQ(robot.RequestMotion(0), (msg::MotionResultCmd::Response{0, true, 0}));
   EXPECT_NE(board->LineWith("command mode 0 gait 0"), "");
+}
+
+TEST_F(LcmProcess, GivesTheGaitOfAUserToABoardOfLcmsOwnLibrary) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  msg::MotionSequenceShow::Request sequence;
+  sequence.motion_id = 400;
+  sequence.gait_list = {{true, false, false, true, 12}};
+  sequence.pace_list.emplace_back();
+  sequence.pace_list[0].right_forefoot.w = 0.05;
+  sequence.pace_list[0].duration = 300;
+  const auto shown = robot.Show(sequence);
+  EXPECT_EQ(shown.code, 0) << shown.describe << robot.Log();
+  EXPECT_EQ(board->LineWith("# Gait Def"),
+            "# Gait Def|[[section]]|contact = [1, 0, 0, 1]|duration = 12|");
+  EXPECT_THAT(board->LineWith("# Gait Params"), HasSubstr("|step_height = [50.0, 0.0]|"));
+  EXPECT_NE(board->LineWith("command mode 62 gait 110"), "");
 }
 
 TEST_F(LcmProcess, AdoptsABodyThatWalksAndStopsIt) {

@@ -129,20 +129,33 @@ bool RobotRig::AwaitLog(const std::string& text) {
   return Await([&](const TopicBoard&) { return Log().find(text) != std::string::npos; });
 }
 
-msg::MotionResultCmd::Response RobotRig::RequestMotion(std::int32_t id) {
-  using Service = msg::MotionResultCmd;
-  std::promise<Result<Service::Response>> reply;
-  std::unique_ptr<transport::Client<Service>> client;
+template <msg::Service S>
+Result<typename S::Response> RobotRig::Call(const std::string& service,
+                                            const typename S::Request& request) {
+  std::promise<Result<typename S::Response>> reply;
+  std::unique_ptr<transport::Client<S>> client;
   node_->RunOnLoop([&] {
-    client = transport::MakeClient<Service>(node_->node(), "motion_result_cmd").value();
-    Service::Request request;
-    request.motion_id = id;
+    client = transport::MakeClient<S>(node_->node(), service).value();
     client->Call(request, std::chrono::seconds(20),
                  [&](auto result) { reply.set_value(std::move(result)); });
   });
-  const auto answer = reply.get_future().get();
+  auto answer = reply.get_future().get();
   node_->RunOnLoop([&] { client.reset(); });
-  return answer ? answer.value() : Service::Response{id, false, answer.error().code};
+  return answer;
+}
+
+msg::MotionResultCmd::Response RobotRig::RequestMotion(std::int32_t id) {
+  msg::MotionResultCmd::Request request;
+  request.motion_id = id;
+  const auto answer = Call<msg::MotionResultCmd>("motion_result_cmd", request);
+  if (answer) return answer.value();
+  return {id, false, answer.error().code};
+}
+
+msg::MotionSequenceShow::Response RobotRig::Show(const msg::MotionSequenceShow::Request& sequence) {
+  const auto answer = Call<msg::MotionSequenceShow>("motion_sequence_cmd", sequence);
+  if (answer) return answer.value();
+  return {false, answer.error().code, answer.error().message, sequence.motion_id};
 }
 
 pid_t RobotRig::ManagerPid() const {

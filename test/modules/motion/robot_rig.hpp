@@ -58,10 +58,15 @@ class RobotRig {
   pid_t ManagerPid() const;
 
   msg::MotionResultCmd::Response RequestMotion(std::int32_t id);
+  msg::MotionSequenceShow::Response Show(const msg::MotionSequenceShow::Request& sequence);
   // The output of the motion manager.
   std::string Log() const;
 
  private:
+  // The reply of a service of the motion manager.
+  template <msg::Service S>
+  Result<typename S::Response> Call(const std::string& service, const typename S::Request& request);
+
   TempFolder folder_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<TopicBoard> board_;

@@ -4,11 +4,14 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <functional>
 #include <optional>
 #include <ostream>
 
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/motion/lcm_backend.hpp"
 #include "musher/modules/motion/motion_shell.hpp"
@@ -20,7 +23,11 @@
 #include "musher/test/support/lcm_group.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/transport/clock.hpp"
+#include "musher/transport/lcm_type.hpp"
 #include "musher/transport/sim/network.hpp"
+#include "musher_lcm/danger_states_lcmt.hpp"
+#include "musher_lcm/localization_lcmt.hpp"
+#include "musher_lcm/robot_control_response_lcmt.hpp"
 
 namespace musher::world::motion_board_test {
 
@@ -38,6 +45,7 @@ class MotionBoard : public ::testing::TestWithParam<motion::BoardKind> {
 
   MotionBoard() {
     scene_.start_standing = false;
+    config_.gaits = SourceDir() + "/config/motion/gaits";
     if (OnLcm()) {
       BoardSpec& board = scene_.motion_board;
       board.lcm = true;
@@ -50,6 +58,9 @@ class MotionBoard : public ::testing::TestWithParam<motion::BoardKind> {
     }
     clock_ = transport::Clock::FromTopic(*robot_).value();
     client_ = transport::MakeClient<msg::MotionResultCmd>(*desk_, "motion_result_cmd").value();
+    gaits_ = transport::MakeClient<msg::MotionCustomCmd>(*desk_, "motion_custom_cmd").value();
+    sequences_ =
+        transport::MakeClient<msg::MotionSequenceShow>(*desk_, "motion_sequence_cmd").value();
     temperatures_ = transport::MakeClient<msg::MotorTemp>(*desk_, "motor_temp").value();
     odometry_ = transport::MakeSubscription<msg::Odometry>(
                     *desk_, "odom_out",
@@ -146,6 +157,8 @@ class MotionBoard : public ::testing::TestWithParam<motion::BoardKind> {
   std::unique_ptr<transport::Clock> clock_;
   msg::Odometry last_;
   std::unique_ptr<transport::Client<msg::MotionResultCmd>> client_;
+  std::unique_ptr<transport::Client<msg::MotionCustomCmd>> gaits_;
+  std::unique_ptr<transport::Client<msg::MotionSequenceShow>> sequences_;
   std::unique_ptr<transport::Client<msg::MotorTemp>> temperatures_;
   std::unique_ptr<transport::Publisher<msg::String>> faults_ =
       transport::MakePublisher<msg::String>(*desk_, "world/fault").value();
@@ -243,6 +256,64 @@ TEST_P(MotionBoard, ReportsTheTemperaturesOfTwelveMotors) {
   }
 }
 
+TEST_P(MotionBoard, DefinesTheGaitOfAUserWhereItTakesGaits) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  msg::MotionCustomCmd::Request request;
+  request.cmd_type = msg::MotionCustomCmd::kDefinition;
+  request.motion_id = 400;
+  EXPECT_EQ(Call(*gaits_, request).code, OnLcm() ? 0 : 3008) << log_;
+  EXPECT_EQ(log_.find("steps of a gait") != std::string::npos, OnLcm());
+  request.motion_id = motion::kUserTrot;
+  EXPECT_EQ(Call(*gaits_, request).code, 3008) << "it is no gait of a user";
+  request.cmd_type = msg::MotionCustomCmd::kExecution;
+  request.motion_id = 400;
+  EXPECT_EQ(Call(*gaits_, request).code, 0);
+}
+
+TEST_P(MotionBoard, PlaysASequenceByFootWhereItTakesGaits) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  msg::MotionSequenceShow::Request request;
+  request.motion_id = 400;
+  request.gait_list = {{true, false, false, true, 12}, {false, true, true, false, 12}};
+  request.pace_list.emplace_back();
+  request.pace_list[0].centroid.position.z = 0.01;
+  request.pace_list[0].duration = 1000;
+  const msg::MotionSequenceShow::Response response = Call(*sequences_, request);
+  EXPECT_EQ(response.code, OnLcm() ? 0 : 3008) << response.describe;
+  if (OnLcm()) {
+    EXPECT_EQ(TheBody().mode(), 62);
+    EXPECT_EQ(TheBody().gait(), 110);
+  }
+}
+
+TEST_P(MotionBoard, StandsWhenAGaitIsRefused) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  msg::MotionSequenceShow::Request request;
+  request.motion_id = 400;
+  request.gait_toml = std::string(1'000'000, '#');
+  request.pace_toml = "[[step]]\n";
+  const msg::MotionSequenceShow::Response response = Call(*sequences_, request);
+  EXPECT_EQ(response.code, OnLcm() ? 3010 : 3008);
+  EXPECT_NE(response.describe, "");
+  EXPECT_EQ(TheBody().mode(), 12);
+  EXPECT_EQ(log_.find("of a gait"), log_.find("of a gait, ")) << "the board gets nothing";
+  Stream(seconds(1), 0.2F);
+  msg::MotionCustomCmd::Request definition;
+  definition.motion_id = 400;
+  EXPECT_EQ(Call(*gaits_, definition).code, OnLcm() ? 3011 : 3008) << "while the body walks";
+}
+
+TEST_P(MotionBoard, StatesHowFarItsOdometryMayBeWrong) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  network_.RunFor(seconds(1));
+  EXPECT_NEAR(last_.pose.covariance[0], 0, 1e-4);
+  EXPECT_GT(last_.twist.covariance[0], 0);
+  EXPECT_GT(last_.twist.covariance[35], 0);
+  ASSERT_EQ(Do(motion::kUserTrot, 4000, {0.5F, 0, 0}), 0);
+  EXPECT_NEAR(std::sqrt(last_.pose.covariance[0]), 0.05 * 2.0, 0.02) << "it drifts on its way";
+  EXPECT_GT(last_.pose.covariance[35], 0) << "its yaw, too";
+}
+
 TEST_P(MotionBoard, StopsInAnEmergencyAndKeepsTheStop) {
   Stream(seconds(4), 0.4F);
   EXPECT_EQ(Do(motion::kEmergencyStop), 0);
@@ -295,6 +366,78 @@ TEST_P(MotionBoard, RefusesMotionsOfASilentBoard) {
   const msg::MotorTemp::Response response = Call(*temperatures_, {});
   EXPECT_FALSE(response.result);
   EXPECT_EQ(response.code, 3035);
+}
+
+// --- what comes from the network ---
+
+struct BadDatagrams {
+  std::string name;
+  std::string channel;
+  std::string log;  // that names them, with its code
+  std::function<std::vector<std::byte>()> bytes;
+  int times = 1;
+};
+
+class MotionBoardBadInput : public MotionBoard {
+ protected:
+  // Of the same host as the board; the board goes on.
+  void Inject(const BadDatagrams& bad, const std::string& url) {
+    const auto sender =
+        transport::LcmSocket::Open(robot_->loop(), {transport::ReadLcmUrl(url).value(), "lo", 0},
+                                   [](const transport::LcmSample&) {})
+            .value();
+    for (int i = 0; i < bad.times; ++i) {
+      ASSERT_TRUE(sender->Send(bad.channel, bad.bytes()));
+      if (i % 10 == 9) network_.RunFor(Milliseconds(1));
+    }
+    network_.RunFor(seconds(1));
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Boards, MotionBoardBadInput, ::testing::Values(motion::BoardKind::kLcm),
+                         [](const auto&) { return "Lcm"; });
+
+TEST_P(MotionBoardBadInput, GetsACodeAndASentenceAndTheBodyStands) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  network_.RunFor(seconds(1));
+  using musher_lcm::localization_lcmt;
+  using musher_lcm::robot_control_response_lcmt;
+  const std::string dropped = "a datagram on LCM channel ";
+  const auto cut = [](std::vector<std::byte> bytes) {
+    bytes.resize(bytes.size() - 1);
+    return bytes;
+  };
+  const BadDatagrams all[] = {
+      {"of a wrong length", "robot_control_response", dropped + "'robot_control_response'",
+       [&] { return cut(transport::EncodeLcm(robot_control_response_lcmt{})); }},
+      {"of another fingerprint", "robot_control_response", dropped + "'robot_control_response'",
+       [] { return transport::EncodeLcm(musher_lcm::danger_states_lcmt{}); }},
+      {"with NaN", "global_to_robot", dropped + "'global_to_robot'",
+       [] {
+         localization_lcmt location{};
+         location.xyz[0] = NAN;
+         return transport::EncodeLcm(location);
+       }},
+      {"of 10 kHz", "robot_control_response", "the motion board sends ",
+       [] {
+         robot_control_response_lcmt response{};
+         response.mode = 12;
+         return transport::EncodeLcm(response);
+       },
+       10'000},
+  };
+  for (const BadDatagrams& bad : all) {
+    SCOPED_TRACE(bad.name);
+    const bool location = bad.channel == "global_to_robot";
+    Inject(bad, location ? config_.lcm.localization_url : config_.lcm.response_url);
+    EXPECT_NE(log_.find(bad.log), std::string::npos) << log_;
+    EXPECT_EQ(TheBody().mode(), 12);
+    EXPECT_NEAR(SpeedOfBody(), 0, 0.01);
+    EXPECT_FALSE(std::isnan(last_.pose.pose.position.x));
+  }
+  EXPECT_NE(log_.find("(3010)"), std::string::npos);
+  network_.RunFor(seconds(2));
+  EXPECT_EQ(Do(motion::kUserTrot, 1000, {0.5F, 0, 0}), 0) << "it goes on";
 }
 
 }  // namespace musher::world::motion_board_test
