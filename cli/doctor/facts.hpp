@@ -131,6 +131,15 @@ struct OtherHostFacts {
   std::vector<std::string> foreign = {};   // units of these names, of another machine
 };
 
+// The multicast group of a motion board on LCM.
+struct LcmFacts {
+  std::string actuator;
+  std::string file;               // of its motion manager
+  std::string group;              // "239.255.76.67"
+  std::string network_interface;  // that the file names; empty: that of the route
+  std::string error;              // why it cannot be reached; empty: it can
+};
+
 struct DoctorFacts {
   std::optional<MachineConfig> config;
   transport::Environment environment;
@@ -144,6 +153,7 @@ struct DoctorFacts {
   std::optional<std::int64_t> rmem_max;  // bytes
   std::optional<std::int64_t> wmem_max;
   DdsTrial dds;
+  std::vector<LcmFacts> lcm;
   ClockFacts clock;
   std::optional<FolderFacts> state_dir;  // none without a config
   std::vector<FolderFacts> log_dirs;     // of the actuators, and of the controller

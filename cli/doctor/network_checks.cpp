@@ -239,6 +239,46 @@ DoctorCheck CheckExchange(const DoctorFacts& facts) {
   return check;
 }
 
+// The interface that probably leads to the board: the first one to other hosts; else the loopback,
+// where a simulated board is.
+std::string InterfaceToBoard(const DoctorFacts& facts, const LcmFacts& board) {
+  if (!board.network_interface.empty()) return board.network_interface;
+  for (const NetworkInterface& one : facts.interfaces) {
+    if (!one.loopback && one.up && !one.addresses.empty()) return one.name;
+  }
+  return "lo";
+}
+
+// The multicast groups of LCM have no route by default; LCM's own programs then only print a page.
+DoctorCheck CheckMotionBoard(const DoctorFacts& facts) {
+  DoctorCheck check{"motion board"};
+  if (facts.lcm.empty()) return NotApplicable(check, "no actuator has one on LCM");
+  std::vector<std::string> reached;
+  for (const LcmFacts& board : facts.lcm) {
+    const std::string& name = board.network_interface;
+    reached.push_back(board.group + (name.empty() ? "" : " by " + name));
+    if (board.error.empty()) continue;
+    check.health = CheckStatus::kError;
+    const std::string device = InterfaceToBoard(facts, board);
+    if (FindInterface(facts, device) == nullptr) {
+      check.reason = fmt::format(
+          "{}: there is no interface {}, which [board] interface names; "
+          "interfaces are {}",
+          board.actuator, device, NamesOf(facts.interfaces));
+      check.fix = "set [board] interface in " + board.file;
+      return check;
+    }
+    check.reason = fmt::format("{}: {}", board.actuator, board.error);
+    check.reason = check.reason.substr(0, check.reason.find("; type: "));
+    check.fix =
+        fmt::format("sudo ip link set {0} up multicast on && sudo ip route add {1}/32 dev {0}",
+                    device, board.group);
+    return check;
+  }
+  check.reason = "a route leads to " + Joined(reached);
+  return check;
+}
+
 DoctorCheck CheckBuffer(const char* key, const std::optional<std::int64_t>& found,
                         std::int64_t wanted, const char* loss) {
   DoctorCheck check{std::string("net.core.") + key};
@@ -306,6 +346,7 @@ std::vector<DoctorCheck> CheckNetwork(const DoctorFacts& facts) {
       CheckInterfaces(facts),
       CheckInterfacesInUse(facts),
       CheckExchange(facts),
+      CheckMotionBoard(facts),
       CheckBuffer("rmem_max", facts.rmem_max, transport::dds::kReceiveBufferBytes,
                   ": bursts such as pictures overflow the buffer and are repeated"),
       CheckBuffer("wmem_max", facts.wmem_max, kSendBufferBytes, ": large samples are sent slowly"),

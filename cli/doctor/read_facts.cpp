@@ -18,6 +18,7 @@
 #include "musher/cli/doctor/dds_trial.hpp"
 #include "musher/cli/doctor/host_facts.hpp"
 #include "musher/cli/doctor/host_reach.hpp"
+#include "musher/cli/doctor/lcm_facts.hpp"
 #include "musher/cli/doctor/storage_facts.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/controller/ros2/other_vendors.hpp"
@@ -190,6 +191,7 @@ DoctorFacts ReadFacts(std::optional<MachineConfig> config, const GlobalOptions& 
   }
   facts.clock = ReadClock();
   if (facts.config) {
+    facts.lcm = ReadLcm(*facts.config);
     ReadStorage(facts, kDiskTime);
     facts.programs = CheckPrograms(*facts.config, kProgramTime);
     facts.ros = CheckRos(*facts.config, facts.environment);

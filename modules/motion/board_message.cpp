@@ -15,8 +15,6 @@
 namespace musher::motion {
 namespace {
 
-constexpr std::size_t kLongestGaitFile = 60'000;
-
 Error BadMessage(const std::string& what) {
   return {MotionCode(KeyCode::kParametersInvalid), what};
 }
@@ -168,9 +166,9 @@ Result<Temperatures> DecodeTemperatures(Bytes bytes) {
 }
 
 Result<std::vector<std::byte>> EncodeGaitFile(const std::string& text) {
-  if (text.size() > kLongestGaitFile) {
+  if (text.size() > kLongestGaitText) {
     return BadMessage("the definition of a gait has " + std::to_string(text.size()) +
-                      " bytes; the board takes at most " + std::to_string(kLongestGaitFile));
+                      " bytes; the board takes at most " + std::to_string(kLongestGaitText));
   }
   musher_lcm::file_send_lcmt wire;
   wire.data = text;

@@ -12,6 +12,9 @@ using transport::LcmOptions;
 using transport::LcmSample;
 using transport::LcmSocket;
 
+// Of the board, to one text of a gait.
+constexpr Duration kGaitAnswer = Milliseconds(1000);
+
 LcmLink::Sender SenderOf(const LcmSample& sample) {
   return {sample.sender, sample.packet->sequence};
 }
@@ -76,11 +79,64 @@ void LcmBackend::OnCommandGroup(const LcmSample& sample) {
     const std::string what = std::to_string(sample.size) + " bytes are no LCM message";
     return Handle(link_.OnMalformed(kCommandChannel, what, now));
   }
+  if (sample.packet->channel == kGaitResultChannel) return OnGaitResult(sample);
   if (sample.packet->channel != kCommandChannel) return;
   const auto frame = DecodeCommand(sample.packet->data);
   Handle(frame ? link_.OnOtherFrame(sample.sender, frame.value(), now)
                : link_.OnMalformed(kCommandChannel, frame.error().message, now));
 }
+
+// --- gaits of users ---
+
+void LcmBackend::DefineGait(const UserGait& gait, OnDefined then) {
+  if (definition_) {
+    return then(Error{MotionCode(KeyCode::kTargetBusy), "another gait is being defined"});
+  }
+  definition_ = Definition{gait.steps, false, std::move(then), nullptr};
+  SendGaitText(gait.sections);
+}
+
+// A lost datagram is not repeated: the answers have no number, so that a late one to the sections
+// could be taken for that to the steps.
+void LcmBackend::SendGaitText(const std::string& text) {
+  const auto bytes = EncodeGaitFile(text);
+  if (!bytes) return EndDefinition(bytes.error());
+  if (const auto sent = commands_->Send(kGaitFileChannel, bytes.value()); !sent) {
+    return EndDefinition(Error{MotionCode(KeyCode::kNetError), sent.error().message});
+  }
+  definition_->timeout = loop_.At(loop_.Now() + kGaitAnswer, [this] {
+    EndDefinition(Error{MotionCode(MotionKey::kBoardSilent),
+                        "the motion board has not answered to the " +
+                            std::string(definition_->sent_steps ? "steps" : "sections") +
+                            " of the gait within " + std::to_string(ToMilliseconds(kGaitAnswer)) +
+                            " ms"});
+  });
+}
+
+void LcmBackend::OnGaitResult(const LcmSample& sample) {
+  const auto accepted = DecodeGaitResult(sample.packet->data);
+  if (!accepted) {
+    return Handle(link_.OnMalformed(kGaitResultChannel, accepted.error().message, loop_.Now()));
+  }
+  if (!definition_ || !link_.IsHostOfBoard(sample.sender)) return;
+  if (!accepted.value()) {
+    return EndDefinition(Error{MotionCode(MotionKey::kSequenceDefinition),
+                               "the motion board refuses the " +
+                                   std::string(definition_->sent_steps ? "steps" : "sections") +
+                                   " of the gait"});
+  }
+  if (definition_->sent_steps) return EndDefinition(Ok());
+  definition_->sent_steps = true;
+  SendGaitText(std::string(definition_->steps));
+}
+
+void LcmBackend::EndDefinition(const Result<>& result) {
+  const OnDefined then = std::move(definition_->then);
+  definition_.reset();
+  then(result);
+}
+
+// --- the board ---
 
 void LcmBackend::OnResponseGroup(const LcmSample& sample) {
   const Time now = loop_.Now();

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "musher/modules/motion/lcm_link.hpp"
@@ -32,6 +33,9 @@ class LcmBackend : public MotionBackend {
                                                   const MotionConfig& config, Events events);
 
   void Send(const BodyCommand& command) override;
+  bool TakesGaits() const override { return true; }
+  // Two texts, one after the other, each with its answer from the board.
+  void DefineGait(const UserGait& gait, OnDefined then) override;
   std::string Source() const override;
 
  private:
@@ -42,6 +46,9 @@ class LcmBackend : public MotionBackend {
   void OnCommandGroup(const transport::LcmSample& sample);
   void OnResponseGroup(const transport::LcmSample& sample);
   void OnLocationGroup(const transport::LcmSample& sample);
+  void OnGaitResult(const transport::LcmSample& sample);
+  void SendGaitText(const std::string& text);
+  void EndDefinition(const Result<>& result);
   void Handle(const LinkOutput& output);
   void Transmit(const BodyCommand& frame);
   void Arm();
@@ -53,6 +60,13 @@ class LcmBackend : public MotionBackend {
   std::unique_ptr<transport::LcmSocket> commands_;
   std::unique_ptr<transport::LcmSocket> responses_;
   std::unique_ptr<transport::LcmSocket> locations_;
+  struct Definition {
+    std::string steps;  // sent once the sections are accepted
+    bool sent_steps = false;
+    OnDefined then;
+    transport::LoopHandlePtr timeout;
+  };
+  std::optional<Definition> definition_;
   Time armed_for_{};
   transport::LoopHandlePtr timer_;  // last: its callback uses the rest
 };

@@ -184,6 +184,11 @@ bool LcmLink::IsBoard(const Stream& stream, const Sender& sender) const {
   return &stream == &responses_ || host == HostOf(responses_.sender);
 }
 
+bool LcmLink::IsHostOfBoard(const std::string& sender) const {
+  const std::string& board = options_.board;
+  return HostOf(sender) == (board.empty() ? HostOf(responses_.sender) : std::string_view(board));
+}
+
 // It takes the commands of the same group, so that they would move two bodies.
 void LcmLink::NoteSecondBoard(const Stream& stream, const std::string& board, const Sender& second,
                               Time now, LinkOutput& output) {
@@ -331,7 +336,17 @@ void LcmLink::HandOn(Time now, LinkOutput& output) {
 LinkOutput LcmLink::OnLocation(const Sender& sender, const BoardLocation& location, Duration stamp,
                                Time now) {
   LinkOutput output;
-  if (Take(locations_, sender, now, output) == NewestOnly::Age::kOld) return output;
+  const NewestOnly::Age age = Take(locations_, sender, now, output);
+  if (age == NewestOnly::Age::kOld) return output;
+  if (age == NewestOnly::Age::kNew && location.timestamp < location_stamp_) {
+    const auto back_ms = ToMilliseconds(location_stamp_ - location.timestamp);
+    Fault("timestamp",
+          {MotionCode(KeyCode::kParametersInvalid),
+           "the timestamps of " + std::string(kLocalizationChannel) + " go back, by " +
+               std::to_string(back_ms) + " ms: the odometry has the time of this computer"},
+          now, output);
+  }
+  location_stamp_ = location.timestamp;
   body_.motion = location.motion;
   body_.motion.stamp = stamp;
   body_.has_new_motion = true;

@@ -148,6 +148,9 @@ class LcmLink {
   // When to call OnTime().
   Time NextDeadline() const;
 
+  // Whether that sender is on the host of the board.
+  bool IsHostOfBoard(const std::string& sender) const;
+
   bool looking() const { return looking_; }
   const std::optional<BodyCommand>& frame() const { return frame_; }  // that is repeated
 
@@ -217,6 +220,7 @@ class LcmLink {
   std::optional<Time> look_end_;  // from the first response on
   Stream responses_;
   Stream locations_;
+  Duration location_stamp_{};  // of the last one, by the clock of the board
   Stream temperatures_;
   BodyState body_;
   bool pending_ = false;  // body_ is not handed on yet

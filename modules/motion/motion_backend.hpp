@@ -15,7 +15,10 @@
 #include <functional>
 #include <string>
 
+#include "musher/base/result.hpp"
+#include "musher/modules/motion/motion_code.hpp"
 #include "musher/modules/motion/motion_command.hpp"
+#include "musher/modules/motion/user_gait.hpp"
 
 namespace musher::motion {
 
@@ -46,6 +49,16 @@ class MotionBackend {
 
   // Called by the shell. Returns at once; a failure to send shows in what the body reports.
   virtual void Send(const BodyCommand& command) = 0;
+
+  // Whether the board takes gaits of users.
+  virtual bool TakesGaits() const { return false; }
+
+  // Gives the board a gait, which motions with gait 110 then execute. `then` runs on the loop,
+  // once, unless the backend is destroyed before. It moves nothing.
+  using OnDefined = std::function<void(const Result<>&)>;
+  virtual void DefineGait(const UserGait& /*gait*/, OnDefined then) {
+    then(Error{MotionCode(KeyCode::kUnSupport), "this motion board takes no gaits"});
+  }
 
   // Where the body's reports come from, in messages: "world/body_state".
   virtual std::string Source() const { return "world/body_state"; }

@@ -48,6 +48,8 @@ constexpr std::array kMotorFaults = {
     MotorFaultKind{MotorFault::kOther, MotionKey::kMotorError, "fault"},
 };
 
+constexpr std::array kLegs = {"front right", "front left", "rear right", "rear left"};
+
 constexpr std::array kMeanings = {
     Meaning{MotionCode(KeyCode::kFailed), "a source with higher priority controls the body"},
     Meaning{MotionCode(KeyCode::kStateInvalid), "the state of the machine does not allow it"},
@@ -101,8 +103,35 @@ std::int32_t CodeOfMotorError(std::int32_t motor_error) {
   return MotionCode(MotionKey::kMotorError);
 }
 
+std::string FeetText(std::int8_t contact) {
+  std::string text;
+  for (std::size_t leg = 0; leg < kLegs.size(); ++leg) {
+    const bool stands = ((contact >> leg) & 1) != 0;
+    if (stands) text += std::string(text.empty() ? "" : ", ") + kLegs.at(leg);
+  }
+  return text.empty() ? "no foot" : text;
+}
+
+// From the high end: rear left, rear right, front left, front right; three bits of each.
+std::string FootFaultText(std::int16_t footpos_error) {
+  constexpr std::array kOrder = {3, 2, 1, 0};
+  constexpr std::array kAxes = {"up or down", "left or right", "fore or aft"};
+  std::string text;
+  int bit = static_cast<int>(kOrder.size() * kAxes.size());
+  for (const std::size_t leg : kOrder) {
+    std::string axes;
+    for (const char* axis : kAxes) {
+      --bit;
+      const bool wrong = ((static_cast<std::uint16_t>(footpos_error) >> bit) & 1U) != 0;
+      if (wrong) axes += std::string(axes.empty() ? "" : ", ") + axis;
+    }
+    if (axes.empty()) continue;
+    text += std::string(text.empty() ? "" : "; ") + kLegs.at(leg) + " (" + axes + ")";
+  }
+  return text;
+}
+
 std::string MotorName(std::size_t motor) {
-  constexpr std::array kLegs = {"front right", "front left", "rear right", "rear left"};
   constexpr std::array kJoints = {"hip abduction", "hip", "knee"};
   std::string number = "motor " + std::to_string(motor);
   const std::size_t leg = motor / kJoints.size();

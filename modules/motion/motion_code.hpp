@@ -88,6 +88,11 @@ std::string MotorName(std::size_t motor);
 // "too hot, driver"; "" without a fault.
 std::string MotorFaultText(std::int32_t motor_error);
 
+// "front left, rear right" of contact bits; "no foot".
+std::string FeetText(std::int8_t contact);
+// "rear left (up or down), front right (fore or aft)" of a board's footpos_error; "" without one.
+std::string FootFaultText(std::int16_t footpos_error);
+
 // Whether a code is a fault of the body or its board, and not of a command.
 bool IsBodyFault(std::int32_t code);
 

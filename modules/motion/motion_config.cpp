@@ -83,10 +83,12 @@ MotionConfig Read(const Table& table, const std::string& path, Findings& finding
   MotionConfig config;
   const std::filesystem::path folder = config_toml::FolderOf(path);
   config.motions = config_toml::Absolute(folder, "motions.toml");
+  config.gaits = config_toml::Absolute(folder, "gaits");
   TableReader root(table, {1, 1}, "", findings);
-  ReadRows(root, {row::File("motions", config.motions, folder),
-                  row::Sub("priority", PriorityRows(config.priorities)),
-                  row::Sub("board", BoardRows(config))});
+  ReadRows(root,
+           {row::File("motions", config.motions, folder), row::File("gaits", config.gaits, folder),
+            row::Sub("priority", PriorityRows(config.priorities)),
+            row::Sub("board", BoardRows(config))});
   return config;
 }
 

@@ -31,6 +31,7 @@ struct LcmConfig {
 
 struct MotionConfig {
   std::string motions;  // the file of the motion id table, absolute
+  std::string gaits;    // the folder of the gaits of users, absolute
   Priorities priorities = DefaultPriorities();
   BoardKind board = BoardKind::kTopic;
   LcmConfig lcm;

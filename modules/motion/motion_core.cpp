@@ -55,6 +55,8 @@ class Decision {
 
   MotionActions Actions() && { return std::move(actions_); }
 
+  Result<> CheckPlay(const motion_event::PlayArrived& event) const;
+
  private:
   bool LooksAgain();
   bool IsStopped() const;
@@ -66,7 +68,6 @@ class Decision {
   Result<> CheckBoard() const;
   Result<> MayRun(const Motion& motion, const std::string& capability) const;
   Result<> CheckRequest(const MotionRequest& requested) const;
-  Result<> CheckPlay(const motion_event::PlayArrived& event) const;
   Result<> CheckServo(const ServoCommand& command) const;
   Result<> CheckPriority(const ServoCommand& command) const;
   bool Dancing() const;
@@ -113,6 +114,7 @@ class Decision {
               const std::string& message);
   void Log(std::int32_t code, const std::string& text);
   void ReportMotors(const BodyReport& before);
+  void ReportFeet(const BodyReport& before);
   void ReportEmergencyStop();
 
   const MotionRules& rules_;
@@ -203,6 +205,7 @@ void Decision::Take(const motion_event::BoardReported& event) {
   core_.body = event.report;
   if (first && IsStopped()) LatchEmergencyStop();
   ReportMotors(before);
+  ReportFeet(before);
   core_.body_reported_at = now_;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
@@ -495,6 +498,13 @@ void Decision::ReportMotors(const BodyReport& before) {
     const std::int32_t code = CodeOfMotorError(added);
     if (code != kCodeOk) Log(code, MotorName(i) + ": " + MotorFaultText(added));
   }
+}
+
+// The same of a foot that is not where it should be.
+void Decision::ReportFeet(const BodyReport& before) {
+  const int added = core_.body->footpos_error & ~before.footpos_error;
+  const std::string feet = FootFaultText(static_cast<std::int16_t>(added));
+  if (!feet.empty()) Log(MotionCode(Key::kFootPosition), "feet in the wrong place: " + feet);
 }
 
 void Decision::ReportEmergencyStop() {
@@ -893,6 +903,12 @@ bool Decision::IsDown() const {
 }
 
 // --- interface ---
+
+Result<> MayPlay(const MotionRules& rules, const MotionCore& core,
+                 const motion_event::PlayArrived& event) {
+  MotionCore copy = core;
+  return Decision(rules, copy, Time{}).CheckPlay(event);
+}
 
 MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent& event, Time now) {
   Decision decision(rules, core, now);

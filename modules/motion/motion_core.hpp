@@ -259,6 +259,10 @@ struct MotionCore {
 
 MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent& event, Time now);
 
+// Whether the motions would begin now; else the refusal. Changes nothing.
+Result<> MayPlay(const MotionRules& rules, const MotionCore& core,
+                 const motion_event::PlayArrived& event);
+
 // When to step next with TimePassed, unless another event comes first; nullopt: never.
 std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& core);
 

@@ -1,10 +1,12 @@
 #include "musher/modules/motion/motion_sequence.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
 #include "musher/modules/motion/motion_code.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
+#include "musher/modules/motion/user_gait.hpp"
 
 namespace musher::motion {
 namespace {
@@ -14,22 +16,6 @@ Error UnSupport(const std::string& why) {
 }
 Error Undefined(const std::string& why) {
   return {MotionCode(MotionKey::kSequenceDefinition), why};
-}
-
-// A pace that only walks.
-bool IsWalk(const msg::MotionSequencePace& pace) {
-  msg::MotionSequencePace walk;
-  walk.twist.linear.x = pace.twist.linear.x;
-  walk.twist.linear.y = pace.twist.linear.y;
-  walk.twist.angular.z = pace.twist.angular.z;
-  walk.duration = pace.duration;
-  return walk == pace;
-}
-
-bool HasDefinition(const msg::MotionSequenceShow::Request& sequence) {
-  return !sequence.gait_list.empty() || !sequence.gait_toml_list.empty() ||
-         !sequence.pace_toml_list.empty() || !sequence.gait_toml.empty() ||
-         !sequence.pace_toml.empty();
 }
 
 Result<MotionRequest> RequestOf(const msg::MotionSequencePace& pace, std::size_t number) {
@@ -69,11 +55,11 @@ Result<MotionRequests> RequestsOf(const MotionTable& table,
 }
 
 Result<MotionRequests> RequestsOf(const msg::MotionSequenceShow::Request& sequence) {
-  if (HasDefinition(sequence)) {
+  const bool walks_only = std::all_of(sequence.pace_list.begin(), sequence.pace_list.end(), IsWalk);
+  if (HasUserGait(sequence) && walks_only) {
     return UnSupport(
-        "gaits by foot and TOML definitions need a board that takes them; this one plays motions "
-        "of "
-        "its table and paces of speed and duration");
+        "gaits by foot and TOML definitions need a motion board on LCM, which takes them; this one "
+        "plays motions of its table and paces of speed and duration");
   }
   if (sequence.pace_list.empty()) {
     if (sequence.motion_id == kEmergencyStop) {
@@ -97,7 +83,8 @@ Result<MotionRequests> RequestsOf(const msg::MotionSequenceShow::Request& sequen
 
 Result<MotionRequests> RequestsOf(const msg::MotionCustomCmd::Request& custom) {
   if (custom.cmd_type == msg::MotionCustomCmd::kDefinition) {
-    return UnSupport("a motion cannot be defined; this board plays the motions of its table");
+    return UnSupport(
+        "this board plays the motions of its table; one on LCM takes definitions of gaits");
   }
   if (custom.cmd_type != msg::MotionCustomCmd::kExecution) {
     return Error{MotionCode(KeyCode::kParametersInvalid),

@@ -3,8 +3,8 @@
 //
 // A queue names motions as the board does, by mode and gait. A sequence (motion_sequence_cmd) is
 // played as far as a board's motion table permits: a motion of the table, or a list of paces with
-// speed and duration. Foot placements, user-defined gaits and TOML definitions need a board that
-// takes them, and are refused with the reason (UnSupport) instead of half done.
+// speed and duration. Gaits of users (user_gait.hpp) need a board that takes them; where it does
+// not, they are refused with the reason (UnSupport) instead of half done.
 
 #include <vector>
 
@@ -20,7 +20,7 @@ using MotionRequests = std::vector<MotionRequest>;
 Result<MotionRequests> RequestsOf(const MotionTable& table,
                                   const msg::MotionQueueCustomCmd::Request& queue);
 Result<MotionRequests> RequestsOf(const msg::MotionSequenceShow::Request& sequence);
-// Only a motion of the table can be executed; a definition needs a board that takes definitions.
+// Of a board that takes no gaits: only a motion of the table can be executed.
 Result<MotionRequests> RequestsOf(const msg::MotionCustomCmd::Request& custom);
 
 }  // namespace musher::motion

@@ -1,14 +1,18 @@
 #include "musher/modules/motion/motion_shell.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
+#include "musher/base/toml/file.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
 
 namespace musher::motion {
 namespace {
 
 constexpr Duration kStatusPeriod = Milliseconds(100);
+constexpr double kLeastStepM = 0.05;
+constexpr double kJumpM = 1;
 
 }  // namespace
 
@@ -61,9 +65,12 @@ void MotionShell::OpenServices() {
   endpoints_.Serve<msg::MotionCustomCmd>(
       "motion_custom_cmd", [this](const auto& request, auto reply) {
         const std::int32_t id = request.motion_id;
-        Play(request.cmd_source, RequestsOf(request), [id, reply](const Answer& answer) {
+        const OnAnswer on_answer = [id, reply](const Answer& answer) {
           reply({id, answer.code == kCodeOk, answer.code});
-        });
+        };
+        const bool defines = request.cmd_type == msg::MotionCustomCmd::kDefinition;
+        if (defines && backend_->TakesGaits()) return DefineFromFiles(request, on_answer);
+        Play(request.cmd_source, RequestsOf(request), on_answer);
       });
   endpoints_.Serve<msg::MotionQueueCustomCmd>(
       "motion_queue_cmd", [this](const auto& request, auto reply) {
@@ -74,9 +81,13 @@ void MotionShell::OpenServices() {
   endpoints_.Serve<msg::MotionSequenceShow>(
       "motion_sequence_cmd", [this](const auto& request, auto reply) {
         const std::int32_t id = request.motion_id;
-        Play(request.cmd_source, RequestsOf(request), [id, reply](const Answer& answer) {
+        const OnAnswer on_answer = [id, reply](const Answer& answer) {
           reply({answer.code == kCodeOk, answer.code, answer.message, id});
-        });
+        };
+        if (HasUserGait(request) && backend_->TakesGaits()) {
+          return PlayUserGait(request, on_answer);
+        }
+        Play(request.cmd_source, RequestsOf(request), on_answer);
       });
   endpoints_.Serve<msg::MotorTemp>("motor_temp",
                                    [this](const auto&, auto reply) { reply(Temperatures()); });
@@ -86,10 +97,20 @@ void MotionShell::OnBody(const BodyState& body) {
   Do(motion_event::BoardReported{body.report});
   if (body.has_new_motion) {
     // No caller to report a failure to; the next one follows in 20 ms.
-    static_cast<void>(odometry_->Publish(OdometryOf(body.motion)));
+    MeasureWay(body.motion);
+    static_cast<void>(odometry_->Publish(OdometryOf(body.motion, way_m_)));
     static_cast<void>(imu_->Publish(ImuOf(body.motion)));
   }
   for (const auto& then : std::exchange(next_report_callbacks_, {})) then();
+}
+
+// In steps: noise is no way. A jump is a new beginning: the board has restarted, or the world.
+void MotionShell::MeasureWay(const BodyMotion& motion) {
+  const Eigen::Vector2d at = motion.X_OB.translation().head<2>();
+  const double step_m = position_ ? (at - *position_).norm() : kJumpM;
+  if (step_m < kLeastStepM) return;
+  way_m_ = step_m < kJumpM ? way_m_ + step_m : 0;
+  position_ = at;
 }
 
 void MotionShell::Play(std::int32_t source, const Result<MotionRequests>& requests,
@@ -102,6 +123,77 @@ void MotionShell::Play(std::int32_t source, const Result<MotionRequests>& reques
   }
   waiting_[++token_] = std::move(on_answer);
   Do(motion_event::PlayArrived{token_, source, requests.value()});
+}
+
+// --- gaits of users ---
+
+// A gait is defined only where its motion could begin: a definition replaces the one in execution.
+void MotionShell::Define(std::int32_t source, std::int32_t id, const Result<UserGait>& gait,
+                         MotionBackend::OnDefined then) {
+  const auto done = [this, source, id, then = std::move(then)](const Result<>& result) {
+    if (!result) {
+      dependencies_.log("the gait of motion " + std::to_string(id) + " of " + SourceName(source) +
+                        " is refused: " + result.error().message + " (" +
+                        std::to_string(result.error().code) + ")");
+    }
+    then(result);
+  };
+  if (!gait) return done(gait.error());
+  if (const auto may = MayPlay(Rules(), core_, {0, source, {{id, {}}}}); !may) {
+    return done(may.error());
+  }
+  backend_->DefineGait(gait.value(), done);
+}
+
+void MotionShell::DefineFromFiles(const msg::MotionCustomCmd::Request& request,
+                                  OnAnswer on_answer) {
+  const std::int32_t id = request.motion_id;
+  Define(request.cmd_source, id, GaitOfFiles(id),
+         [id, on_answer = std::move(on_answer)](const Result<>& defined) {
+           on_answer(defined ? motion_action::Answer{0, id, kCodeOk, ""}
+                             : motion_action::Answer{0, id, defined.error().code,
+                                                     defined.error().message});
+         });
+}
+
+Result<UserGait> MotionShell::GaitOfFiles(std::int32_t id) const {
+  const Motion* motion = dependencies_.table.Find(id);
+  if (motion == nullptr || !PlaysUserGait(*motion)) {
+    return Error{MotionCode(KeyCode::kUnSupport),
+                 "motion " + std::to_string(id) + " cannot be defined: it does not play gait 110"};
+  }
+  const std::string begin = dependencies_.config.gaits + "/" + std::to_string(id);
+  std::array<std::string, 2> texts;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const std::string file = begin + (i == 0 ? ".sections.toml" : ".steps.toml");
+    auto text = config_toml::ReadModuleText(file);
+    if (!text) return Error{MotionCode(KeyCode::kUnSupport), file + ": " + text.error().message};
+    texts[i] = std::move(text).value();
+  }
+  return ReadUserGait(texts[0], texts[1]);
+}
+
+void MotionShell::PlayUserGait(const msg::MotionSequenceShow::Request& sequence,
+                               OnAnswer on_answer) {
+  const std::int32_t id = sequence.motion_id == 0 ? kUserSequence : sequence.motion_id;
+  const std::int32_t source = sequence.cmd_source;
+  Result<UserGait> gait = UserGaitOf(sequence);
+  const Motion* motion = dependencies_.table.Find(id);
+  if (motion == nullptr || !PlaysUserGait(*motion)) {
+    gait = Error{MotionCode(KeyCode::kUnSupport),
+                 "motion " + std::to_string(id) + " does not play the gait of a sequence"};
+  } else if (gait && motion->min_exec_time_ms > 0 &&
+             gait.value().duration_ms > motion->min_exec_time_ms) {
+    gait = Error{MotionCode(MotionKey::kSequenceDefinition),
+                 "its steps take " + std::to_string(gait.value().duration_ms) + " ms; motion " +
+                     std::to_string(id) + " may take " + std::to_string(motion->min_exec_time_ms) +
+                     " ms"};
+  }
+  Define(source, id, gait,
+         [this, source, id, on_answer = std::move(on_answer)](const Result<>& defined) {
+           if (defined) return Play(source, MotionRequests{{id, {}}}, on_answer);
+           on_answer({0, id, defined.error().code, defined.error().message});
+         });
 }
 
 RequestToken MotionShell::LieDown(std::int32_t id, int tries, OnAnswer on_answer) {

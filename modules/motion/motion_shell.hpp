@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,7 +66,13 @@ class MotionShell {
   void OpenServices();
 
   void OnBody(const BodyState& body);
+  void MeasureWay(const BodyMotion& motion);
   void Play(std::int32_t source, const Result<MotionRequests>& requests, OnAnswer on_answer);
+  void Define(std::int32_t source, std::int32_t id, const Result<UserGait>& gait,
+              MotionBackend::OnDefined then);
+  void DefineFromFiles(const msg::MotionCustomCmd::Request& request, OnAnswer on_answer);
+  void PlayUserGait(const msg::MotionSequenceShow::Request& sequence, OnAnswer on_answer);
+  Result<UserGait> GaitOfFiles(std::int32_t id) const;
   void PublishStatus();
   msg::MotorTemp::Response Temperatures() const;
   void Perform(const MotionAction& action);
@@ -76,6 +83,8 @@ class MotionShell {
 
   const Dependencies dependencies_;
   MotionCore core_;
+  std::optional<Eigen::Vector2d> position_;  // up to which the way is measured
+  double way_m_ = 0;                         // since it began
   RequestToken token_ = 0;
   std::map<RequestToken, OnAnswer> waiting_;
   std::vector<std::function<void()>> next_report_callbacks_;

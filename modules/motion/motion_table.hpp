@@ -25,6 +25,8 @@ inline constexpr std::int32_t kGroundStand = 118;
 inline constexpr std::int32_t kForceControl = msg::MotionId::kForceControlAbsolute;
 inline constexpr std::int32_t kUserTrot = msg::MotionId::kWalkUserTrot;
 inline constexpr std::int32_t kFromGroundStand = 309;  // begins from kGroundStand
+inline constexpr std::int32_t kUserSequence =
+    msg::MotionId::kSequenceCustom;  // plays a gait of a user
 
 inline constexpr std::int32_t kNoMotion = -1;  // of a silent or unknown board
 

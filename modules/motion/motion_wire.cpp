@@ -1,6 +1,7 @@
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/messages/stamp.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace musher::motion {
@@ -34,6 +35,15 @@ MotionArguments ArgumentsOf(const Message& message) {
   arguments.step_height = message.step_height;
   arguments.value = message.value;
   return arguments;
+}
+
+// Of x, y, z, roll, pitch and yaw.
+std::array<double, 36> Covariance(const std::array<double, 6>& deviations) {
+  std::array<double, 36> covariance{};
+  for (std::size_t i = 0; i < deviations.size(); ++i) {
+    covariance.at(i * (deviations.size() + 1)) = deviations.at(i) * deviations.at(i);
+  }
+  return covariance;
 }
 
 template <std::size_t N>
@@ -129,13 +139,18 @@ msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core) {
   return status;
 }
 
-msg::Odometry OdometryOf(const BodyMotion& motion) {
+msg::Odometry OdometryOf(const BodyMotion& motion, double way_m) {
   msg::Odometry odometry;
   odometry.header = {msg::ToStamp(motion.stamp), kOdometryFrame};
   odometry.child_frame_id = kBodyFrame;
   const Eigen::Vector3d& at = motion.X_OB.translation();
   odometry.pose.pose = {{at.x(), at.y(), at.z()}, Turn(motion.X_OB)};
   odometry.twist.twist = {ToWire(motion.v_B), ToWire(motion.w_B)};
+  const double drift_m = kDriftPerMetre * way_m;
+  odometry.pose.covariance = Covariance(
+      {drift_m, drift_m, kHeightErrorM, kTiltErrorRad, kTiltErrorRad, kYawDriftPerMetre * way_m});
+  odometry.twist.covariance = Covariance({kSpeedErrorMS, kSpeedErrorMS, kSpeedErrorMS,
+                                          kTurnErrorRadS, kTurnErrorRadS, kTurnErrorRadS});
   return odometry;
 }
 

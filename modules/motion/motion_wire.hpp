@@ -21,7 +21,17 @@ MotionArguments FromWire(const msg::MotionCustomCommand& command);
 msg::MotionServoResponse ToWire(const motion_action::ServoResponse& response);
 
 msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core);
-msg::Odometry OdometryOf(const BodyMotion& motion);
+// Standard deviations of the odometry of legs. No motion board reports them: these are assumed, for
+// a floor that is not slippery.
+inline constexpr double kDriftPerMetre = 0.05;     // m, of the position
+inline constexpr double kYawDriftPerMetre = 0.02;  // rad
+inline constexpr double kHeightErrorM = 0.02;      // which the legs measure
+inline constexpr double kTiltErrorRad = 0.02;      // which the IMU measures
+inline constexpr double kSpeedErrorMS = 0.05;
+inline constexpr double kTurnErrorRadS = 0.05;
+
+// `way_m`: that the body has walked since its odometry began, which its drift grows with.
+msg::Odometry OdometryOf(const BodyMotion& motion, double way_m);
 msg::Imu ImuOf(const BodyMotion& motion);
 
 }  // namespace musher::motion

@@ -43,6 +43,7 @@ make_versions() {
     "$files/robot.toml"
   sed -i -e "s/^silent_ms = 500 /silent_ms = $((500 * speed)) /" \
     -e "s/^feedback_ms = 200 /feedback_ms = $((200 * speed)) /" "$files/motion/motion_manager.toml"
+  put_board_on_lcm "$files" "$scratch/config/scenes/yard.toml"
   musher ota keygen "$scratch/maker" > /dev/null &&
     musher ota bundle "$files" --version 1.0.0 --key "$scratch/maker.key" -o "$scratch/v1.0.0" &&
     sed -i 's/"Good day\. I am awake\."/"Good day. I am awake, and I have learnt something."/' \
@@ -55,9 +56,9 @@ make_versions() {
 
 boot() {
   step "The robot boots, announces that it is ready, and stands up"
-  make_yard
   make_versions > "$scratch/versions.log" 2>&1
   expect "the first version is created: exit code" 0 $?
+  make_yard
   say "\$ musher up --detach robot"
   musher_up "$root_of_robot" > "$scratch/up.log" 2>&1
   expect "exit code of up" 0 $?
@@ -70,6 +71,7 @@ boot() {
   expect "the world runs at $speed times the speed: exit code" 0 "$code"
   motion result 111
   expect "recovery stand" "true 0" "$(answer '"\(.result) \(.code)"')"
+  expect_board "$scratch/yard.log"
   expect "it has said its greeting" yes "$(has_said "Good day")"
 }
 

@@ -76,6 +76,7 @@ make_files() {
     "$files/vision/course.toml"
   sed -i -e "s/^silent_ms = 500 /silent_ms = $((500 * speed)) /" \
     -e "s/^feedback_ms = 200 /feedback_ms = $((200 * speed)) /" "$files/motion/motion_manager.toml"
+  put_board_on_lcm "$files" "$files/scenes/course.toml"
 }
 
 boot() {
@@ -86,6 +87,7 @@ boot() {
   expect "exit code of up" 0 $?
   expect "the machine" Active "$(status .state)"
   expect "actuators in Active" 8 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  expect_board "$logs/world.log"
 }
 
 # A picture of the three cameras in each state.

@@ -1,18 +1,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <future>
 #include <limits>
 
 #include "musher/cli/doctor/checks.hpp"
 #include "musher/cli/doctor/host_facts.hpp"
 #include "musher/cli/doctor/host_reach.hpp"
 #include "musher/cli/doctor/in_child.hpp"
+#include "musher/cli/doctor/lcm_facts.hpp"
 #include "musher/cli/render/doctor.hpp"
 #include "musher/test/cli/robot.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -105,6 +110,20 @@ const Planted kPlanted[] = {
      [](DoctorFacts& f) {
        f.profile = TransportProfile::kLan;
        f.interfaces[1].multicast = false;
+     }},
+    {"NoRouteToAMotionBoardOnLcm", "motion board", CheckStatus::kError,
+     "legs: no network route leads to the multicast group 239.255.76.67",
+     "sudo ip link set eth0 up multicast on && sudo ip route add 239.255.76.67/32 dev eth0",
+     [](DoctorFacts& f) {
+       f.lcm = {{"legs", "/motion.toml", "239.255.76.67", "",
+                 "no network route leads to the multicast group 239.255.76.67; type: sudo ip …"}};
+     }},
+    {"NoInterfaceToAMotionBoard", "motion board", CheckStatus::kError,
+     "legs: there is no interface eth7, which [board] interface names; interfaces are lo, eth0",
+     "set [board] interface in /motion.toml",
+     [](DoctorFacts& f) {
+       f.lcm = {{"legs", "/motion.toml", "239.255.76.67", "eth7",
+                 "this computer has no network interface 'eth7'"}};
      }},
     {"AnInterfaceThatCameAfterTheStart", "interfaces in use", CheckStatus::kWarning,
      "the controller (pid 7) not eth0 with 192.168.1.7, legs (pid 8) not eth0",
@@ -372,6 +391,42 @@ TEST(Diagnose, NamesOneCauseOnlyWhereTheEnvironmentIsInvalid) {
   DoctorFacts facts = Healthy();
   facts.domain_error = "ROS_DOMAIN_ID is 999";
   EXPECT_EQ(Check(facts, "DDS exchange").health, CheckStatus::kNotApplicable);
+}
+
+// In a network of its own, in which nothing is up: as a computer is on its first day with a robot.
+TEST(DoctorLcm, CuresMulticastWithoutARouteByItsCommand) {
+  TempFolder folder;
+  MachineConfig config = RobotConfig();
+  config.actuators[0].command = {"/usr/bin/musher-motion-manager", "motion.toml"};
+  config.actuators[0].cwd = folder / "";
+  std::ofstream(folder / "motion.toml") << "[board]\nkind = \"lcm\"\n";
+  std::ofstream(folder / "topic.toml") << "[board]\nkind = \"topic\"\n";
+  const std::string skipped =
+      std::async(std::launch::async, [&]() -> std::string {
+        if (unshare(CLONE_NEWNET) != 0) return "a network namespace needs root";
+        if (std::system("ip link set lo up") != 0) return "the command ip is missing";
+        const auto diagnose = [&] {
+          DoctorFacts facts = Healthy();
+          facts.interfaces = transport::ReadInterfaces();
+          facts.lcm = ReadLcm(config);
+          return Check(facts, "motion board");
+        };
+        const DoctorCheck before = diagnose();
+        EXPECT_EQ(before.health, CheckStatus::kError);
+        EXPECT_EQ(before.fix,
+                  "sudo ip link set lo up multicast on && sudo ip route add "
+                  "239.255.76.67/32 dev lo");
+        std::string cure = before.fix;
+        for (std::size_t at = 0; (at = cure.find("sudo ")) != std::string::npos;) cure.erase(at, 5);
+        EXPECT_EQ(std::system(cure.c_str()), 0) << cure;
+        const DoctorCheck after = diagnose();
+        EXPECT_EQ(after.health, CheckStatus::kOk) << after.reason;
+        EXPECT_EQ(after.reason, "a route leads to 239.255.76.67");
+        config.actuators[0].command[1] = "topic.toml";
+        EXPECT_EQ(diagnose().health, CheckStatus::kNotApplicable);
+        return "";
+      }).get();
+  if (!skipped.empty()) GTEST_SKIP() << skipped;
 }
 
 TEST(Diagnose, TheMachineItselfMayRun) {

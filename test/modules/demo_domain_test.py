@@ -13,7 +13,9 @@ PORTS_PER_DOMAIN = 250
 
 root = sys.argv[1].rpartition("/scripts/")[0]
 with open(sys.argv[1], encoding="utf-8") as script:
-    lock_domain = re.search(r"^lock_domain\(\) \{.*?^\}", script.read(), re.M | re.S).group()
+    text = script.read()
+lock_domain = re.search(r"^lock_domain\(\) \{.*?^\}", text, re.M | re.S).group()
+lcm_urls = re.search(r"^lcm_urls\(\) \{.*?^\}", text, re.M | re.S).group()
 
 
 class Demo:
@@ -66,3 +68,11 @@ for begin, end, holder in ("musher-test-domain/", "", "test"), ("", "//musher/co
             assert demo.domain != used, f"domain {used} has a {holder}, and was taken"
 with Demo(100) as demo:
     assert 1 <= demo.domain <= 100
+
+# LCM's own library receives all that is sent to its port, whatever the group.
+ports = []
+for domain in range(1, 101):
+    urls = subprocess.run(["bash", "-c", f"{lcm_urls}\nlcm_urls {domain}"], stdout=subprocess.PIPE, text=True,
+                          check=True).stdout
+    ports += re.findall(rf'^\w+_url = "udpm://239\.254\.77\.{domain}:(\d+)"$', urls, re.M)
+assert len(ports) == len(set(ports)) == 300, "two demos have the same port of LCM"

@@ -13,6 +13,7 @@
 
 #include <future>
 
+#include "musher/test/support/lcm_group.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
@@ -24,11 +25,9 @@ using ::testing::HasSubstr;
 
 // Of this process and test only.
 LcmOptions Group(int test) {
-  const int process = getpid();
   LcmOptions options;
-  options.url.group =
-      "239.254." + std::to_string(process / 256 % 256) + "." + std::to_string(process % 256);
-  options.url.port = static_cast<std::uint16_t>(20'000 + test);
+  options.url.group = LcmGroup(TestDomain());
+  options.url.port = static_cast<std::uint16_t>(LcmPort(TestDomain(), test));
   options.network_interface = "lo";
   options.ttl = 0;
   return options;

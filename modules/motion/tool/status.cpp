@@ -25,6 +25,7 @@ ExitCode Run(const GlobalOptions& global, const StatusOptions&) {
                                 {"order_process_bar", status->order_process_bar},
                                 {"switch_status", status->switch_status},
                                 {"contact", status->contact},
+                                {"feet", FeetText(status->contact)},
                                 {"ori_error", status->ori_error},
                                 {"footpos_error", status->footpos_error},
                                 {"motor_error", status->motor_error},
@@ -41,7 +42,15 @@ ExitCode Run(const GlobalOptions& global, const StatusOptions&) {
   const bool changing = status->switch_status == msg::MotionStatus::kTransitioning;
   std::cout << "motion " << NameOf(global, status->motion_id) << ", "
             << int{status->order_process_bar} << " % done" << (changing ? ", changing to it" : "")
-            << (code == kCodeOk ? "" : "; " + CodeMeaning(code)) << std::endl;
+            << (code == kCodeOk ? "" : "; " + CodeMeaning(code)) << std::endl
+            << "on the ground: " << FeetText(status->contact) << std::endl;
+  if (const std::string feet = FootFaultText(status->footpos_error); !feet.empty()) {
+    std::cout << "in the wrong place: " << feet << std::endl;
+  }
+  for (std::size_t i = 0; i < status->motor_error.size(); ++i) {
+    const std::int32_t error = status->motor_error[i];
+    if (error != 0) std::cout << MotorName(i) << ": " << MotorFaultText(error) << std::endl;
+  }
   return ExitCode::kDone;
 }
 

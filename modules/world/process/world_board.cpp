@@ -7,6 +7,8 @@
 #include "musher/modules/world/process/world_messages.hpp"
 #include "musher/transport/lcm_type.hpp"
 #include "musher_lcm/danger_states_lcmt.hpp"
+#include "musher_lcm/file_recv_lcmt.hpp"
+#include "musher_lcm/file_send_lcmt.hpp"
 #include "musher_lcm/localization_lcmt.hpp"
 #include "musher_lcm/robot_control_cmd_lcmt.hpp"
 #include "musher_lcm/robot_control_response_lcmt.hpp"
@@ -126,13 +128,32 @@ Result<std::unique_ptr<WorldBoard>> WorldBoard::Open(transport::EventLoop& loop,
 }
 
 void WorldBoard::OnSample(const transport::LcmSample& sample) {
-  if (!sample.packet || sample.packet->channel != "robot_control_cmd") return;
+  if (!sample.packet) return;
+  if (sample.packet->channel == "user_gait_file") return OnGaitText(sample.packet->data);
+  if (sample.packet->channel != "robot_control_cmd") return;
   const auto frame = transport::DecodeLcm<musher_lcm::robot_control_cmd_lcmt>(sample.packet->data);
   const auto command = frame ? CommandOf(frame.value()) : Result<BoardCommand>(frame.error());
   if (command) return Take(command.value());
   // Once, until another reason: a stream of them comes.
   const std::string line = "a body command is refused: " + command.error().message;
   if (std::exchange(refused_, line) != line) log_(line);
+}
+
+// The gait of a user: a text of sections, then one of steps. The body does not follow it; motions
+// with gait 110 are those of the table.
+void WorldBoard::OnGaitText(std::span<const std::byte> data) {
+  const auto file = transport::DecodeLcm<musher_lcm::file_send_lcmt>(data);
+  if (!file) return log_("a gait is refused: " + file.error().message);
+  const std::string& text = file.value().data;
+  const bool sections = text.starts_with("# Gait Def");
+  const bool steps = text.starts_with("# Gait Params");
+  const bool accepted = sections || (steps && has_gait_sections_);
+  if (sections) has_gait_sections_ = true;
+  log_(std::string(sections ? "sections" : "steps") + " of a gait, " + std::to_string(text.size()) +
+       " bytes: " + (accepted ? "accepted" : "refused"));
+  musher_lcm::file_recv_lcmt result{};
+  result.result = accepted ? std::int8_t{0} : std::int8_t{1};
+  static_cast<void>(commands_->Send("user_gait_result", transport::EncodeLcm(result)));
 }
 
 // The body's counts are the board's own, because it also lies down by itself.

@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "musher/modules/world/simulation/world.hpp"
@@ -41,6 +42,7 @@ class WorldBoard {
       : loop_(loop), world_(world), log_(std::move(log)) {}
 
   void OnSample(const transport::LcmSample& sample);
+  void OnGaitText(std::span<const std::byte> data);
   void Take(BoardCommand command);
   void LieDownWithoutFrames();
 
@@ -54,6 +56,7 @@ class WorldBoard {
   std::int8_t count_ = 0;                  // of the body's last command
   std::optional<FrameTime> frame_at_;      // the last one; nullopt: the body lies since
   std::string refused_;                    // the last line of the log
+  bool has_gait_sections_ = false;         // the feet of a user's gait; its steps may follow
 };
 
 }  // namespace musher::world

@@ -843,6 +843,18 @@ TEST_F(LcmLinkTest, ReportsAMalformedDatagramOnceIn3Minutes) {
   EXPECT_THAT(faults_, SizeIs(2));
 }
 
+TEST_F(LcmLinkTest, ReportsTimestampsThatGoBackAndUsesItsOwnTime) {
+  RunFor(Milliseconds(100), 12, 0);
+  BoardLocation location;
+  location.timestamp = Milliseconds(500);
+  EXPECT_TRUE(link_.OnLocation({kBoard, 1}, location, Milliseconds(7), now_).faults.empty());
+  location.timestamp = Milliseconds(480);
+  const LinkOutput output = link_.OnLocation({kBoard, 2}, location, Milliseconds(27), now_);
+  ASSERT_EQ(output.faults.size(), 1U);
+  EXPECT_EQ(output.faults[0].code, 3010);
+  EXPECT_THAT(output.faults[0].text, HasSubstr("timestamps of global_to_robot go back, by 20 ms"));
+}
+
 TEST_F(LcmLinkTest, PublishesEachPositionOnce) {
   Stand();
   BoardLocation location;

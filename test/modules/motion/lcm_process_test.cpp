@@ -1,15 +1,17 @@
 // The real motion manager with [board] kind = "lcm", and a motion board that is written with LCM's
-// own library and nothing of Musher; each as a process. The multicast group is of this test only.
+// own library and nothing of Musher; each as a process. The multicast groups are of this test only.
 
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
+#include <memory>
 
 #include "musher/modules/motion/board_message.hpp"
 #include "musher/test/modules/motion/robot_rig.hpp"
+#include "musher/test/support/lcm_group.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/lcm_socket.hpp"
@@ -19,31 +21,10 @@ namespace musher::motion::testing::lcm_process_test {
 
 using ::testing::HasSubstr;
 
-// The process of this name among those that `parent` and its children have started; 0: none.
-pid_t DescendantNamed(const std::string& name, pid_t parent) {
-  std::error_code error;
-  const std::string tasks = "/proc/" + std::to_string(parent) + "/task";
-  for (const auto& task : std::filesystem::directory_iterator(tasks, error)) {
-    std::ifstream children(task.path() / "children");
-    for (pid_t child = 0; children >> child;) {
-      std::string its_name;
-      std::getline(std::ifstream("/proc/" + std::to_string(child) + "/comm"), its_name);
-      if (its_name == name) return child;
-      if (const pid_t deeper = DescendantNamed(name, child); deeper != 0) return deeper;
-    }
-  }
-  return 0;
-}
-
 class LcmProcess : public ::testing::Test {
  protected:
   LcmProcess() {
-    static int tests = 0;
-    const int process = getpid();
-    const std::string group = "udpm://239.253." + std::to_string(process / 256 % 256) + "." +
-                              std::to_string(process % 256) + ":";
-    const int port = 21'000 + 10 * tests++;
-    for (int i = 0; i < 3; ++i) urls_.push_back(group + std::to_string(port + i));
+    for (int i = 0; i < 3; ++i) urls_.push_back(transport::NextTestLcmUrl());
   }
   void SetUp() override {
     transport::LinuxEventLoop loop;
@@ -66,6 +47,7 @@ class LcmProcess : public ::testing::Test {
     return board;
   }
 
+  ProcessGuard guard_;  // of the boards; a RobotRig has its own
   std::vector<std::string> urls_;
 };
 
@@ -89,6 +71,24 @@ TEST_F(LcmProcess, StandsWalksAndStopsOnABoardOfLcmsOwnLibrary) {
   EXPECT_NE(board->LineWith("command mode 0 gait 0"), "");
 }
 
+TEST_F(LcmProcess, GivesTheGaitOfAUserToABoardOfLcmsOwnLibrary) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  msg::MotionSequenceShow::Request sequence;
+  sequence.motion_id = 400;
+  sequence.gait_list = {{true, false, false, true, 12}};
+  sequence.pace_list.emplace_back();
+  sequence.pace_list[0].right_forefoot.w = 0.05;
+  sequence.pace_list[0].duration = 300;
+  const auto shown = robot.Show(sequence);
+  EXPECT_EQ(shown.code, 0) << shown.describe << robot.Log();
+  EXPECT_EQ(board->LineWith("# Gait Def"),
+            "# Gait Def|[[section]]|contact = [1, 0, 0, 1]|duration = 12|");
+  EXPECT_THAT(board->LineWith("# Gait Params"), HasSubstr("|step_height = [50.0, 0.0]|"));
+  EXPECT_NE(board->LineWith("command mode 62 gait 110"), "");
+}
+
 TEST_F(LcmProcess, AdoptsABodyThatWalksAndStopsIt) {
   const auto board = StartBoard("11", "27");
   RobotRig robot(Config());
@@ -102,7 +102,7 @@ TEST_F(LcmProcess, LetsTheBodyLieDownWhenTheManagerHangs) {
   RobotRig robot(Config());
   ASSERT_TRUE(robot.BringUp()) << robot.Log();
   EXPECT_NE(board->LineWith("command mode 12"), "");
-  const pid_t manager = DescendantNamed("musher-motion-m", getpid());
+  const pid_t manager = robot.ManagerPid();
   ASSERT_GT(manager, 0);
   kill(manager, SIGSTOP);
   EXPECT_NE(board->LineWith("no frame: lies down"), "");
@@ -129,7 +129,7 @@ TEST_F(LcmProcess, DoesNotCommandAWalkToABodyThatLiesAfterTheManagerHung) {
   ASSERT_TRUE(robot.BringUp()) << robot.Log();
   Process streamer({BinDir() + "/musher-motion", "servo", "--vx", "0.3", "--seconds", "60"});
   EXPECT_NE(board->LineWith("mode 11 gait 27"), "");
-  const pid_t manager = DescendantNamed("musher-motion-m", getpid());
+  const pid_t manager = robot.ManagerPid();
   ASSERT_GT(manager, 0);
   kill(manager, SIGSTOP);
   EXPECT_NE(board->LineWith("no frame: lies down"), "");
@@ -163,6 +163,63 @@ TEST_F(LcmProcess, NamesAnotherProgramThatCommandsTheBoard) {
   loop.RunUntil([&] { return (code = robot.RequestMotion(132).code) != 0; },
                 musher::testing::In(std::chrono::seconds(30)));
   EXPECT_EQ(code, 3011);
+}
+
+// LCM's own library receives whatever is sent to its port, of every group of this host.
+TEST_F(LcmProcess, IsNotDisturbedByTheSameTestInAnotherProcess) {
+  const auto board = StartBoard("7", "0");
+  const auto neighbour = transport::LockFreeDomain(transport::TestDomain());
+  ASSERT_NE(neighbour.id, transport::TestDomain());
+  transport::LinuxEventLoop loop;
+  BodyCommand frame;
+  frame.mode = 12;
+  frame.life_count = 99;
+  for (int i = 0; i < 100; ++i) {
+    transport::LcmUrl url = transport::ReadLcmUrl(urls_[0]).value();
+    url.group = transport::LcmGroup(neighbour.id);
+    url.port = static_cast<std::uint16_t>(transport::LcmPort(neighbour.id, i));
+    const auto other =
+        transport::LcmSocket::Open(loop, {url, "", 0}, [](const transport::LcmSample&) {});
+    ASSERT_TRUE(other) << other.error().message;
+    ASSERT_TRUE(other.value()->Send(kCommandChannel, EncodeCommand(frame)));
+  }
+  frame.mode = 7;
+  const auto own = transport::LcmSocket::Open(
+      loop, {transport::ReadLcmUrl(urls_[0]).value(), "", 0}, [](const transport::LcmSample&) {});
+  ASSERT_TRUE(own.value()->Send(kCommandChannel, EncodeCommand(frame)));
+  EXPECT_THAT(board->LineWith("command"), HasSubstr("command mode 7"));
+}
+
+TEST_F(LcmProcess, LeavesNoMotionManagerBehindThatHangs) {
+  const auto board = StartBoard("7", "0");
+  pid_t manager = 0;
+  {
+    RobotRig robot(Config());
+    ASSERT_TRUE(robot.BringUp()) << robot.Log();
+    manager = robot.ManagerPid();
+    ASSERT_GT(manager, 0);
+    kill(manager, SIGSTOP);
+  }
+  EXPECT_TRUE(musher::testing::AwaitEnd(manager));
+}
+
+TEST_F(LcmProcess, LeavesNoMotionManagerBehindWhenTheTestIsKilled) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  const pid_t test = fork();
+  if (test == 0) {
+    const auto board = StartBoard("7", "0");
+    RobotRig robot(Config());
+    const pid_t manager = robot.BringUp() ? robot.ManagerPid() : 0;
+    if (write(ends[1], &manager, sizeof manager) > 0) pause();
+    _exit(1);
+  }
+  pid_t manager = 0;
+  ASSERT_EQ(read(ends[0], &manager, sizeof manager), static_cast<ssize_t>(sizeof manager));
+  ASSERT_GT(manager, 0);
+  kill(test, SIGKILL);
+  waitpid(test, nullptr, 0);
+  EXPECT_TRUE(musher::testing::AwaitEnd(manager));
 }
 
 TEST_F(LcmProcess, SaysWhereItExpectsASilentBoard) {

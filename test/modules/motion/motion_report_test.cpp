@@ -46,6 +46,22 @@ TEST(MotionReport, ReportsAHotAndAnOverloadedMotorOnce) {
               Contains(HasSubstr("motor 3 (front left hip abduction): too hot (3033)")));
 }
 
+TEST(MotionReport, NamesTheLegOfAFootThatIsInTheWrongPlace) {
+  Harness harness;
+  harness.board.report.footpos_error = 1 << 11 | 1 << 0 | 1 << 1;
+  harness.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(harness.reported, ElementsAre(3051));
+  EXPECT_THAT(harness.log,
+              Contains(HasSubstr("feet in the wrong place: rear left (up or down); front right "
+                                 "(left or right, fore or aft) (3051)")));
+}
+
+TEST(MotionReport, NamesTheFeetOnTheGround) {
+  EXPECT_EQ(FeetText(15), "front right, front left, rear right, rear left");
+  EXPECT_EQ(FeetText(0b1110), "front left, rear right, rear left") << "front right is raised";
+  EXPECT_EQ(FeetText(0), "no foot");
+}
+
 TEST(MotionReport, ReportsAnEmergencyStopAs3088OnceInThreeMinutes) {
   Harness harness;
   for (int i = 0; i < 3; ++i) {

@@ -223,6 +223,7 @@ TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
   ASSERT_TRUE(reading.config);
   MotionConfig defaults;
   defaults.motions = SourceDir() + "/config/motion/motions.toml";
+  defaults.gaits = SourceDir() + "/config/motion/gaits";
   EXPECT_EQ(*reading.config, defaults);
 }
 

@@ -1,7 +1,8 @@
 // A motion board that shares no code with Musher: LCM's own library, and the C code that lcm-gen
 // makes of the messages. It stands or walks as it is commanded, and lies down after 500 ms without
 // a frame. A frame of mode -1 is no command, as for the robot's locomotion controller. It prints
-// "board ready", and a line for each new command. With SILENT_MS it takes frames for that time
+// "board ready", and a line for each new command and each text of a gait, which it accepts if its
+// first line is one of a gait. With SILENT_MS it takes frames for that time
 // before its first response.
 //
 //   plain_board COMMAND_URL RESPONSE_URL LOCALIZATION_URL MODE GAIT [SILENT_MS]
@@ -11,9 +12,12 @@
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "musher_lcm_danger_states_lcmt.h"
+#include "musher_lcm_file_recv_lcmt.h"
+#include "musher_lcm_file_send_lcmt.h"
 #include "musher_lcm_localization_lcmt.h"
 #include "musher_lcm_robot_control_cmd_lcmt.h"
 #include "musher_lcm_robot_control_response_lcmt.h"
@@ -35,7 +39,23 @@ struct Board {
   float y;
   float yaw;
   int64_t last_frame_ms;
+  lcm_t* commands;
 };
+
+static void OnGait(const lcm_recv_buf_t* buffer, const char* channel,
+                   const musher_lcm_file_send_lcmt* file, void* user) {
+  const struct Board* board = (const struct Board*)user;
+  const char* text = file->data;
+  musher_lcm_file_recv_lcmt result = {0};
+  (void)buffer;
+  (void)channel;
+  result.result =
+      strncmp(text, "# Gait Def\n", 11) != 0 && strncmp(text, "# Gait Params\n", 14) != 0;
+  musher_lcm_file_recv_lcmt_publish(board->commands, "user_gait_result", &result);
+  for (const char* c = text; *c != '\0'; ++c) putchar(*c == '\n' ? '|' : *c);
+  printf("\n");
+  fflush(stdout);
+}
 
 static void OnCommand(const lcm_recv_buf_t* buffer, const char* channel,
                       const musher_lcm_robot_control_cmd_lcmt* command, void* user) {
@@ -94,7 +114,9 @@ int main(int argc, char** argv) {
   board.mode = atoi(argv[4]);
   board.gait = atoi(argv[5]);
   board.life_count = -1;
+  board.commands = commands;
   musher_lcm_robot_control_cmd_lcmt_subscribe(commands, "robot_control_cmd", OnCommand, &board);
+  musher_lcm_file_send_lcmt_subscribe(commands, "user_gait_file", OnGait, &board);
   printf("board ready\n");
   fflush(stdout);
   int64_t next_ms = NowMs() + (argc == 7 ? atoi(argv[6]) : 0);

@@ -1,5 +1,7 @@
 #include "musher/test/modules/motion/robot_rig.hpp"
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +23,22 @@ constexpr const char* kLongTimeouts = "\n[board]\nsilent_ms = 5000\nfeedback_ms 
 
 void Write(const std::string& file, const std::string& text) {
   std::ofstream(file) << text;
+}
+
+// The process of this name among those that `parent` and its children have started; 0: none.
+pid_t DescendantNamed(const std::string& name, pid_t parent) {
+  std::error_code error;
+  const std::string tasks = "/proc/" + std::to_string(parent) + "/task";
+  for (const auto& task : std::filesystem::directory_iterator(tasks, error)) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child = 0; children >> child;) {
+      std::string its_name;
+      std::getline(std::ifstream("/proc/" + std::to_string(child) + "/comm"), its_name);
+      if (its_name == name) return child;
+      if (const pid_t deeper = DescendantNamed(name, child); deeper != 0) return deeper;
+    }
+  }
+  return 0;
 }
 
 }  // namespace
@@ -48,10 +66,11 @@ RobotRig::RobotRig(const std::string& board) {
             "[capability.walk]\nactuators = [\"motion_manager\"]\nstates = "
             "[\"Active\", \"Protected\"]\n");
   node_ = transport::NodeThread::Start().value();
+  controller_.emplace();
 }
 
 RobotRig::~RobotRig() {
-  controller_.Switch("TearDown");
+  controller_->Switch("TearDown");
   node_->RunOnLoop([this] {
     frames_.reset();
     board_.reset();
@@ -66,8 +85,8 @@ bool RobotRig::BringUp() {
     board_->board.report.gait = lying.gait;
     board_->board.report.bar = 100;
   });
-  return controller_.Init(folder_ / "robot.toml") && controller_.AwaitSetUp() &&
-         controller_.Switch("SelfCheck").done() && controller_.Switch("Active").done();
+  return controller_->Init(folder_ / "robot.toml") && controller_->AwaitSetUp() &&
+         controller_->Switch("SelfCheck").done() && controller_->Switch("Active").done();
 }
 
 void RobotRig::OnBoard(const std::function<void(TopicBoard&)>& work) {
@@ -110,20 +129,37 @@ bool RobotRig::AwaitLog(const std::string& text) {
   return Await([&](const TopicBoard&) { return Log().find(text) != std::string::npos; });
 }
 
-msg::MotionResultCmd::Response RobotRig::RequestMotion(std::int32_t id) {
-  using Service = msg::MotionResultCmd;
-  std::promise<Result<Service::Response>> reply;
-  std::unique_ptr<transport::Client<Service>> client;
+template <msg::Service S>
+Result<typename S::Response> RobotRig::Call(const std::string& service,
+                                            const typename S::Request& request) {
+  std::promise<Result<typename S::Response>> reply;
+  std::unique_ptr<transport::Client<S>> client;
   node_->RunOnLoop([&] {
-    client = transport::MakeClient<Service>(node_->node(), "motion_result_cmd").value();
-    Service::Request request;
-    request.motion_id = id;
+    client = transport::MakeClient<S>(node_->node(), service).value();
     client->Call(request, std::chrono::seconds(20),
                  [&](auto result) { reply.set_value(std::move(result)); });
   });
-  const auto answer = reply.get_future().get();
+  auto answer = reply.get_future().get();
   node_->RunOnLoop([&] { client.reset(); });
-  return answer ? answer.value() : Service::Response{id, false, answer.error().code};
+  return answer;
+}
+
+msg::MotionResultCmd::Response RobotRig::RequestMotion(std::int32_t id) {
+  msg::MotionResultCmd::Request request;
+  request.motion_id = id;
+  const auto answer = Call<msg::MotionResultCmd>("motion_result_cmd", request);
+  if (answer) return answer.value();
+  return {id, false, answer.error().code};
+}
+
+msg::MotionSequenceShow::Response RobotRig::Show(const msg::MotionSequenceShow::Request& sequence) {
+  const auto answer = Call<msg::MotionSequenceShow>("motion_sequence_cmd", sequence);
+  if (answer) return answer.value();
+  return {false, answer.error().code, answer.error().message, sequence.motion_id};
+}
+
+pid_t RobotRig::ManagerPid() const {
+  return DescendantNamed("musher-motion-m", getpid());
 }
 
 std::string RobotRig::Log() const {

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/test/modules/motion/topic_board.hpp"
 #include "musher/test/support/process.hpp"
+#include "musher/test/support/process_guard.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
@@ -23,6 +25,7 @@ namespace musher::motion::testing {
 
 using musher::testing::Ended;
 using musher::testing::Process;
+using musher::testing::ProcessGuard;
 using musher::testing::RunToEnd;
 
 // Runs a program of this build with these arguments, to its end. Its errors are in its output.
@@ -32,11 +35,12 @@ class RobotRig {
  public:
   // `board` are more keys of [board] in the config of the motion manager.
   explicit RobotRig(const std::string& board = "");
+  // Leads the machine to TearDown. A motion manager that hangs is killed.
   ~RobotRig();
 
   // Starts the board and leads the machine to Active.
   bool BringUp();
-  MachineController& controller() { return controller_; }
+  MachineController& controller() { return *controller_; }
 
   // Does something with the board, on its loop.
   void OnBoard(const std::function<void(TopicBoard&)>& work);
@@ -50,17 +54,26 @@ class RobotRig {
   // Waits until the motion manager has printed this.
   bool AwaitLog(const std::string& text);
 
+  // Its process; 0: none.
+  pid_t ManagerPid() const;
+
   msg::MotionResultCmd::Response RequestMotion(std::int32_t id);
+  msg::MotionSequenceShow::Response Show(const msg::MotionSequenceShow::Request& sequence);
   // The output of the motion manager.
   std::string Log() const;
 
  private:
+  // The reply of a service of the motion manager.
+  template <msg::Service S>
+  Result<typename S::Response> Call(const std::string& service, const typename S::Request& request);
+
   TempFolder folder_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<TopicBoard> board_;
   std::unique_ptr<transport::Subscription> frames_;
   std::set<std::int32_t> received_frames_;  // their cmd_types
-  MachineController controller_;
+  ProcessGuard guard_;
+  std::optional<MachineController> controller_;  // last: it starts again what ends
 };
 
 }  // namespace musher::motion::testing

@@ -1,8 +1,8 @@
 // The motion manager and the simulated body, with the datagrams of LCM between them, in real time
-// and on the loopback of this computer; and the motion board of a world alone.
+// and on the loopback of this computer; and the motion board of a world alone. What holds for every
+// kind of board is in motion_board_test.cpp.
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <optional>
@@ -13,6 +13,7 @@
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/lcm_group.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -29,16 +30,11 @@ using ::testing::Not;
 class LcmBoard : public ::testing::Test {
  protected:
   LcmBoard() {
-    static int tests = 0;
-    const int process = getpid();
-    const std::string group = "udpm://239.252." + std::to_string(process / 256 % 256) + "." +
-                              std::to_string(process % 256) + ":";
-    const int port = 22'000 + 10 * tests++;
     BoardSpec& board = scene_.motion_board;
     board.lcm = true;
-    board.command_url = group + std::to_string(port);
-    board.response_url = group + std::to_string(port + 1);
-    board.localization_url = group + std::to_string(port + 2);
+    board.command_url = transport::NextTestLcmUrl();
+    board.response_url = transport::NextTestLcmUrl();
+    board.localization_url = transport::NextTestLcmUrl();
     board.network_interface = "lo";
     config_.board = motion::BoardKind::kLcm;
     config_.lcm = {board.command_url, board.response_url, board.localization_url, "lo", 0, ""};
@@ -231,21 +227,6 @@ TEST_F(LcmBoard, ReportsABodyThatIsTiltedAsDamped) {
   });
   EXPECT_TRUE(RunUntil([&] { return last_.report.switch_status == 3; })) << log_;
   EXPECT_EQ(last_.report.ori_error, 1);
-}
-
-TEST_F(LcmBoard, ReportsTheFaultOfAMotorAsTheBoardDoes) {
-  StartWorld();
-  StartMotion();
-  auto fault = transport::MakePublisher<msg::String>(*node_, "world/fault").value();
-  const auto sending = loop_.Every(Milliseconds(100), [&] {
-    msg::String text;
-    text.data = "motor_over_heat 4";
-    static_cast<void>(fault->Publish(text));
-  });
-  EXPECT_TRUE(RunUntil([&] {
-    return last_.report.motor_error[4] == static_cast<std::int32_t>(motion::MotorFault::kTooHot);
-  })) << log_;
-  EXPECT_EQ(last_.report.motor_error[5], 0);
 }
 
 TEST(LcmBoardScene, ReadsItsKeys) {

@@ -1,0 +1,380 @@
+#include "musher/modules/motion/user_gait.hpp"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/document.hpp"
+#include "musher/base/toml/file.hpp"
+#include "musher/base/toml/rows.hpp"
+#include "musher/modules/motion/motion_code.hpp"
+
+namespace musher::motion {
+namespace {
+
+namespace row = config_toml::row;
+using config_toml::Findings;
+using config_toml::Rows;
+using config_toml::Table;
+using config_toml::TableReader;
+
+constexpr int kWalkMode = 11;
+constexpr std::int8_t kUserGaitNumber = 110;  // of modes 11 and 62
+constexpr std::int64_t kLongestGaitMs = 600'000;
+constexpr double kFastest = 1.6;         // m/s
+constexpr double kFastestTurn = 2.5;     // rad/s
+constexpr double kHighestStep = 0.08;    // m
+constexpr double kMostLandingGain = 12;  // ten times it is an int8
+constexpr double kFarthest = 1;          // m, of the body and a foot
+constexpr double kMostWeight = 1000;
+constexpr const char* kFootNames = "front right, front left, rear right, rear left";
+
+Error GaitError(const std::string& why) {
+  return {MotionCode(MotionKey::kSequenceDefinition), why};
+}
+
+struct Section {
+  std::array<bool, 4> stands{};  // front right, front left, rear right, rear left
+  std::int64_t duration = 0;     // in periods of the board's control
+};
+
+struct Step {
+  std::array<double, 3> speed{};        // x, y, yaw
+  std::array<double, 6> body{};         // roll, pitch, yaw; x, y, z
+  std::array<double, 12> landing{};     // x, y, z of the feet, in the order of Section
+  std::array<double, 4> step_height{};  // in the same order
+  std::array<double, 6> weight{};
+  bool use_mpc_traj = false;
+  double friction = 0;
+  double landing_gain = 0;
+  std::int64_t duration_ms = 0;
+};
+
+// --- texts for the board ---
+
+std::string Text(double value) {
+  std::array<char, 32> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, 6);
+  std::string result(text.data(), end.ptr);
+  result.erase(result.find_last_not_of('0') + 1);
+  return result.ends_with('.') ? result + "0" : result;
+}
+
+template <typename Values>
+std::string ListText(const Values& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + Text(value);
+  return "[" + text + "]";
+}
+
+std::string TextOf(const std::vector<Section>& sections) {
+  std::string text = "# Gait Def\n";
+  for (const Section& section : sections) {
+    std::string contact;
+    for (const bool stands : section.stands) {
+      contact += std::string(contact.empty() ? "" : ", ") + (stands ? "1" : "0");
+    }
+    text += "[[section]]\ncontact = [" + contact +
+            "]\nduration = " + std::to_string(section.duration) + "\n";
+  }
+  return text;
+}
+
+// Two heights in millimetres as one number.
+double Packed(double first_m, double second_m) {
+  constexpr double kThousand = 1000;
+  constexpr double kRounding = 1e-3;  // 0.05F is a little more than 0.05
+  const auto millimetres = [&](double m) { return std::ceil(m * kThousand - kRounding); };
+  return 0.0 + millimetres(first_m) + millimetres(second_m) * kThousand;  // no -0.0
+}
+
+// The fields of a robot_control_cmd.
+std::string TextOf(const std::vector<Step>& steps) {
+  std::string text = "# Gait Params\n";
+  for (const Step& step : steps) {
+    const auto& b = step.body;
+    const auto& l = step.landing;
+    const auto& h = step.step_height;
+    constexpr double kTen = 10;
+    text += "[[step]]\nmode = " + std::to_string(kWalkMode) +
+            "\ngait_id = " + std::to_string(kUserGaitNumber) + "\ncontact = " +
+            std::to_string(static_cast<int>(std::floor(step.landing_gain * kTen))) +
+            "\nlife_count = 0\nvel_des = " + ListText(step.speed) +
+            "\nrpy_des = " + ListText(std::array{b[0], b[1], b[2]}) +
+            "\npos_des = " + ListText(std::array{b[3], b[4], b[5]}) +
+            "\nacc_des = " + ListText(step.weight) +
+            "\nctrl_point = " + ListText(std::array{l[9], l[10], step.friction}) +
+            "\nfoot_pose = " + ListText(std::array{l[0], l[1], l[3], l[4], l[6], l[7]}) +
+            "\nstep_height = " + ListText(std::array{Packed(h[0], h[1]), Packed(h[2], h[3])}) +
+            "\nvalue = " + (step.use_mpc_traj ? "1" : "0") +
+            "\nduration = " + std::to_string(step.duration_ms) + "\n";
+  }
+  return text;
+}
+
+// --- checks ---
+
+template <typename Values>
+bool AreWithin(const Values& values, double most) {
+  for (const double value : values) {
+    if (!std::isfinite(value) || std::abs(value) > most) return false;
+  }
+  return true;
+}
+
+std::optional<std::string> FaultOf(const Step& step) {
+  const auto out = [](const char* what, double most) {
+    return std::string(what) + " must be finite and at most " + Text(most);
+  };
+  if (!AreWithin(std::array{step.speed[0], step.speed[1]}, kFastest)) {
+    return out("its speed in x and y", kFastest);
+  }
+  if (!AreWithin(std::array{step.speed[2]}, kFastestTurn)) return out("its yaw rate", kFastestTurn);
+  if (!AreWithin(step.body, kFarthest)) return out("the pose of the body", kFarthest);
+  if (!AreWithin(step.landing, kFarthest)) return out("the landing of the feet", kFarthest);
+  if (!AreWithin(step.weight, kMostWeight)) return out("a weight", kMostWeight);
+  for (const double height : step.step_height) {
+    if (!(height >= 0 && height <= kHighestStep)) {
+      return "the height of a step must be 0 to " + Text(kHighestStep) + " m";
+    }
+  }
+  if (!(step.friction >= 0 && step.friction <= 1)) return "the friction must be 0 to 1";
+  if (!(step.landing_gain >= 0 && step.landing_gain <= kMostLandingGain)) {
+    return "the landing gain must be 0 to " + Text(kMostLandingGain);
+  }
+  if (step.duration_ms <= 0 || step.duration_ms > kLongestGaitMs) {
+    return "its duration must be 1 to " + std::to_string(kLongestGaitMs) + " ms, it is " +
+           std::to_string(step.duration_ms);
+  }
+  return std::nullopt;
+}
+
+Result<> Check(const std::vector<Section>& sections, const std::vector<Step>& steps) {
+  if (sections.empty()) {
+    return GaitError(
+        "the gait has steps, but no sections that say which feet stand (gait_list, "
+        "gait_toml)");
+  }
+  if (steps.empty()) {
+    return GaitError("the gait has feet, but no steps of the body (pace_list, pace_toml)");
+  }
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const std::int64_t duration = sections[i].duration;
+    if (duration > 0 && duration <= kLongestGaitMs) continue;
+    return GaitError("section " + std::to_string(i + 1) +
+                     " of the feet: its duration must be more than 0, it is " +
+                     std::to_string(duration));
+  }
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto fault = FaultOf(steps[i]);
+    if (fault) return GaitError("step " + std::to_string(i + 1) + ": " + *fault);
+  }
+  return Ok();
+}
+
+Result<> CheckLength(const std::string& text, const char* what) {
+  if (text.size() <= kLongestGaitText) return Ok();
+  return Error{MotionCode(KeyCode::kParametersInvalid),
+               std::string("the ") + what + " of the gait have " + std::to_string(text.size()) +
+                   " bytes; a motion board takes at most " + std::to_string(kLongestGaitText)};
+}
+
+Result<UserGait> Finished(const std::vector<Section>& sections, const std::vector<Step>& steps) {
+  if (auto good = Check(sections, steps); !good) return good.error();
+  UserGait gait{TextOf(sections), TextOf(steps), 0};
+  if (auto fits = CheckLength(gait.sections, "sections"); !fits) return fits.error();
+  if (auto fits = CheckLength(gait.steps, "steps"); !fits) return fits.error();
+  for (const Step& step : steps) gait.duration_ms += step.duration_ms;
+  return gait;
+}
+
+// --- TOML ---
+
+template <typename T>
+struct Reading {
+  std::optional<std::vector<T>> value;
+  std::vector<Diagnostic> diagnostics;
+};
+
+template <std::size_t N>
+config_toml::Row NumbersRow(std::string_view key, std::array<double, N>& values,
+                            std::string_view expected) {
+  std::vector<double*> places;
+  for (double& value : values) places.push_back(&value);
+  constexpr double kMost = 1e6;
+  return row::Required(key, expected, row::Numbers(key, places, -kMost, kMost, expected));
+}
+
+void ReadSection(TableReader& reader, std::vector<Section>& sections) {
+  Section section;
+  const std::string expected = std::string("four numbers 0 or 1: ") + kFootNames;
+  reader.Require("contact", expected);
+  reader.Require("duration", "periods of the board's control");
+  const auto contact = reader.Integers("contact", 0, 1);
+  if (contact && contact->size() != section.stands.size()) {
+    reader.Fault(reader.At("contact"), "contact", "expected " + expected);
+  } else if (contact) {
+    for (std::size_t i = 0; i < contact->size(); ++i) section.stands[i] = (*contact)[i] != 0;
+  }
+  section.duration = reader.Integer("duration", 1, kLongestGaitMs).value_or(0);
+  reader.RefuseOthers();
+  sections.push_back(section);
+}
+
+void ReadStep(TableReader& reader, std::vector<Step>& steps) {
+  Step step;
+  constexpr double kMost = 1e6;
+  std::string type;
+  std::int64_t gait = kUserGaitNumber;
+  const auto needed = [](const char* key, config_toml::Row read) {
+    return row::Required(key, "a value", std::move(read));
+  };
+  config_toml::ReadRows(
+      reader,
+      {needed("type", row::Text("type", type)),
+       row::Check(
+           "type", [&] { return type == "usergait"; }, "expected \"usergait\""),
+       NumbersRow("body_vel_des", step.speed, "three numbers: x and y in m/s, yaw in rad/s"),
+       NumbersRow("body_pos_des", step.body, "six numbers: roll, pitch, yaw, x, y, z"),
+       NumbersRow("landing_pos_des", step.landing, "twelve numbers: x, y, z of each foot"),
+       NumbersRow("step_height", step.step_height, "four numbers in m, one for each foot"),
+       NumbersRow("weight", step.weight, "six numbers"),
+       [&](TableReader& r) {
+         r.Require("use_mpc_traj", "0 or 1");
+         step.use_mpc_traj = r.Integer("use_mpc_traj", 0, 1).value_or(0) != 0;
+       },
+       needed("mu", row::Number("mu", step.friction, 0, kMost)),
+       needed("landing_gain", row::Number("landing_gain", step.landing_gain, 0, kMost)),
+       row::Integer("gait_id", gait, kUserGaitNumber, kUserGaitNumber),
+       needed("duration", row::Integer("duration", step.duration_ms, 1, kLongestGaitMs, "ms"))});
+  steps.push_back(step);
+}
+
+template <typename T>
+Result<std::vector<T>> ReadTables(const std::string& text, const char* key,
+                                  void (*read)(TableReader&, std::vector<T>&)) {
+  const auto reading =
+      config_toml::ReadTextWith<Reading<T>>(text, key, [&](const Table& root, Findings& findings) {
+        std::vector<T> found;
+        TableReader reader(root, {1, 1}, "", findings);
+        for (TableReader& table : reader.Subs(key)) read(table, found);
+        reader.RefuseOthers();
+        return found;
+      });
+  if (reading.value) return *reading.value;
+  return GaitError(FormatDiagnostic(reading.diagnostics.front()));
+}
+
+Result<std::vector<Section>> ReadSections(const std::string& text) {
+  if (auto fits = CheckLength(text, "sections"); !fits) return fits.error();
+  return ReadTables<Section>(text, "section", ReadSection);
+}
+Result<std::vector<Step>> ReadSteps(const std::string& text) {
+  if (auto fits = CheckLength(text, "steps"); !fits) return fits.error();
+  return ReadTables<Step>(text, "step", ReadStep);
+}
+
+// --- messages ---
+
+Section SectionOf(const msg::MotionSequenceGait& gait) {
+  return {{gait.right_forefoot, gait.left_forefoot, gait.right_hindfoot, gait.left_hindfoot},
+          gait.duration};
+}
+
+// The four numbers of a foot: where it lands, and how high it steps.
+Step StepOf(const msg::MotionSequencePace& pace) {
+  Step step;
+  step.speed = {pace.twist.linear.x, pace.twist.linear.y, pace.twist.angular.z};
+  const auto& q = pace.centroid.orientation;
+  const Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
+  const Eigen::Vector3d yaw_pitch_roll = turn.toRotationMatrix().eulerAngles(2, 1, 0);
+  const bool turned = !(q == msg::Quaternion{});
+  if (turned) step.body = {yaw_pitch_roll[2], yaw_pitch_roll[1], yaw_pitch_roll[0], 0, 0, 0};
+  const auto& at = pace.centroid.position;
+  step.body[3] = at.x;
+  step.body[4] = at.y;
+  step.body[5] = at.z;
+  const std::array feet = {&pace.right_forefoot, &pace.left_forefoot, &pace.right_hindfoot,
+                           &pace.left_hindfoot};
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    step.landing[3 * i] = feet[i]->x;
+    step.landing[3 * i + 1] = feet[i]->y;
+    step.landing[3 * i + 2] = feet[i]->z;
+    step.step_height[i] = *feet[i] == msg::Quaternion{} ? 0 : feet[i]->w;
+  }
+  const auto& w = pace.weight;
+  step.weight = {w.linear.x, w.linear.y, w.linear.z, w.angular.x, w.angular.y, w.angular.z};
+  step.use_mpc_traj = pace.use_mpc_track;
+  step.friction = pace.friction_coefficient;
+  step.landing_gain = pace.landing_gain;
+  step.duration_ms = pace.duration;
+  return step;
+}
+
+std::string Joined(const std::string& text, const std::vector<std::string>& more) {
+  std::string all = text;
+  for (const std::string& one : more) all += (all.empty() ? "" : "\n") + one;
+  return all;
+}
+
+}  // namespace
+
+bool PlaysUserGait(const Motion& motion) {
+  return motion.gait == kUserGaitNumber;
+}
+
+bool IsWalk(const msg::MotionSequencePace& pace) {
+  msg::MotionSequencePace walk;
+  walk.twist.linear.x = pace.twist.linear.x;
+  walk.twist.linear.y = pace.twist.linear.y;
+  walk.twist.angular.z = pace.twist.angular.z;
+  walk.duration = pace.duration;
+  return walk == pace;
+}
+
+bool HasUserGait(const msg::MotionSequenceShow::Request& sequence) {
+  if (!sequence.gait_list.empty() || !sequence.gait_toml_list.empty() ||
+      !sequence.pace_toml_list.empty() || !sequence.gait_toml.empty() ||
+      !sequence.pace_toml.empty()) {
+    return true;
+  }
+  for (const msg::MotionSequencePace& pace : sequence.pace_list) {
+    if (!IsWalk(pace)) return true;
+  }
+  return false;
+}
+
+Result<UserGait> ReadUserGait(const std::string& sections, const std::string& steps) {
+  const auto feet = ReadSections(sections);
+  if (!feet) return feet.error();
+  const auto body = ReadSteps(steps);
+  if (!body) return body.error();
+  return Finished(feet.value(), body.value());
+}
+
+Result<UserGait> UserGaitOf(const msg::MotionSequenceShow::Request& sequence) {
+  const std::string feet_text = Joined(sequence.gait_toml, sequence.gait_toml_list);
+  const std::string body_text = Joined(sequence.pace_toml, sequence.pace_toml_list);
+  if (!feet_text.empty() && !sequence.gait_list.empty()) {
+    return GaitError("the feet are given twice: by gait_list and as TOML");
+  }
+  if (!body_text.empty() && !sequence.pace_list.empty()) {
+    return GaitError("the steps are given twice: by pace_list and as TOML");
+  }
+  auto sections = ReadSections(feet_text);
+  if (!sections) return sections.error();
+  auto steps = ReadSteps(body_text);
+  if (!steps) return steps.error();
+  for (const auto& gait : sequence.gait_list) sections.value().push_back(SectionOf(gait));
+  for (const auto& pace : sequence.pace_list) steps.value().push_back(StepOf(pace));
+  return Finished(sections.value(), steps.value());
+}
+
+}  // namespace musher::motion
