@@ -30,9 +30,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   Result<> Send(std::string_view command) {
     if (waits_) {
       if (command == kStartCommand) {
-        commanded_ = true;
-        ended_ = false;
-        return StartOrResume();
+        return BeginByCommand();
       }
       return Refused<ApplicationRefusal::kWaitsForStart>(owner_.name(), owner_.name());
     }
@@ -84,7 +82,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   }
 
   Result<> SetUp() override {
-    owner_.RunOnLoop([this] { commanded_ = ended_ = false; });
+    owner_.RunOnLoop([this] { commanded_ = ended_ = started_ = false; });
     machine_ = std::make_unique<fsm::Machine>(options_.machine);
     machine_->Listen(this);
     if (Result<> built = owner_.BuildMachine(*machine_); !built) return built;
@@ -133,6 +131,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   Result<> StartOrResume() {
     if (Result<> checked = CheckNoStop(); !checked) return checked;
     if (ticking()) return Ok();
+    ended_ |= started_ && !machine_->running();  // it was stopped in a pause
     waits_ = Waits();
     if (waits_) {
       owner_.Log("stands, and waits for START");
@@ -147,6 +146,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
         return Error{kCodeFailed,
                      "the machine stopped at its start: " + machine_->Describe(*machine_->fault())};
       }
+      started_ = true;
       // The first time received from /clock may have any value.
       if (Now() == Time{}) machine_->Pause();
     } else if (options_.resume == Resume::kFromStart) {
@@ -154,6 +154,20 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
     }
     StartTicks();
     return Ok();
+  }
+
+  // A START that fails was not given.
+  Result<> BeginByCommand() {
+    const bool commanded = std::exchange(commanded_, true);
+    const bool ended = std::exchange(ended_, false);
+    started_ = false;
+    Result<> begun = StartOrResume();
+    if (begun) return begun;
+    Pause();  // an incomplete start is not left running
+    commanded_ = commanded;
+    ended_ = ended;
+    waits_ = true;
+    return begun;
   }
 
   // For START.
@@ -241,6 +255,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   std::unique_ptr<fsm::Machine> machine_;
   std::function<void(const msg::String&)> publish_state_;  // while the ticks are open
   bool commanded_ = false;                                 // to begin, since SetUp
+  bool started_ = false;                                   // since SetUp, or START
   bool ended_ = false;                                     // by itself, since START
   bool waits_ = false;                                     // for START, in Active
   bool in_tick_ = false;

@@ -170,12 +170,10 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
                 "the " + due.value().reason + ", waits: " + from +
                     "; it begins with the next start after `musher down`"};
   }
-  SlotState next = state ? *state : due.value().next;
-  next.taking_down = true;
   return Boot{*running,
               false,
               content.value(),
-              next,
+              state ? *state : due.value().next,
               from + ", which is not due: the machine is taken down, and starts from " +
                   Name(due.value().start),
               true};

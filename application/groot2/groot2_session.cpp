@@ -165,9 +165,11 @@ void Session::Forget(const std::string& client) {
   std::erase_if(hook_owners_, [&](const auto& owned) {
     const auto& [at, owner] = owned;
     if (owner != client) return false;
-    const bool acts = hooks_->Acts(at.first, at.second);
-    if (acts && !options_.on_lost) return false;
-    acted |= acts;
+    // Also one that has acted before, or would act next: nothing is to move because of its end.
+    const bool matters = options_.on_lost ? hooks_->IsEnabled(at.first, at.second)
+                                          : hooks_->Acts(at.first, at.second);
+    if (matters && !options_.on_lost) return false;
+    acted |= matters;
     hooks_->Remove(at.first, at.second);
     return true;
   });

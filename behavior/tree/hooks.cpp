@@ -18,6 +18,11 @@ bool Hooks::Release(NodeId node, Status instead, bool once, bool after) {
   return true;
 }
 
+bool Hooks::IsEnabled(NodeId node, bool after) const {
+  const auto found = hooks_.find({node, after});
+  return found != hooks_.end() && found->second.hook.enabled;
+}
+
 bool Hooks::IsHeld(NodeId node, bool after) const {
   const auto found = hooks_.find({node, after});
   if (found == hooks_.end()) return false;

@@ -51,6 +51,7 @@ class Hooks {
   // none.
   bool Release(NodeId node, Status instead, bool once, bool after = false);
   bool Has(NodeId node, bool after = false) const { return hooks_.contains({node, after}); }
+  bool IsEnabled(NodeId node, bool after = false) const;
   // Whether the node was held in the last tick.
   bool IsHeld(NodeId node, bool after = false) const;
   // Whether its hook held the node in the last tick, and it was not released since, or replaced it.

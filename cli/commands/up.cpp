@@ -191,13 +191,13 @@ namespace {
     the_end.exit_code = process.Run();
     if (process.StartsAgain()) {
       reexec.Prepare(process.launcher());
+      fcntl(kept.get(), F_SETFD, 0);  // here: it is executed from a signal where DDS does not end
     } else {
       target.lock = {};  // the machine is stopped, while this process leaves the domain
     }
     EndWithin(kLeaveTime);
   }
   if (the_end.argv.empty()) std::exit(the_end.exit_code);  // NOLINT(concurrency-mt-unsafe)
-  fcntl(kept.get(), F_SETFD, 0);
   EndNow();
 }
 

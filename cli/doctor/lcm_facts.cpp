@@ -12,24 +12,22 @@
 namespace musher::cli {
 namespace {
 
-using config_toml::Table;
-
 constexpr const char* kProgram = "musher-motion-manager";
 
-std::string TextOf(const Table& table, const char* key) {
+std::string TextOf(const config_toml::Table& table, const char* key) {
   const config_toml::Member* found = config_toml::Find(table, key);
   const auto* text = found == nullptr ? nullptr : found->value.As<std::string>();
   return text == nullptr ? "" : *text;
 }
 
 // Its [board], if that is on LCM.
-std::optional<Table> LcmBoardOf(const std::string& file) {
+std::optional<config_toml::Table> LcmBoardOf(const std::string& file) {
   const auto text = config_toml::ReadModuleText(file);
   if (!text) return std::nullopt;
   const auto document = config_toml::ParseDocument(text.value());
-  const auto* root = std::get_if<Table>(&document);
+  const auto* root = std::get_if<config_toml::Table>(&document);
   const config_toml::Member* board = root == nullptr ? nullptr : config_toml::Find(*root, "board");
-  const auto* keys = board == nullptr ? nullptr : board->value.As<Table>();
+  const auto* keys = board == nullptr ? nullptr : board->value.As<config_toml::Table>();
   if (keys == nullptr || TextOf(*keys, "kind") != "lcm") return std::nullopt;
   return *keys;
 }

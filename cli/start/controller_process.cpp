@@ -166,6 +166,9 @@ ControllerOptions ControllerProcess::Options() {
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] {
+    // A person has requested meanwhile that it stays down: what is due waits for the next start.
+    const auto& stopping = controller_->shell().machine().stopping;
+    start_again_ &= !stopping || stopping->after == AfterTearDown::kStartsAgain;
     // The machine was taken down before the trial boot was decided.
     if (trial_boot_)
       trial_boot_->Fail({kCodeFailed, "the machine was taken down before it was up"});
@@ -190,8 +193,19 @@ void ControllerProcess::OnRecord(const action::Record& record) {
   progress_.Send(progress);
   log_.Write(record.message, record.code);
   if (!controller_) return;
+  MarkTakingDown();
   service_manager_.Update(controller_->shell().machine());
   progress_.Send(controller_->shell().Status());
+}
+
+// Once the machine is being taken down, for the slot that is due: a start that fails before that
+// has ended no actuator, and the next one does the same again.
+void ControllerProcess::MarkTakingDown() {
+  const bool begins = run_ && run_->takes_down && start_again_ && !marked_ &&
+                      controller_->shell().machine().phase == Phase::kStopping;
+  if (!begins) return;
+  marked_ = true;
+  disk_.Do("taking down", [run = *run_] { return SaveTakingDown(run); });
 }
 
 void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
@@ -221,6 +235,7 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
 
 // Another controller leads: this one is fenced, or was refused before it began.
 void ControllerProcess::OnFenced(const std::string& message) {
+  start_again_ = false;  // the machine is not taken down: another controller leads it
   const bool begun = controller_->shell().machine().phase == Phase::kFenced;
   exit_ = begun ? ExitCode::kNotDone : ExitCode::kUsage;
   log_.Write(message, kCodePermissionDenied);

@@ -61,6 +61,7 @@ class ControllerProcess {
   void StartAgain(const std::string& why);
   ControllerOptions Options();
   void OnRecord(const action::Record& record);
+  void MarkTakingDown();
   void OnStartUpEnded(const action::StartUpEnded& ended);
   void OnFenced(const std::string& message);
   void OnTrouble(const std::string& message);
@@ -77,6 +78,7 @@ class ControllerProcess {
   pid_t launcher_;
   const Start start_;
   bool start_again_ = false;
+  bool marked_ = false;  // that it takes the machine down for the slot that is due
   ExitCode exit_ = ExitCode::kDone;
   UniqueFd signals_;
   UniqueFd release_;

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/program_path.hpp"
+#include "musher/base/scheduling.hpp"
 #include "musher/cli/config/config_file.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/controller/process/child_processes.hpp"
@@ -29,7 +31,8 @@ constexpr Duration kCheckEvery = Milliseconds(100);
 constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
 constexpr Duration kRunKillTime = Milliseconds(2000);
 constexpr int kInstallerPollMs = 100;
-constexpr const char* kConfigVariable = "MUSHER_CONFIG";  // of an actuator's process
+constexpr auto kInstallerTime = std::chrono::minutes(10);  // a start waits for an installation
+constexpr const char* kConfigVariable = "MUSHER_CONFIG";   // of an actuator's process
 
 // Slots are replaced by upgrades: the controller's own files must be outside of them.
 std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
@@ -63,13 +66,22 @@ std::optional<ota::Slot> RunningSlot(const ota::Root& root) {
 }
 
 // Waits for the end of an installation, which is quicker than a person who starts the robot again.
-Result<> TakeRoot(const ota::Root& root, RootLock& lock, Console& console) {
+// A robot's start does not wait for ever: an installer that is stopped writes only into the other
+// slot.
+Result<> TakeRoot(const ota::Root& root, RootLock& lock, bool takeover, Console& console) {
+  const auto until = std::chrono::steady_clock::now() + kInstallerTime;
   const auto holder = [&root] { return ota::HolderOf(root.RunLock()); };
   for (bool first = true;; first = false) {
     const auto taken = TakeFromKilled([&] { return lock.Take(root.path()); }, holder);
     if (taken || taken.error().code != kCodeTargetBusy) return taken;
     const int installer = holder();
     if (installer == 0 || installer != ota::HolderOf(root.InstallLock())) return taken;
+    const bool stopped = RunStateOf(installer) == ProcessRunState::kStopped;
+    if (takeover || stopped || std::chrono::steady_clock::now() > until) {
+      console.PrintError(
+          fmt::format("the start does not wait for process {}, which installs", installer));
+      return Ok();
+    }
     if (first) {
       console.PrintError(fmt::format(
           "process {} installs a version into {}; the start waits for it", installer, root.path()));
@@ -91,7 +103,7 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
   if (!root) return fail(root.error());
   const auto holder = [&root] { return ota::HolderOf(root.value().RunLock()); };
   RootLock lock;
-  const auto taken = TakeRoot(root.value(), lock, console);
+  const auto taken = TakeRoot(root.value(), lock, takeover, console);
   if (!taken && taken.error().code == kCodeTargetBusy && !takeover) {
     return fail(
         {kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}", holder(),
@@ -131,6 +143,17 @@ Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome) {
   ota::PosixDisk disk;
   const auto root = ota::Root::Open(disk, run.root);
   return root ? root.value().EndTrialBoot(run.version, outcome) : Result<>(root.error());
+}
+
+Result<> SaveTakingDown(const SlotRun& run) {
+  ota::PosixDisk disk;
+  const auto root = ota::Root::Open(disk, run.root);
+  if (!root) return root.error();
+  return root.value().Change([](const ota::SlotState& state) -> Result<ota::SlotState> {
+    ota::SlotState next = state;
+    next.taking_down = true;
+    return next;
+  });
 }
 
 void PutSlotFirstInPath(const SlotRun& run) {

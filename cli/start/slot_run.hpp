@@ -72,6 +72,9 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, boo
 // Saves the outcome of the trial boot: the version is kept, or why not.
 Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);
 
+// Saves that this start takes down what runs from the slot: the next one does not try it again.
+Result<> SaveTakingDown(const SlotRun& run);
+
 // Makes this process and the processes that it starts find the slot's programs first.
 void PutSlotFirstInPath(const SlotRun& run);
 

@@ -421,13 +421,13 @@ void Race::Resume(Time now) {
   // In a long pause people come near, or put the robot on its charger.
   const std::optional<Time> rested_at = std::exchange(rested_at_, std::nullopt);
   const Duration within = course_.robot.resume_within;
-  const bool charged = std::exchange(charged_, false);
+  const bool charged = std::exchange(charged_, false) || on_charger_;
   const bool was_long = rested_at && within > Duration(0) && now - *rested_at > within;
   if (!under_way() || (!charged && !was_long)) return;
   if (!held_from_) held_from_ = machine_->time();
   outputs_.Log(
       course_.states[runner_.state()].name + ": " +
-      (charged ? "it was put on a charger in the pause"
+      (charged ? "it was, or is, on a charger"
                : "the pause was longer than " + std::to_string(ToMilliseconds(within)) + " ms") +
       ": it goes on after START");
 }

@@ -92,7 +92,8 @@ void RaceRobot::Subscribe(transport::Endpoints& topics) {
       topic::kBattery,
       [this](const msg::BmsStatus& battery) {
         race_.OnCharger(
-            battery.power_wired_charging || battery.power_wp_place || battery.power_wp_charging,
+            battery.power_wired_charging || battery.power_wp_place || battery.power_wp_charging ||
+                battery.power_expower_supply,  // full, hot, or at its threshold it does not charge
             Now());
       },
       transport::kSensorDataQos);

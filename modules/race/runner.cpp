@@ -168,6 +168,8 @@ void Runner::Pause(Time time) {
   locomotion_.Pause();
   lane_walker_.Pause();
   voice_.Pause();
+  at_.agreed = {};  // a picture from before the pause and one from after it do not agree
+  at_.sampled_since.reset();
   perception_.Close();
   SeesAgain();
   unseen_since_.reset();
@@ -258,6 +260,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
     if (const auto fault = locomotion_.Fault(now)) return Fail(*fault);
     if (!stands) return std::nullopt;
     at_.after = std::max(at_.after, time + course_.check.settle);
+    if (at_.phase == kLook) at_.since = now;  // it begins to look now
   }
   while (at_.step < rule().steps.size()) {
     fault_.clear();
@@ -657,7 +660,11 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) 
   const std::optional<LineWord> word = Word(check);
   if (!word) {
     if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
-    if (!HasSample(check)) {
+    const bool has_sample = HasSample(check);
+    if (has_sample && !at_.sampled_since) at_.sampled_since = now;
+    // The first one came late: a second one has to agree with it.
+    if (has_sample && now - *at_.sampled_since < rules.settle) return Outcome::kRunning;
+    if (!has_sample) {
       if (now - at_.since < rules.settle + rules.silent) return Outcome::kRunning;
       fault_ = "check " + check.name + ": all pictures for the detector " +
                course_.detectors[check.detector].name +

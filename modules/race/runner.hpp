@@ -84,6 +84,7 @@ class Runner {
     Time after{};      // pictures taken before do not count
     int tries = 0;     // corrections or retries
     Agreement agreed{};
+    std::optional<Duration> sampled_since{};  // of a look: the first picture that counts
     // Of a walk until a sight: there is no new picture, or the thing is hidden, since then.
     std::optional<Duration> stale_since{};
     std::optional<Duration> hidden_since{};
@@ -186,6 +187,7 @@ class Runner {
     at_.phase = phase;
     at_.since = now;
     at_.agreed = {};
+    at_.sampled_since.reset();
   }
   int StepsOf(Duration time) const {
     return static_cast<int>((time + course_.step / 2) / course_.step);

@@ -69,6 +69,7 @@ class FsmActuator(Actuator):
         self._opened: List[Endpoint] = []
         self._is_set_up = False
         self._ticking = False
+        self._has_begun = False
         self._has_ended = False  # the application has stopped the machine, since START
         self._in_tick = False
         self._published: Optional[str] = None
@@ -122,8 +123,12 @@ class FsmActuator(Actuator):
         paused, so that no command is executed hours later, and when machine.send() does. A machine that the application
         has stopped begins again by START only."""
         if self._has_ended and command == "START" and self.current_state == "Active":
-            self._has_ended = False
-            return self._start_or_resume()
+            self._has_ended = self._has_begun = False
+            try:
+                return self._start_or_resume()
+            except BaseException:
+                self._has_ended = True  # a START that fails was not given
+                raise
         if not self._ticking:
             if self._has_ended and self.current_state == "Active":
                 raise Failure(_STATE_INVALID, f"{self.name} stands and waits for START: musher behavior {self.name} "
@@ -174,7 +179,7 @@ class FsmActuator(Actuator):
         for warning in machine.warnings:
             self.log.warning(warning)
         self._machine = machine
-        self._has_ended = False
+        self._has_begun = self._has_ended = False
         self.node._run(self._open_all)
         self._is_set_up = True
 
@@ -220,6 +225,7 @@ class FsmActuator(Actuator):
             raise Failure(_STATE_INVALID, "an emergency stop was engaged meanwhile")
         if self._ticking:
             return
+        self._has_ended |= self._has_begun and not self.machine.running  # it was stopped in a pause
         if self._has_ended:
             self.log.info("stands, and waits for START")
             return
@@ -231,6 +237,7 @@ class FsmActuator(Actuator):
             self._quietly(lambda: machine._native.start(now_ns, ""))
             if not machine.running:
                 raise Failure(_FAILED, f"the machine stopped at its start: {machine.fault}")
+            self._has_begun = True
         elif not self.resumes:
             self._quietly(machine.reset)
         if now_ns == 0:

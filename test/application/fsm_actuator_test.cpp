@@ -40,6 +40,33 @@ TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
               ElementsAre("resumes", "GREET enters", "GREET leaves", "PLAY enters"));
 }
 
+TEST_F(AnFsmActuator, TakesAStartThatFailsAsNotGiven) {
+  ActuatorRunner<Show> show({.rate_hz = 50, .begin = musher::Begin::kOnCommand});
+  harness_.Open(show);
+  ASSERT_TRUE(Go("SelfCheck"));
+  ASSERT_TRUE(Go("Active"));
+  show.RunOnLoop([&] { show.data().throws["resumes"] = "no curtain"; });
+  EXPECT_FALSE(show.Of([](Show& s) { return s.Send("START"); }));
+  EXPECT_THAT(show.TakeLog(), ElementsAre("resumes", "pauses")) << "its outputs are neutral";
+  show.RunOnLoop([&] { show.data().throws.clear(); });
+  ASSERT_TRUE(Go("Protected"));
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "nothing begins by itself";
+  EXPECT_TRUE(show.Of([](Show& s) { return s.Send("START"); }));
+  EXPECT_EQ(show.Path(), "GREET");
+}
+
+TEST_F(AnFsmActuator, WaitsForStartWhereItsMachineWasStoppedInAPause) {
+  ActuatorRunner<Show> show({.rate_hz = 50});
+  Begin(show);
+  ASSERT_TRUE(Go("LowPower"));
+  show.RunOnLoop([&] { ASSERT_TRUE(show.machine().Stop()); });
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "nothing begins by itself";
+  EXPECT_TRUE(show.Of([](Show& s) { return s.Send("START"); }));
+  EXPECT_EQ(show.Path(), "GREET");
+}
+
 TEST_F(AnFsmActuator, StampsWithTheTimeOfItsMachine) {
   ActuatorRunner<Show> show;
   harness_.Open(show);

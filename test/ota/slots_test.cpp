@@ -181,6 +181,7 @@ TEST(Boots, TakeDownTheVersionThatIsRolledBackWhileItsActuatorsRun) {
   EXPECT_EQ(boot.value().start, Slot::kB);
   EXPECT_FALSE(boot.value().on_trial_boot);
   EXPECT_TRUE(boot.value().takes_down);
+  EXPECT_EQ(boot.value().next, started) << "saved once the TearDown is under way";
   const auto down = DecideBoot(boot.value().next, {}, content.Look());
   ASSERT_TRUE(down);
   EXPECT_EQ(down.value().start, Slot::kA);

@@ -186,8 +186,16 @@ Result<> RootMachine::LeaveOta() {
 }
 
 Result<> RootMachine::StartAgain() {
+  if (Interrupted()) {  // an interrupted connection no longer waits
+    if (auto failure = Connect()) return failure->error;
+  }
   const auto now = Look();
-  if (!now) return now.error();
+  if (!now) {
+    return Error{now.error().code, now.error().message +
+                                       "; the machine stays in OTA, and the trial boot waits for "
+                                       "`musher down` and the next start: musher up " +
+                                       ShellWord(root_.path())};
+  }
   if (now.value().phase != "failed" && now.value().state != kOta) {
     return Error{kCodeStateInvalid,
                  "the machine was switched to " + now.value().state +

@@ -43,6 +43,11 @@ class Middle {
   }
 
   double offset() const { return (middle_x() - center_x_) / width_; }
+  // Two lines, as far apart as those of a lane: hardly by chance.
+  bool is_pair() const {
+    return left_ != right_ && floor_.in_metres() && !left_->lies_across && !right_->lies_across &&
+           Gap(*left_, *right_, floor_).has_value();
+  }
   bool is_of_one() const { return left_ == right_ && !beside_px_; }
   const std::string& doubt() const { return doubt_; }
 
@@ -223,7 +228,8 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   message.doubt = middle.doubt();
   for (const YellowLine& line : lines) message.area_px2 += static_cast<float>(line.area_px2);
   // Where most of it is none, what is left is by chance as wide as a line.
-  if (message.doubt.empty() && on_floor.odd_area_px2 > double(message.area_px2)) {
+  const bool little = on_floor.odd_area_px2 > double(message.area_px2);
+  if (message.doubt.empty() && little && !middle.is_pair()) {
     message.doubt = "most of what has the colour of the lines is none";
   }
   if (message.doubt.empty()) message.ycy = Ycy(middle, parameters.ycy_threshold);
