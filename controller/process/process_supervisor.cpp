@@ -108,7 +108,7 @@ void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit
 
 std::string ProcessExit::Text() const {
   if (!out_of_memory.empty()) {
-    return "out of memory: ended by its limit (" + out_of_memory + "); it needs more";
+    return "out of memory: its limit (" + out_of_memory + "), or its host, had none left";
   }
   if (kind == Kind::kUnknown) return "ended (exit code unknown)";
   if (kind == Kind::kNotRun) return last_output;

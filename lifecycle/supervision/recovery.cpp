@@ -181,18 +181,20 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
   const bool may_run = !ConfigOf(failed.actuator).host.empty() && report.incarnation != 0 &&
                        report.incarnation != Of(failed.actuator).process.dead;
   Of(failed.actuator).presence = may_run ? Presence::kLost : Presence::kAbsent;
+  const auto& fault = Of(failed.actuator).fault;
+  const bool again = fault && fault->event == EventName::kProcessNotStarted;
   Degrade(failed.actuator, kCodeFailed, texts::ProcessNotStarted(failed.why),
           Of(failed.actuator).cause);
-  failed.waits ? AwaitHost(failed.actuator) : processes_.Recover(failed.actuator);
+  failed.waits ? AwaitHost(failed.actuator, again) : processes_.Recover(failed.actuator);
 }
 
 // Nothing was executed, so this is no restart that counts. An actuator that is lost for so long
-// takes the machine along.
-void Recovery::AwaitHost(ActuatorIndex i) {
+// takes the machine along, once: a person may have gone on without it since.
+void Recovery::AwaitHost(ActuatorIndex i, bool again) {
   KnownActuator& known = Of(i);
   known.process.termination.reset();
   known.restart.requested = false;
-  FallBack(i);
+  if (!again) FallBack(i);
 }
 
 void Recovery::On(const event::ProcessEnded& ended) {

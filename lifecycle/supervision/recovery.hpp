@@ -26,7 +26,7 @@ class Recovery : StepPart {
  private:
   void Recovered(ActuatorIndex i, const std::string& how);
   void AssumeExited(ActuatorIndex i);
-  void AwaitHost(ActuatorIndex i);
+  void AwaitHost(ActuatorIndex i, bool again);
   void BeginLateSetUp(const event::ProcessStarted& started);
   void RestartFinalized(ActuatorIndex i);
   bool WasDisconnected(ActuatorIndex i) const;

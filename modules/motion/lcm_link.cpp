@@ -16,6 +16,7 @@ constexpr std::int8_t kModeWalk = 11;
 constexpr std::int8_t kModeStand = 12;
 constexpr std::array<std::int8_t, 3> kModesOfWalks = {kModeWalk, 81, 82};
 constexpr std::int8_t kGaitStand = 1;  // of kModeWalk
+constexpr std::int8_t kGaitOfUser = 110;
 // Of kModeWalk: with zero speed the body stays in its place. It does not in pronks, bounds and the
 // gaits of users.
 constexpr std::array<std::int8_t, 9> kGaitsInPlace = {1, 3, 10, 26, 27, 28, 29, 30, 31};
@@ -29,9 +30,10 @@ bool IsRecoveryStand(const BodyCommand& command) {
 bool HasSpeed(const BodyCommand& command) {
   return std::any_of(command.vel.begin(), command.vel.end(), [](float v) { return v != 0; });
 }
-// Other motions do not use the speed that their request may have.
+// Other motions do not use the speed that their request may have; the gait of a user has its own.
 bool Walks(const BodyCommand& command) {
-  return std::ranges::find(kModesOfWalks, command.mode) != kModesOfWalks.end() && HasSpeed(command);
+  const bool is_walk = std::ranges::find(kModesOfWalks, command.mode) != kModesOfWalks.end();
+  return command.gait == kGaitOfUser || (is_walk && HasSpeed(command));
 }
 // After it the body moves no further.
 bool Stops(const BodyCommand& command) {

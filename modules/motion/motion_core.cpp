@@ -5,6 +5,8 @@
 #include <iterator>
 #include <utility>
 
+#include "musher/modules/motion/user_gait.hpp"
+
 namespace musher::motion {
 namespace {
 
@@ -17,6 +19,11 @@ constexpr std::size_t kMostMotions = 1000;  // of one request
 
 std::string NameOf(const Motion& motion) {
   return std::to_string(motion.id) + " (" + motion.name + ")";
+}
+
+// Goes about until it is stopped: by its speed, or in the gait of a user.
+bool Walks(const Motion& motion) {
+  return motion.limit || PlaysUserGait(motion);
 }
 
 // These do not end in WALK_STAND: force control holds the body in its place, and a body that lies
@@ -324,7 +331,7 @@ void Decision::Take(const motion_event::WorldRestarted&) {
 // The command of the walk in progress.
 std::optional<BodyCommand> Decision::Walk() const {
   const auto limited = [&](const BodyCommand& command) {
-    return rules_.table.Find(command.id)->limit.has_value();
+    return Walks(*rules_.table.Find(command.id));
   };
   if (core_.servo && core_.servo->moving) {
     if (!EndsStanding(core_.servo->command, core_.closed)) return std::nullopt;
@@ -364,7 +371,7 @@ void Decision::Take(const motion_event::BoardHeld& event) {
   if (!core_.job || core_.job->own) return;
   const JobMotion motion = core_.job->todo.front();
   DropJob(MotionCode(KeyCode::kTargetBusy), why);
-  if (rules_.table.Find(motion.command.id)->limit) Stand(motion.command);
+  if (Walks(*rules_.table.Find(motion.command.id))) Stand(motion.command);
 }
 
 void Decision::Take(const motion_event::BoardFault& event) {
@@ -854,7 +861,7 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
   const Motion& motion = *rules_.table.Find(last.id);
   if (last.id == kEmergencyStop && !Taken()) {
     core_.link.until = Time::max();  // repeated until the board takes it
-  } else if (motion.limit) {
+  } else if (Walks(motion)) {
     Stand(last);  // no walk continues after its command has ended
   } else {
     Quiet();
@@ -882,7 +889,7 @@ void Decision::HaltBody(const JobMotion& motion) {
   const bool passes = state == kOta || state == kTearDown;
   const bool lies_down = passes || state == kLowPower;
   const bool ends_itself = motion.time <= kShortMotion || motion.command.id == kRecoveryStand;
-  if (rules_.table.Find(motion.command.id)->limit) {
+  if (Walks(*rules_.table.Find(motion.command.id))) {
     if (!passes) Stand(motion.command);
   } else if (!ends_itself && !lies_down) {
     Command(MotionOf(*rules_.table.Find(kRecoveryStand), {}).command, true);

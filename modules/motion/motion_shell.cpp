@@ -121,8 +121,23 @@ void MotionShell::Play(std::int32_t source, const Result<MotionRequests>& reques
                       std::to_string(requests.error().code) + ")");
     return on_answer({0, 0, requests.error().code, requests.error().message});
   }
+  if (const auto defined = CheckDefined(requests.value()); !defined) {
+    return Play(source, defined.error(), std::move(on_answer));
+  }
   waiting_[++token_] = std::move(on_answer);
   Do(motion_event::PlayArrived{token_, source, requests.value()});
+}
+
+Result<> MotionShell::CheckDefined(const MotionRequests& requests) const {
+  if (!backend_->TakesGaits()) return Ok();
+  for (const auto& request : requests) {
+    const Motion* motion = dependencies_.table.Find(request.id);
+    if (motion == nullptr || !PlaysUserGait(*motion) || defined_ == request.id) continue;
+    return Error{MotionCode(MotionKey::kSequenceDefinition), "the board has no gait of motion " +
+                                                                 std::to_string(request.id) +
+                                                                 ": its DEFINITION is first"};
+  }
+  return Ok();
 }
 
 // --- gaits of users ---
@@ -139,10 +154,18 @@ void MotionShell::Define(std::int32_t source, std::int32_t id, const Result<User
     then(result);
   };
   if (!gait) return done(gait.error());
+  if (const auto fits = CheckGait(*dependencies_.table.Find(id), gait.value()); !fits) {
+    return done(fits.error());
+  }
   if (const auto may = MayPlay(Rules(), core_, {0, source, {{id, {}}}}); !may) {
     return done(may.error());
   }
-  backend_->DefineGait(gait.value(), done);
+  // Until the board has all of it, it may have half.
+  defined_.reset();
+  backend_->DefineGait(gait.value(), [this, id, done](const Result<>& result) {
+    if (result) defined_ = id;
+    done(result);
+  });
 }
 
 void MotionShell::DefineFromFiles(const msg::MotionCustomCmd::Request& request,
@@ -182,12 +205,6 @@ void MotionShell::PlayUserGait(const msg::MotionSequenceShow::Request& sequence,
   if (motion == nullptr || !PlaysUserGait(*motion)) {
     gait = Error{MotionCode(KeyCode::kUnSupport),
                  "motion " + std::to_string(id) + " does not play the gait of a sequence"};
-  } else if (gait && motion->min_exec_time_ms > 0 &&
-             gait.value().duration_ms > motion->min_exec_time_ms) {
-    gait = Error{MotionCode(MotionKey::kSequenceDefinition),
-                 "its steps take " + std::to_string(gait.value().duration_ms) + " ms; motion " +
-                     std::to_string(id) + " may take " + std::to_string(motion->min_exec_time_ms) +
-                     " ms"};
   }
   Define(source, id, gait,
          [this, source, id, on_answer = std::move(on_answer)](const Result<>& defined) {
@@ -231,6 +248,7 @@ msg::MotorTemp::Response MotionShell::Temperatures() const {
 }
 
 void MotionShell::Do(const MotionEvent& event) {
+  if (std::holds_alternative<motion_event::BoardRestarted>(event)) defined_.reset();
   for (const MotionAction& action : Step(Rules(), core_, event, dependencies_.clock.Now())) {
     Perform(action);
   }

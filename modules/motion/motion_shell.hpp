@@ -71,6 +71,8 @@ class MotionShell {
   void Define(std::int32_t source, std::int32_t id, const Result<UserGait>& gait,
               MotionBackend::OnDefined then);
   void DefineFromFiles(const msg::MotionCustomCmd::Request& request, OnAnswer on_answer);
+  // A board that takes gaits executes the one that it was given last.
+  Result<> CheckDefined(const MotionRequests& requests) const;
   void PlayUserGait(const msg::MotionSequenceShow::Request& sequence, OnAnswer on_answer);
   Result<UserGait> GaitOfFiles(std::int32_t id) const;
   void PublishStatus();
@@ -85,6 +87,7 @@ class MotionShell {
   MotionCore core_;
   std::optional<Eigen::Vector2d> position_;  // up to which the way is measured
   double way_m_ = 0;                         // since it began
+  std::optional<std::int32_t> defined_;      // the motion whose gait the board has
   RequestToken token_ = 0;
   std::map<RequestToken, OnAnswer> waiting_;
   std::vector<std::function<void()>> next_report_callbacks_;

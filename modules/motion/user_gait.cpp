@@ -27,11 +27,12 @@ using config_toml::TableReader;
 constexpr int kWalkMode = 11;
 constexpr std::int8_t kUserGaitNumber = 110;  // of modes 11 and 62
 constexpr std::int64_t kLongestGaitMs = 600'000;
-constexpr double kFastest = 1.6;         // m/s
-constexpr double kFastestTurn = 2.5;     // rad/s
-constexpr double kHighestStep = 0.08;    // m
-constexpr double kMostLandingGain = 12;  // ten times it is an int8
-constexpr double kFarthest = 1;          // m, of the body and a foot
+constexpr double kFastest = 1.6;                                 // m/s
+constexpr double kFastestTurn = 2.5;                             // rad/s
+constexpr SpeedLimit kLimitOfSequences = {0.65F, 0.30F, 1.25F};  // of a motion without its own
+constexpr double kHighestStep = 0.08;                            // m
+constexpr double kMostLandingGain = 12;                          // ten times it is an int8
+constexpr double kFarthest = 1;                                  // m, of the body and a foot
 constexpr double kMostWeight = 1000;
 constexpr const char* kFootNames = "front right, front left, rear right, rear left";
 
@@ -188,10 +189,15 @@ Result<> CheckLength(const std::string& text, const char* what) {
 
 Result<UserGait> Finished(const std::vector<Section>& sections, const std::vector<Step>& steps) {
   if (auto good = Check(sections, steps); !good) return good.error();
-  UserGait gait{TextOf(sections), TextOf(steps), 0};
+  UserGait gait{TextOf(sections), TextOf(steps), 0, {}};
   if (auto fits = CheckLength(gait.sections, "sections"); !fits) return fits.error();
   if (auto fits = CheckLength(gait.steps, "steps"); !fits) return fits.error();
-  for (const Step& step : steps) gait.duration_ms += step.duration_ms;
+  for (const Step& step : steps) {
+    gait.duration_ms += step.duration_ms;
+    for (std::size_t i = 0; i < gait.fastest.size(); ++i) {
+      gait.fastest[i] = std::max(gait.fastest[i], static_cast<float>(std::abs(step.speed[i])));
+    }
+  }
   return gait;
 }
 
@@ -294,9 +300,16 @@ Step StepOf(const msg::MotionSequencePace& pace) {
   step.speed = {pace.twist.linear.x, pace.twist.linear.y, pace.twist.angular.z};
   const auto& q = pace.centroid.orientation;
   const Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
-  const Eigen::Vector3d yaw_pitch_roll = turn.toRotationMatrix().eulerAngles(2, 1, 0);
+  const Eigen::Matrix3d R = turn.toRotationMatrix();
   const bool turned = !(q == msg::Quaternion{});
-  if (turned) step.body = {yaw_pitch_roll[2], yaw_pitch_roll[1], yaw_pitch_roll[0], 0, 0, 0};
+  if (turned) {
+    step.body = {std::atan2(R(2, 1), R(2, 2)),
+                 std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
+                 std::atan2(R(1, 0), R(0, 0)),
+                 0,
+                 0,
+                 0};
+  }
   const auto& at = pace.centroid.position;
   step.body[3] = at.x;
   step.body[4] = at.y;
@@ -328,6 +341,22 @@ std::string Joined(const std::string& text, const std::vector<std::string>& more
 
 bool PlaysUserGait(const Motion& motion) {
   return motion.gait == kUserGaitNumber;
+}
+
+Result<> CheckGait(const Motion& motion, const UserGait& gait) {
+  const SpeedLimit limit = motion.limit.value_or(kLimitOfSequences);
+  for (std::size_t i = 0; i < limit.size(); ++i) {
+    if (gait.fastest[i] <= limit[i]) continue;
+    return GaitError("its speed in " + std::string(std::array{"x", "y", "yaw"}[i]) + " is up to " +
+                     Text(gait.fastest[i]) + "; motion " + std::to_string(motion.id) +
+                     " may have " + Text(limit[i]));
+  }
+  if (motion.min_exec_time_ms > 0 && gait.duration_ms > motion.min_exec_time_ms) {
+    return GaitError("its steps take " + std::to_string(gait.duration_ms) + " ms; motion " +
+                     std::to_string(motion.id) + " may take " +
+                     std::to_string(motion.min_exec_time_ms) + " ms");
+  }
+  return Ok();
 }
 
 bool IsWalk(const msg::MotionSequencePace& pace) {

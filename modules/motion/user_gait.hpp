@@ -25,12 +25,16 @@ struct UserGait {
   std::string sections;          // TOML, begins with "# Gait Def"
   std::string steps;             // TOML, begins with "# Gait Params"
   std::int64_t duration_ms = 0;  // of all steps
+  SpeedLimit fastest{};          // that a step has, in each direction
 
   friend bool operator==(const UserGait&, const UserGait&) = default;
 };
 
 // Whether motion executes the gait of a user.
 bool PlaysUserGait(const Motion& motion);
+
+// Why it does not fit the motion that plays it: too fast, or too long.
+Result<> CheckGait(const Motion& motion, const UserGait& gait);
 
 // Of two TOML texts: [[section]] with `contact` (four times 0 or 1: front right, front left, rear
 // right, rear left) and `duration`; [[step]] as README.md lists its keys.

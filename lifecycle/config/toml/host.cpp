@@ -151,6 +151,10 @@ void ReadLimits(TableReader& reader, ActuatorConfig& config) {
                    "expected the name of a user of the host, found " + Quote(user->text));
     }
   }
+  if (limits.cpus && limits.realtime_priority) {
+    reader.Fault(reader.At("cpus"), "cpus",
+                 "does not limit a process with realtime_priority: leave one of them out");
+  }
   if (limits.nice && limits.realtime_priority) {
     reader.Warn(reader.At("nice"), "nice", "has no effect with realtime_priority");
   }

@@ -198,7 +198,7 @@ TEST_F(Board, EndsAProcessThatNeedsMoreMemoryThanItsLimitAndStartsItAgain) {
   robot_->Run({"set", "LowPower"});
   ASSERT_TRUE(Until([this] { return Count(History(), "eyes started on host board") == 2; },
                     std::chrono::seconds(60)));
-  EXPECT_THAT(History(), HasSubstr("out of memory: ended by its limit (memory_max_mb = 64)"));
+  EXPECT_THAT(History(), HasSubstr("out of memory: its limit (memory_max_mb = 64)"));
 }
 
 TEST_F(Board, ShowsItsLogAndWhatItsProcessUses) {

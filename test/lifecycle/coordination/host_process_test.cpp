@@ -286,6 +286,23 @@ TEST_F(HostProcess, ThatIsCriticalAndWaitsForItsHostTakesTheMachineDown) {
   EXPECT_EQ(machine_.state, kProtected);
 }
 
+// A person has gone on without it.
+TEST_F(HostProcess, WhoseHostComesAndGoesTakesTheMachineDownOnce) {
+  config_.actuators[1].on_lost = kProtected;
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Come(0);
+  Do(event::ProcessNotStarted{1, "host vision (10.0.0.2): no route to host", true});
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kProtected);
+  Do(event::SetStateRequested{kRequest, "Active", {}});
+  ObeyBoth();
+  ASSERT_EQ(machine_.state, kActive);
+  Do(event::ProcessNotStarted{1, "host vision (10.0.0.2): connection lost", true});
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kActive);
+}
+
 // On the controller's host its pid belongs to a process of another kind.
 TEST_F(HostProcess, ThatHasExitedIsNotSignalledAnyMore) {
   StartUpBoth();

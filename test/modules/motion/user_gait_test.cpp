@@ -78,6 +78,36 @@ TEST(UserGait, IsTheSameByFeetAndPaces) {
   EXPECT_EQ(UserGaitOf(texts).value().duration_ms, 600);
 }
 
+// The table reduces the speed of a walk, and a gait had its own.
+TEST(UserGait, IsNoFasterAndNoLongerThanItsMotion) {
+  Motion motion;
+  motion.id = 401;
+  motion.limit = {0.65F, 0.30F, 1.25F};
+  const auto slow = ReadUserGait(kSections, Step());
+  EXPECT_TRUE(CheckGait(motion, slow.value()));
+  const auto aside = ReadUserGait(kSections, Step("body_vel_des", "[0.2, -0.5, 0.0]"));
+  ASSERT_TRUE(aside);
+  EXPECT_THAT(CheckGait(motion, aside.value()).error().message,
+              HasSubstr("its speed in y is up to 0.5; motion 401 may have 0.3"));
+  motion.limit.reset();
+  EXPECT_FALSE(CheckGait(motion, aside.value())) << "the limit of sequences";
+  motion.min_exec_time_ms = 250;
+  EXPECT_THAT(CheckGait(motion, slow.value()).error().message, HasSubstr("its steps take 300 ms"));
+}
+
+TEST(UserGait, TurnsItsBodyEitherWay) {
+  msg::MotionSequenceShow::Request sequence;
+  sequence.gait_list = {{true, false, false, true, 12}};
+  msg::MotionSequencePace pace;
+  pace.centroid.orientation = {0, 0, std::sin(-0.05), std::cos(-0.05)};
+  pace.right_forefoot = {0, 0, 0, 0.03F};
+  pace.duration = 300;
+  sequence.pace_list = {pace};
+  const auto gait = UserGaitOf(sequence);
+  ASSERT_TRUE(gait) << gait.error().message;
+  EXPECT_THAT(gait.value().steps, HasSubstr("rpy_des = [0.0, 0.0, -0.1]"));
+}
+
 TEST(UserGait, OfThisTreeIsValid) {
   const std::string begin = SourceDir() + "/config/motion/gaits/400.";
   const auto gait = ReadUserGait(ReadFile(begin + "sections.toml"), ReadFile(begin + "steps.toml"));
