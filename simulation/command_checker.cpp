@@ -112,8 +112,10 @@ void CommandChecker::CheckWaiting(const std::string& name, std::size_t host,
   if (known && known->command.number >= command.number) return;  // the same, or a newer one
   const bool begun =
       report.busy_number >= command.number || report.outcome_number >= command.number;
+  // It may have missed the stop, and received its release.
+  const bool released = core != nullptr && core->last_before_release >= command.number;
   const bool stopped =
-      (report.emergency_stop != 0 || before->stopped) &&
+      (report.emergency_stop != 0 || before->stopped || released) &&
       (command.target == report.state || MaySwitchOn(config_, report.state, command.target));
   if (begun || stopped || report.epoch > before->epoch || report.state == kTearDown) return;
   const auto sent = sent_commands_.find({before->epoch, *config_.IndexOf(name), command.number});

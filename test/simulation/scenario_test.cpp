@@ -214,6 +214,12 @@ TEST(FoundScenario, ABatteryThatIsChargedDoesNotRaiseWhatAPersonHasTornDown) {
   EXPECT_EQ(ViolationOf(1124561, {5, 7, 9, 10, 19}), "");
 }
 
+// Between two of its reports it received a stop and its release, behind which its command waited.
+// The checker took that for a dropped one.
+TEST(FoundScenario, ACommandThatWaitedUnderAStopMayBeDroppedAfterItsRelease) {
+  EXPECT_EQ(ViolationOf(20005, {3, 4, 8, 10, 16, 19, 20, 21, 24, 29}), "");
+}
+
 // A person had led it out of Error to SelfCheck. The controller was restarted, beside an actuator
 // that had been restarted too, and went on to Active.
 TEST(FoundScenario, AMachineInSelfCheckIsLedOnByAPersonAlone) {
