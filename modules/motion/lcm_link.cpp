@@ -460,8 +460,10 @@ void LcmLink::Repeat(Time now, LinkOutput& output) {
   BodyCommand frame = *frame_;
   const bool kept = now - kept_at_ < kNoRepetition;
   if (Walks(frame) && (Silent(now) || !kept)) {
-    frame.mode = kModeWalk;
-    frame.gait = kGaitStand;
+    // WALK_STAND may not follow a show, whose gait may be that of a user.
+    const bool is_walk = std::ranges::find(kModesOfWalks, frame.mode) != kModesOfWalks.end();
+    frame.mode = is_walk ? kModeWalk : kModeStand;
+    frame.gait = is_walk ? kGaitStand : std::int8_t(0);
     frame.vel = {};
     Begin(frame, now, output, 1);
     own_ = true;

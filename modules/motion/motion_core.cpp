@@ -21,11 +21,6 @@ std::string NameOf(const Motion& motion) {
   return std::to_string(motion.id) + " (" + motion.name + ")";
 }
 
-// Goes about until it is stopped: by its speed, or in the gait of a user.
-bool Walks(const Motion& motion) {
-  return motion.limit || PlaysUserGait(motion);
-}
-
 // These do not end in WALK_STAND: force control holds the body in its place, and a body that lies
 // down or is switched off does not stand up for it.
 bool EndsStanding(const BodyCommand& last, const std::optional<State>& closed) {
@@ -331,7 +326,7 @@ void Decision::Take(const motion_event::WorldRestarted&) {
 // The command of the walk in progress.
 std::optional<BodyCommand> Decision::Walk() const {
   const auto limited = [&](const BodyCommand& command) {
-    return Walks(*rules_.table.Find(command.id));
+    return rules_.table.Find(command.id)->limit.has_value();
   };
   if (core_.servo && core_.servo->moving) {
     if (!EndsStanding(core_.servo->command, core_.closed)) return std::nullopt;
@@ -371,7 +366,7 @@ void Decision::Take(const motion_event::BoardHeld& event) {
   if (!core_.job || core_.job->own) return;
   const JobMotion motion = core_.job->todo.front();
   DropJob(MotionCode(KeyCode::kTargetBusy), why);
-  if (Walks(*rules_.table.Find(motion.command.id))) Stand(motion.command);
+  if (rules_.table.Find(motion.command.id)->limit) Stand(motion.command);
 }
 
 void Decision::Take(const motion_event::BoardFault& event) {
@@ -861,8 +856,12 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
   const Motion& motion = *rules_.table.Find(last.id);
   if (last.id == kEmergencyStop && !Taken()) {
     core_.link.until = Time::max();  // repeated until the board takes it
-  } else if (Walks(motion)) {
+  } else if (motion.limit) {
     Stand(last);  // no walk continues after its command has ended
+  } else if (PlaysUserGait(motion) && code != kCodeOk) {
+    // It may go on, and WALK_STAND may not follow it.
+    Command(MotionOf(*rules_.table.Find(kRecoveryStand), {}).command, true);
+    core_.link.until = now_ + kStopRepeat;
   } else {
     Quiet();
   }
@@ -889,7 +888,7 @@ void Decision::HaltBody(const JobMotion& motion) {
   const bool passes = state == kOta || state == kTearDown;
   const bool lies_down = passes || state == kLowPower;
   const bool ends_itself = motion.time <= kShortMotion || motion.command.id == kRecoveryStand;
-  if (Walks(*rules_.table.Find(motion.command.id))) {
+  if (rules_.table.Find(motion.command.id)->limit) {
     if (!passes) Stand(motion.command);
   } else if (!ends_itself && !lies_down) {
     Command(MotionOf(*rules_.table.Find(kRecoveryStand), {}).command, true);

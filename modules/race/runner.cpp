@@ -659,9 +659,9 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) 
   const CheckRules& rules = course_.check;
   const std::optional<LineWord> word = Word(check);
   if (!word) {
-    if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
     const bool has_sample = HasSample(check);
     if (has_sample && !at_.sampled_since) at_.sampled_since = now;
+    if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
     // The first one came late: a second one has to agree with it.
     if (has_sample && now - *at_.sampled_since < rules.settle) return Outcome::kRunning;
     if (!has_sample) {

@@ -440,13 +440,13 @@ TEST_F(AGroot2DebuggerThatIsLost, HaltsATreeInWhichItReplacesANode) {
   EXPECT_THAT(watched_.TakeLog(), ElementsAre());
 }
 
-TEST_F(AGroot2DebuggerThatIsLost, LeavesATreeAloneThatItsHooksHaveNotReached) {
+// The tree would run through the breakpoint, and no person is there.
+TEST_F(AGroot2DebuggerThatIsLost, HaltsATreeThatItsHooksWouldReach) {
   Ask({Header('I'), HookJson(4, 0, "SKIPPED")});
   Activate();
   harness_.Tick(watched_, 1);
   EXPECT_TRUE(testing::Until([&] { return Ask(other_, {Header('D')}).at(1) == "[]"; }));
-  EXPECT_EQ(watched_.Status(0), "RUNNING");
-  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts"));
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts", "first halted"));
 }
 
 TEST_F(AGroot2DebuggerThatIsLost, LosesItsHooksAlsoWhereAnotherClientIsThere) {

@@ -36,7 +36,9 @@ msg::ActuatorStatus Filled() {
 
 TEST(LifecycleWire, PassesEveryFieldOfAStatusToTheCoreAndBack) {
   msg::ActuatorStatus status = Filled();
-  // Its shell adds the machine and the participant, which are the same for each report.
+  // Its shell adds the machine and the participant, which are the same for each report, and what
+  // the program has not done at a stop.
+  status.stop_trouble.clear();
   status.participant = 0;
   status.machine.clear();
   status.machine_id.clear();
