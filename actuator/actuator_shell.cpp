@@ -62,7 +62,7 @@ ActuatorShell::ActuatorShell(transport::Node& node, Worker& worker, const Machin
   core_.report.pid = identity.pid;
   core_.report.host = std::move(identity.host);
   core_.report.config_hash = config.hash;
-  machine_ = {identity.machine.empty() ? config.name : std::move(identity.machine),
+  machine_ = {identity.machine.empty() ? config.name : identity.machine,
               std::move(identity.machine_id)};
 }
 

@@ -247,7 +247,7 @@ class SkillNodes::Wire {
     return own ? own : machines_.OfThisProcess();
   }
   std::optional<MachineIdentity> MachineOf(const Offer& offer) const {
-    const auto machine = MachineByStatus(offer.participant);
+    auto machine = MachineByStatus(offer.participant);
     if (machine) return machine;
     const std::int32_t pid = ProcessOf(offer.participant);
     return pid == 0 ? std::nullopt : machines_.OfActuator(offer.offers.actuator, pid);

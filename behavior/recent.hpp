@@ -3,7 +3,7 @@
 // Allocates its places once.
 
 #include <cstddef>
-#include <memory>
+#include <new>
 #include <type_traits>
 #include <vector>
 
@@ -26,7 +26,7 @@ class Recent {
   requires std::is_trivially_destructible_v<T>
   void Emplace(Fields... fields) {
     if (ring_.empty()) return;
-    std::construct_at(&ring_[next_], fields...);
+    ::new (static_cast<void*>(&ring_[next_])) T{fields...};
     Advance();
   }
   void Clear() { next_ = size_ = 0; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <ranges>
 #include <span>
 #include <utility>
 
@@ -22,8 +23,8 @@ msg::EmergencyStop MalformedStop() {
 std::string StopIdText(StopId id) {
   std::string text(16, '0');
   std::uint64_t rest = id.value();
-  for (auto digit = text.rbegin(); digit != text.rend(); ++digit) {
-    *digit = "0123456789abcdef"[rest % 16];
+  for (char& digit : std::views::reverse(text)) {
+    digit = "0123456789abcdef"[rest % 16];
     rest /= 16;
   }
   return text;

@@ -72,7 +72,7 @@ Result<> TakeRoot(const ota::Root& root, RootLock& lock, bool takeover, Console&
   const auto until = std::chrono::steady_clock::now() + kInstallerTime;
   const auto holder = [&root] { return ota::HolderOf(root.RunLock()); };
   for (bool first = true;; first = false) {
-    const auto taken = TakeFromKilled([&] { return lock.Take(root.path()); }, holder);
+    auto taken = TakeFromKilled([&] { return lock.Take(root.path()); }, holder);
     if (taken || taken.error().code != kCodeTargetBusy) return taken;
     const int installer = holder();
     if (installer == 0 || installer != ota::HolderOf(root.InstallLock())) return taken;

@@ -198,7 +198,7 @@ void AppendCommand(sd_bus_message* message, const std::vector<std::string>& argv
 }
 
 void AppendLimits(sd_bus_message* message, const ProcessLimits& limits) {
-  constexpr std::uint64_t kSecond_us = 1'000'000;
+  constexpr std::uint64_t kSecondUs = 1'000'000;
   if (limits.memory_max_bytes) {
     const auto most = static_cast<std::uint64_t>(*limits.memory_max_bytes);
     sd_bus_message_append(message, "(sv)", "MemoryMax", "t", most);
@@ -207,7 +207,7 @@ void AppendLimits(sd_bus_message* message, const ProcessLimits& limits) {
   }
   AppendText(message, "OOMPolicy", "kill");  // of all its processes, or none
   if (limits.cpus) {
-    const auto quota = static_cast<std::uint64_t>(*limits.cpus * static_cast<double>(kSecond_us));
+    const auto quota = static_cast<std::uint64_t>(*limits.cpus * static_cast<double>(kSecondUs));
     sd_bus_message_append(message, "(sv)", "CPUQuotaPerSecUSec", "t", quota);
   }
   if (limits.nice) sd_bus_message_append(message, "(sv)", "Nice", "i", *limits.nice);
