@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <ranges>
 #include <span>
 #include <utility>
 
@@ -23,10 +22,7 @@ msg::EmergencyStop MalformedStop() {
 std::string StopIdText(StopId id) {
   std::string text(16, '0');
   std::uint64_t rest = id.value();
-  for (char& digit : std::views::reverse(text)) {
-    digit = "0123456789abcdef"[rest % 16];
-    rest /= 16;
-  }
+  for (std::size_t i = text.size(); i-- > 0; rest /= 16) text[i] = "0123456789abcdef"[rest % 16];
   return text;
 }
 
