@@ -6,9 +6,9 @@
 //
 // The hooks of a client are removed once it has sent no request for ServeOptions::silence (the
 // protocol has no end of a connection; Groot2 requests the status several times a second); one that
-// connects again is another client. Where a hook held or replaced a node then,
-// ServeOptions::on_lost halts the tree. Hooks also end when another tree is loaded, and when the
-// endpoints are closed. A tree that leaves Active is halted with its held nodes as always.
+// connects again is another client. Where one of them was enabled, reached or
+// not, ServeOptions::on_lost halts the tree. Hooks also end when another tree is loaded, and when
+// the endpoints are closed. A tree that leaves Active is halted with its held nodes as always.
 //
 //   void OpenTopics(transport::Endpoints& topics) override {
 //     auto served = groot2::Serve(topics, {.port = 1667, .on_lost = [this] { Halt(); }},
@@ -33,9 +33,9 @@ struct ServeOptions {
   std::string address = "127.0.0.1";  // of this host; "*": all
   bool hooks = false;                 // a client may hold and replace nodes
   Duration silence = std::chrono::seconds(5);
-  // A client is lost whose hooks held or replaced a node: halt the tree, so that nothing moves
-  // because a connection has ended. Called on the loop, after its hooks were removed. Null: such a
-  // hook stays, until any client removes it or releases the node.
+  // A client is lost that had an enabled hook: halt the tree, so that nothing moves because a
+  // connection has ended. Called on the loop, after its hooks were removed. Null: a hook that holds
+  // or replaces a node then stays, until any client removes it or releases the node.
   std::function<void()> on_lost{};
 };
 
