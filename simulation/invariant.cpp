@@ -60,6 +60,8 @@ constexpr std::array<Row, kInvariants> kTexts = {{
      "after exit code 0 of `musher estop` every actuator of the machine is stopped"},
     {Invariant::kNoKillForTheNetwork,
      "no controller kills a healthy process of its host for a fault of the network"},
+    {Invariant::kTornDownBeforeSignals,
+     "TearDown signals no process that is well before that had time for its own TearDown"},
     {Invariant::kReleaseSwitchesNothingOn,
      "the release of an emergency stop switches nothing on that was not requested since"},
     {Invariant::kStopsWithoutPermit,

@@ -41,6 +41,7 @@ enum class Invariant : std::uint8_t {
   kOtherMachineNeverFences,  // no controller releases control to one of another machine
   kStopIsConfirmed,      // a program that reports the machine as stopped has stopped all actuators
   kNoKillForTheNetwork,  // no controller kills a healthy process of its host
+  kTornDownBeforeSignals,     // TearDown signals no process that is well before it had time for it
   kReleaseSwitchesNothingOn,  // after a release nothing rises that was not requested since the stop
   kStopsWithoutPermit,        // an actuator that needs permits is off some time after the last one
   // Invariants of the policy.

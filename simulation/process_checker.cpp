@@ -1,5 +1,9 @@
 #include "musher/simulation/process_checker.hpp"
 
+#include <algorithm>
+
+#include "musher/lifecycle/switch/tear_down.hpp"
+
 namespace musher::simulation {
 namespace {
 
@@ -132,7 +136,8 @@ bool ProcessChecker::IsWell(const SimulatedController& controller, const std::st
 // restart an actuator of that process, the process must have a fault of its own.
 void ProcessChecker::CheckKill(const SimulatedController& controller, std::int32_t pid) {
   const Machine& machine = controller.shell().machine();
-  if (machine.phase == Phase::kStopping || machine.phase == Phase::kStopped) return;
+  if (machine.phase == Phase::kStopping) return CheckTornDownFirst(controller, pid);
+  if (machine.phase == Phase::kStopped) return;
   std::string killed;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
@@ -144,6 +149,24 @@ void ProcessChecker::CheckKill(const SimulatedController& controller, std::int32
   if (killed.empty()) return;
   ReportViolation(Invariant::kNoKillForTheNetwork,
                   "the controller ends the process of " + killed + ", which is well");
+}
+
+// TearDown awaits the status of a process that runs already: a signal would end it in a state such
+// as Active.
+void ProcessChecker::CheckTornDownFirst(const SimulatedController& controller, std::int32_t pid) {
+  const Stopping& stopping = *controller.shell().machine().stopping;
+  const Duration awaited = std::min(kLongestDiscovery, config_.shutdown_budget * 3 / 10);
+  if (stopping.result || robot_.network().now() >= stopping.begun + awaited) return;
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    const std::string& name = config_.actuators[i].name;
+    if (robot_.processes().PidOf(name, controller.host()) != pid) continue;
+    const ActuatorReport* report = robot_.processes().ReportOf(name, controller.host());
+    const bool up = report != nullptr && config_.RankOf(report->state);
+    if (!up || !config_.actuators[i].Lists(kTearDown) || !IsWell(controller, name)) continue;
+    ReportViolation(Invariant::kTornDownBeforeSignals, "the controller signals the process of " +
+                                                           name + ", which is in " + report->state +
+                                                           " and has had no time for TearDown");
+  }
 }
 
 // A controller starts a program of another protocol. The program holds no name that would prevent a

@@ -3,7 +3,7 @@
 // and signal only their own that are ill.
 //
 // Invariants: kNoDuplicateActuator, kNoRestartOnConfigError, kOnlyOwnProcessesSignalled,
-// kNoKillForTheNetwork.
+// kNoKillForTheNetwork, kTornDownBeforeSignals.
 
 #include <cstddef>
 #include <cstdint>
@@ -43,6 +43,7 @@ class ProcessChecker : public SubjectChecker {
   };
 
   void CheckRunsNowhereElse(const SimulatedController& controller, const std::string& name);
+  void CheckTornDownFirst(const SimulatedController& controller, std::int32_t pid);
   void CheckProgramRunsOnce(const SimulatedController& controller, const std::string& name);
   bool IsWell(const SimulatedController& controller, const std::string& name) const;
 

@@ -977,8 +977,21 @@ void Scenario::CheckAllAvailable() {
   }
 }
 
+// It does not know yet then what runs.
+void Scenario::RestartBeforeTheEnd() {
+  Random random(Scramble(seed_, 11, 11));
+  if (!random.Bernoulli(0.25) || robot_.leader() != robot_.controller(0)) return;
+  Note("the controller is killed; the operator starts it again");
+  robot_.CrashController();
+  StartController();
+  RunUntil([this] { return robot_.has_controller(); }, std::chrono::seconds(10));
+  RunFor(random.Between({}, Milliseconds(100)));
+}
+
 void Scenario::SwitchOff() {
   if (!config_.HasState(kTearDown)) return;
+  RestartBeforeTheEnd();
+  if (Over()) return;
   Note("the operator switches the robot off");
   RequestSwitch(State(kTearDown));
   const auto stopped = [this] { return robot_.machine().phase == Phase::kStopped; };

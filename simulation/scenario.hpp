@@ -98,6 +98,7 @@ class Scenario {
   void EndFaults();
   void Settle();
   void Repair();
+  void RestartBeforeTheEnd();
   void SwitchOff();
 
   void Apply(const Injection& injection);

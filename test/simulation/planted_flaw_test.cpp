@@ -800,6 +800,22 @@ TEST_F(PlantedFlaw, FindsAHealthyProcessThatIsKilledForAFaultOfTheNetwork) {
   ExpectFound(Invariant::kNoKillForTheNetwork, "ends the process of a, which is well");
 }
 
+// b is torn down before a, which it follows.
+TEST_F(PlantedFlaw, FindsAProcessThatIsSignalledBeforeItsTearDown) {
+  MachineConfig config = Started(2);
+  config.actuators[1].after = {"a"};
+  Make(std::move(config));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  slow_ = State(kTearDown);
+  Request(State(kTearDown));
+  RunFor(Milliseconds(1));
+  ASSERT_EQ(robot_->machine().phase, Phase::kStopping);
+  robot_->on_signal(*robot_->leader(), robot_->processes().PidOf("b"));
+  ASSERT_FALSE(checker_->violation()) << "its TearDown runs";
+  robot_->on_signal(*robot_->leader(), robot_->processes().PidOf("a"));
+  ExpectFound(Invariant::kTornDownBeforeSignals, "the process of a, which is in Active");
+}
+
 TEST_F(PlantedFlaw, AHostWithoutItsOuterNetworkKeepsItsProcesses) {
   MachineConfig config = Started(2);
   config.actuators[1].command.clear();

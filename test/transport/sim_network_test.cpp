@@ -215,6 +215,33 @@ TEST_F(SimNetwork, LetsTheTwoSidesOfAMatchLearnOfEachOtherAtTheirOwnTime) {
   EXPECT_TRUE(writer_first && reader_first);
 }
 
+// Seed 48017: the second reader of a process was matched before the first, whose announcement the
+// cut had dropped. DDS repeats it first: announcements are reliable samples in order.
+TEST_F(SimNetwork, AnnouncesTheReadersOfAProcessInTheirOrderAlsoAcrossACut) {
+  network_.SetDiscoveryDelay(Milliseconds(1), Milliseconds(9));
+  const auto writer = dog_->MakeRawWriter("topic", "type", kDefaultQos, {}).value();
+  const auto listen = [&](const std::string& name) {
+    ReaderCallbacks callbacks;
+    callbacks.on_sample = [this, name](auto, const auto&) { received_.push_back(name); };
+    return desk_->MakeRawReader("topic", "type", kDefaultQos, std::move(callbacks)).value();
+  };
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(RunUntil([&] { return writer->MatchedReaders() == 0; })) << "in run " << i;
+    received_.clear();
+    const auto first = listen("first");
+    network_.Block("desk", "dog");
+    RunFor(Milliseconds(5));
+    const auto second = listen("second");
+    RunFor(Milliseconds(2));
+    network_.Free("desk", "dog");
+    ASSERT_TRUE(RunUntil([&] { return writer->MatchedReaders() > 0; }));
+    ASSERT_TRUE(writer->Write(msg::Bytes(8)));
+    ASSERT_TRUE(RunUntil([&] { return writer->MatchedReaders() == 2; }));
+    ASSERT_TRUE(RunUntil([&] { return !received_.empty(); })) << "in run " << i;
+    EXPECT_THAT(received_, ::testing::Contains("first")) << "in run " << i;
+  }
+}
+
 TEST_F(SimNetwork, DoesNotMatchAReaderThatRequestsMoreThanIsOffered) {
   const auto best_effort = dog_->MakeRawWriter("a", "type", kBestEffort, {}).value();
   const auto reliable = desk_->MakeRawReader("a", "type", kDefaultQos, {}).value();

@@ -55,7 +55,7 @@ struct Channel {
   std::deque<Payload> early;  // reliable samples that arrived before the reader's discovery
 
   bool& Knows(Side side) { return side == Side::kWriter ? writer_knows : reader_knows; }
-  End& At(Side side) {
+  End& At(Side side) const {
     if (side == Side::kWriter) return *writer;
     return *reader;
   }

@@ -79,6 +79,7 @@ void Discovery::Learn(const std::shared_ptr<Channel>& channel, Side side) {
   End& learner = channel->At(side);
   const End& other = channel->At(Other(side));
   if (!learner.open || !other.open || channel->Knows(side) || Blocked(*channel, side)) return;
+  if (AnEarlierOneIsUnknown(*channel, side)) return;  // LinkChanged() has announced both again
   channel->Knows(side) = true;
   learner.peers.Add(other.id, other.participant);
   if (side == Side::kWriter) {
@@ -90,6 +91,19 @@ void Discovery::Learn(const std::shared_ptr<Channel>& channel, Side side) {
     const auto reader = channel->reader;
     if (reader->open && reader->callbacks.on_match_changed) reader->callbacks.on_match_changed();
   }
+}
+
+// An announcement that a blocked link has dropped is repeated before the later ones of its process.
+bool Discovery::AnEarlierOneIsUnknown(const Channel& channel, Side side) const {
+  const ProcessId announced = channel.At(Other(side)).process;
+  const ProcessId learner = channel.At(side).process;
+  for (const auto& earlier : channels_) {
+    if (earlier.get() == &channel) return false;
+    if (earlier->At(side).process == learner && earlier->At(Other(side)).process == announced &&
+        earlier->At(side).open && earlier->At(Other(side)).open && !earlier->Knows(side))
+      return true;
+  }
+  return false;
 }
 
 void Discovery::ForgetAt(Time when, const std::shared_ptr<Channel>& channel, Side side,

@@ -54,6 +54,7 @@ class Discovery {
   void Match(const std::shared_ptr<WriterEnd>& writer, const std::shared_ptr<ReaderEnd>& reader);
   void Discover(const std::shared_ptr<Channel>& channel, Side side);
   void Learn(const std::shared_ptr<Channel>& channel, Side side);
+  bool AnEarlierOneIsUnknown(const Channel& channel, Side side) const;
   void ForgetAt(Time when, const std::shared_ptr<Channel>& channel, Side side, bool silent);
   void Forget(const std::shared_ptr<Channel>& channel, Side side);
   void ExpireLeases(HostId from, HostId to);
