@@ -1,15 +1,16 @@
 #pragma once
 // Drives or flies over an area in lanes, so that it has been everywhere (coverage/coverage.hpp).
 //
-//   boundary                m, the corners in the map: [[0, 0], [20, 0], [20, 20], [0, 20]]
+//   boundary                m, the corners in the map: [[0, 0], [20, 0], [20, 20], [0, 20]]; or
+//                           several such lists, one area after the other, as `uncovered` has them
 //   holes                   several such lists: [[[5, 5], [7, 5], [7, 7]]]; default none
 //   lane_width              m, from lane to lane, default 2.0
 //   robot_radius            m, room to boundary and holes, default 0.5
 //   interpolation_distance  m, from point to point of the path, default 0.05; at least 0.01
 //   interpolation_method    linear
+//   least_covered           of the lanes, 0 to 1, so that it is completed; default 0.9
 //   lost_limit              s at a stand without map, planner, controller, odometry or scan, then
-//   it
-//                           fails; default 20
+//                           it fails; default 20
 //
 // A flyer stays at its height, and has to be in the air. Heights of corners do not count.
 //
@@ -19,9 +20,12 @@
 //                        planner to the next free point of the path, metre by metre
 //   STOPPING             of a cancellation: until the robot stands
 //
-// It fails once more than half of the path was blocked. What is late or lost is waited for
-// (travel_skill.hpp); it continues where it was, as after a pause. Details: those of navigate_to,
-// path_length, skipped (both m) and lanes.
+// It fails once more than half of the path was blocked, and as partial at its end when less than
+// `least_covered` of the lanes is covered: of what was blocked and of what no path leads to nothing
+// is known. What is late or lost is waited for (travel_skill.hpp); it continues where it was, as
+// after a pause. Details: those of navigate_to, path_length, skipped (both m) and lanes; at every
+// end covered (%) and, unless that is all, uncovered: what is left, in strips of a lane, as a
+// boundary for the next run.
 
 #include <string>
 
@@ -39,10 +43,14 @@ class Explore : public TravelSkill {
   skill::Next OnLimit(skill::Tick& tick) override;
 
  private:
+  skill::Next Go(skill::Tick& tick);
   skill::Next Initialize(skill::Tick& tick);
   skill::Next GoToStart(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
   Result<> MakePath(skill::Tick& tick);
+  // The path of one area, after those of before.
+  Result<> AddPath(const coverage::Region& region, const skill::Tick& tick,
+                   const coverage::GroundPoint& start, double height_m);
   // The path of the planner to the next point of the path, or, where that is blocked, to a later
   // one. kDone: there, or there is no later one.
   TravelStep Approach(skill::Tick& tick);
@@ -51,18 +59,30 @@ class Explore : public TravelSkill {
   // Along the path from where the robot is.
   void BeginRest(const skill::Tick& tick);
   void NoteProgress(skill::Tick& tick);
-  // The first point that is so far behind `index`; the last one of the path at most.
+  // The last point of its area.
+  std::size_t EndOf(std::size_t index) const;
+  // To the next area; false: there is none.
+  bool BeginNextArea(skill::Tick& tick);
+  // The first point that is so far behind `index`; the last one of its area at most.
   std::size_t Ahead(std::size_t index, double distance_m) const;
   // Leaves out the next part of the path.
   void Skip(skill::Tick& tick, const std::string& why);
   bool IsMostlyBlocked(const skill::Tick& tick) const;
   skill::Next FailBlocked(const skill::Tick& tick) const;
-  skill::Next Finish(const skill::Tick& tick) const;
+  // The lanes that it has left out, with those of the rest of the path if it has not reached its
+  // end.
+  std::vector<coverage::Edge> Uncovered(const skill::Tick& tick, bool at_end) const;
+  double ShareCovered(const std::vector<coverage::Edge>& uncovered) const;
+  // Adds what is covered and what is not, if this is the end.
+  skill::Next AtEnd(skill::Tick& tick, skill::Next next) const;
+  skill::Next Finish(skill::Tick& tick) const;
 
-  coverage::Plan plan_;
-  navigation::Path path_;    // empty: not computed yet
-  bool approaches_ = false;  // it is on a path of the planner
-  std::string obstacle_;     // why it has left out a part
+  coverage::Plan plan_;                     // sums of all areas; without corners
+  navigation::Path path_;                   // empty: not computed yet
+  std::vector<bool> on_lane_;               // of the line from each point to the next one
+  std::vector<std::size_t> last_of_areas_;  // points of the path, in ascending order
+  bool approaches_ = false;                 // it is on a path of the planner
+  std::string obstacle_;                    // why it has left out a part
   skill::StateId to_start_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };
