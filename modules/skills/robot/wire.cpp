@@ -39,8 +39,10 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
       log_(std::move(log)),
       frames_(robot_config.tf_stale) {
   const InterfaceNames& names = config.names;
-  velocity = std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity),
-                                              clock, config.gate, config.flies);
+  velocity = std::make_unique<VelocityOutput>(
+      endpoints.Advertise<msg::Twist>(names.velocity), clock, config.gate,
+      navigation::GuardRules{.speed_m_s = config.speed_m_s, .yaw_rad_s = config.yaw_rad_s},
+      config.flies);
   navigator = std::make_unique<Navigator>(
       endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
       endpoints.OpenActionClient<msg::FollowPath>(names.controller),

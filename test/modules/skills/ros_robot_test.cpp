@@ -159,6 +159,31 @@ TEST_F(ARosRobot, IsTeleoperatedAgainAfterAJumpOnceThePersonReleasesTheStick) {
   EXPECT_EQ(peers_->commands.back().linear.x, 0.3);
 }
 
+// Each turn of a body that is faster than the usual limit was a jump of its direction.
+class ARosRobotThatTurnsFast : public ARosRobot {
+ protected:
+  static SkillsConfig Fast() {
+    SkillsConfig config = ConfigOfR();
+    config.yaw_rad_s = 6;
+    return config;
+  }
+  ARosRobotThatTurnsFast() : ARosRobot(Fast()) {}
+};
+
+TEST_F(ARosRobotThatTurnsFast, IsTeleoperatedAsFastAsItsConfigSays) {
+  sees_m_ = 9;
+  Run(200);
+  msg::Twist twist;
+  twist.angular.z = 5;
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_TRUE(peers_->teleop->Publish(twist));
+    Stand(1, navigation::Wrapped(0.25 * i));
+    Run(50);
+    EXPECT_EQ(robot_.HeldBy(), "");
+  }
+  EXPECT_EQ(peers_->commands.back().angular.z, 5);
+}
+
 TEST_F(ARosRobot, ClearsTheMemoryOfPlannerAndController) {
   EXPECT_TRUE(ResultOf(robot_.ClearMemory()));
   EXPECT_THAT(peers_->cleared, ::testing::UnorderedElementsAre("r/clear_planner_memory",
