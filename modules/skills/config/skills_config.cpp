@@ -117,7 +117,8 @@ class Reader {
                      "/tf",
                      prefix + "battery",
                      prefix + "goal_pose",
-                     prefix + "detections"};
+                     prefix + "detections",
+                     "map"};
   }
 
   void ReadTopics(TableReader& reader) {
@@ -128,6 +129,7 @@ class Reader {
     Topic(reader, "objects", names.objects, true);
     Topic(reader, "line", names.line, true);
     Topic(reader, "detections", names.detections, true);
+    Topic(reader, "map", names.map, true);
     Topic(reader, "planner", names.planner, false);
     Topic(reader, "controller", names.controller, false);
     Topic(reader, "hand", names.hand, false);

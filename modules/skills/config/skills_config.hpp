@@ -42,6 +42,7 @@ struct InterfaceNames {
   // geometry_msgs/PoseStamped, as RViz's button for a goal publishes it.
   std::string goal_pose;
   std::string detections;  // musher_msgs/ObjectStates of a detector, on the body
+  std::string map;         // nav_msgs/OccupancyGrid
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.

@@ -64,6 +64,9 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   }
   looks = std::make_unique<LookFeeds>(node, clock, name_space, config,
                                       [this](const std::string& frame) { return OnBody(frame); });
+  maps = std::make_unique<MapFeed>(
+      node, clock, names.map.empty() ? "" : transport::ResolveName(name_space, names.map),
+      [this](const std::string& frame) { return InMap(frame); });
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   for (const std::string& name : {names.clear_planner, names.clear_controller}) {
     if (!name.empty()) memories.push_back(endpoints.OpenClient<msg::Trigger>(name));

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "musher/modules/skills/skills/points_text.hpp"
+#include "musher/navigation/planner/cell_map.hpp"
 #include "musher/navigation/planner/headings.hpp"
 
 namespace musher::skills {
@@ -21,12 +22,15 @@ using Kind = TravelStep::Kind;
 constexpr std::string_view kIndex = "index";
 constexpr std::string_view kSkipped = "skipped_m";
 constexpr std::string_view kBegin = "begin";
-constexpr std::string_view kAtEnd = "at_end";         // of the path
+constexpr std::string_view kCuts = "cuts";     // points that the map has as blocked, from and to
+constexpr std::string_view kAtEnd = "at_end";  // of the path
 constexpr std::string_view kParts = "skipped_parts";  // of the path, from index to index
 
 // From an obstacle on the path to the point at which the path is tried again.
 constexpr double kSkipM = 1;
 constexpr std::size_t kMostPoints = 200'000;
+constexpr double kMapMarginM = 0.1;   // of the body to what the map has, as planners keep it
+constexpr double kLeastPieceM = 0.3;  // of a lane between two things of the map
 constexpr std::size_t kMostAreas = 500;
 constexpr double kLeastCovered = 0.9;
 
@@ -151,8 +155,17 @@ Next Explore::Go(Tick& tick) {
   if (tick.state == stopping_) return Stop(tick);
   DoNotGiveWay();
   if (path_.empty()) {
+    // A run that was restored has the cuts with which it began.
+    const bool maps = !robot_.flies() && tick.data.Find(kCuts) == nullptr;
+    const GroundMap map = maps ? robot_.map() : GroundMap{};
+    if (map.awaited && map.cells == nullptr) {
+      tick.Report(10, "Waiting for the map");
+      return Next::Stay();
+    }
+    map_ = map.cells;
     const Result<> limit = CheckLostLimit(tick.parameters);
     const Result<> made = limit ? MakePath(tick) : limit;
+    map_.reset();
     if (!made) return Next::Fail(made.error().message);
   }
   tick.Detail("path_length", plan_.length_m);
@@ -206,14 +219,16 @@ Result<> Explore::MakePath(Tick& tick) {
       path_.clear();
       return added;
     }
-    here = {path_.back().at.x_m, path_.back().at.y_m};
+    if (!path_.empty()) here = {path_.back().at.x_m, path_.back().at.y_m};
     left.erase(nearest);
   }
+  if (tick.data.Find(kCuts) == nullptr) tick.data.Set(kCuts, skill::Numbers{});
+  if (path_.empty()) return BadArea("the map leaves no room for the robot in the boundary");
   SetIndex(tick, std::min(IndexOf(tick), path_.size() - 1));
   return Ok();
 }
 
-Result<> Explore::AddPath(const coverage::Region& region, const Tick& tick,
+Result<> Explore::AddPath(const coverage::Region& region, Tick& tick,
                           const coverage::GroundPoint& start, double height_m) {
   const double distance_m = tick.parameters.Number("interpolation_distance");
   const auto plan = coverage::PlanCoverage(
@@ -228,7 +243,6 @@ Result<> Explore::AddPath(const coverage::Region& region, const Tick& tick,
                     plan_.length_m + area.length_m, kMostPoints));
   }
   plan_.length_m += area.length_m;
-  plan_.between_m += area.between_m;
   plan_.lanes += area.lanes;
   plan_.cells_left_out += area.cells_left_out;
   plan_.lanes_left_out.insert(plan_.lanes_left_out.end(), area.lanes_left_out.begin(),
@@ -254,14 +268,87 @@ Result<> Explore::AddPath(const coverage::Region& region, const Tick& tick,
   const navigation::Path path = navigation::WithHeadings(
       points, count < 2 ? 0 : direction(points[0], points[1]),
       count < 2 ? 0 : direction(points[count - 2], points[count - 1]), navigation::Heading::kAlong);
-  std::size_t point = 0;  // a pose more at a place where the body turns
+  std::vector<bool> along;  // the line from each pose to the next one is on a lane
+  std::size_t point = 0;    // a pose more at a place where the body turns
   for (const navigation::Pose& pose : path) {
     if (!(pose.at == points[point]) && point + 1 < count) ++point;
-    path_.push_back(pose);
-    on_lane_.push_back(point + 1 < count && on_lane[point + 1]);
+    along.push_back(point + 1 < count && on_lane[point + 1]);
   }
-  last_of_areas_.push_back(path_.size() - 1);
+  if (map_) NoteCuts(*map_, path, along, tick);
+  AddUncut(path, along, tick);
   return Ok();
+}
+
+bool Explore::Fits(const navigation::CellMap& map, const navigation::Point& at) const {
+  const double keep_m = robot_.radius_m() + kMapMarginM;
+  const int cells = static_cast<int>(std::ceil(keep_m / map.resolution_m));
+  const navigation::Cell middle = map.CellOf(at);
+  for (int x = middle.x - cells; x <= middle.x + cells; ++x) {
+    for (int y = middle.y - cells; y <= middle.y + cells; ++y) {
+      const navigation::Cell cell{x, y, 0};
+      if (!map.Has(cell) || map.blocked[map.IndexOf(cell)] == 0) continue;
+      const navigation::Point centre = map.CentreOf(cell);
+      if (std::hypot(centre.x_m - at.x_m, centre.y_m - at.y_m) < keep_m) return false;
+    }
+  }
+  return true;
+}
+
+void Explore::NoteCuts(const navigation::CellMap& map, const navigation::Path& path,
+                       const std::vector<bool>& on_lane, Tick& tick) const {
+  std::vector<bool> fits;
+  for (const navigation::Pose& pose : path) fits.push_back(Fits(map, pose.at));
+  if (std::ranges::find(fits, false) == fits.end()) return;
+  skill::Numbers cuts = tick.data.Get<skill::Numbers>(kCuts, {});
+  const auto cut = [&](std::size_t from, std::size_t to) {
+    const auto first = static_cast<double>(uncut_ + from), end = static_cast<double>(uncut_ + to);
+    if (!cuts.empty() && cuts.back() == first) {
+      cuts.back() = end;
+    } else {
+      cuts.insert(cuts.end(), {first, end});
+    }
+  };
+  for (std::size_t from = 0; from < path.size();) {
+    std::size_t to = from;
+    double lane_m = 0;
+    for (; to < path.size() && fits[to] == fits[from]; ++to) {
+      const bool goes_on = to + 1 < path.size() && fits[to + 1] == fits[from];
+      if (goes_on && on_lane[to]) lane_m += navigation::Distance(path[to].at, path[to + 1].at);
+    }
+    if (!fits[from] || lane_m < kLeastPieceM) cut(from, to);
+    from = to;
+  }
+  tick.data.Set(kCuts, cuts);
+}
+
+void Explore::AddUncut(const navigation::Path& path, const std::vector<bool>& on_lane,
+                       const Tick& tick) {
+  const auto cuts = tick.data.Get<skill::Numbers>(kCuts, {});
+  const auto is_cut = [&](std::size_t index) {
+    for (std::size_t i = 0; i + 1 < cuts.size(); i += 2) {
+      if (static_cast<double>(index) >= cuts[i] && static_cast<double>(index) < cuts[i + 1]) {
+        return true;
+      }
+    }
+    return false;
+  };
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (is_cut(uncut_ + i)) {
+      CloseArea();
+      continue;
+    }
+    path_.push_back(path[i]);
+    on_lane_.push_back(on_lane[i]);
+  }
+  CloseArea();
+  uncut_ += path.size();
+}
+
+void Explore::CloseArea() {
+  if (path_.empty()) return;
+  on_lane_.back() = false;
+  if (!last_of_areas_.empty() && last_of_areas_.back() == path_.size() - 1) return;
+  last_of_areas_.push_back(path_.size() - 1);
 }
 
 Next Explore::Initialize(Tick& tick) {
@@ -447,7 +534,10 @@ std::vector<coverage::Edge> Explore::Uncovered(const Tick& tick, bool at_end) co
 }
 
 double Explore::ShareCovered(const std::vector<coverage::Edge>& uncovered) const {
-  const double lanes_m = plan_.length_m - plan_.between_m + LengthOf(plan_.lanes_left_out);
+  double lanes_m = LengthOf(plan_.lanes_left_out);
+  for (std::size_t i = 0; i + 1 < path_.size(); ++i) {
+    if (on_lane_[i]) lanes_m += navigation::Distance(path_[i].at, path_[i + 1].at);
+  }
   return lanes_m > 0 ? std::clamp(1 - LengthOf(uncovered) / lanes_m, 0.0, 1.0) : 1;
 }
 

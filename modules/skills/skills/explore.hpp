@@ -12,7 +12,9 @@
 //   lost_limit              s at a stand without map, planner, controller, odometry or scan, then
 //                           it fails; default 20
 //
-// A flyer stays at its height, and has to be in the air. Heights of corners do not count.
+// A flyer stays at its height, and has to be in the air. Heights of corners do not count. On the
+// ground what the map has as blocked is left out of the path from the begin, and counts as no part
+// of the area; cells that it does not know belong to it.
 //
 //   INITIALIZING         the path is computed, planner and controller are reachable
 //   NAVIGATING_TO_START  60 s, on a path of the planner
@@ -27,7 +29,9 @@
 // end covered (%) and, unless that is all, uncovered: what is left, in strips of a lane, as a
 // boundary for the next run.
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "musher/modules/skills/coverage/coverage.hpp"
 #include "musher/modules/skills/skills/travel_skill.hpp"
@@ -49,7 +53,7 @@ class Explore : public TravelSkill {
   skill::Next Execute(skill::Tick& tick);
   Result<> MakePath(skill::Tick& tick);
   // The path of one area, after those of before.
-  Result<> AddPath(const coverage::Region& region, const skill::Tick& tick,
+  Result<> AddPath(const coverage::Region& region, skill::Tick& tick,
                    const coverage::GroundPoint& start, double height_m);
   // The path of the planner to the next point of the path, or, where that is blocked, to a later
   // one. kDone: there, or there is no later one.
@@ -59,6 +63,15 @@ class Explore : public TravelSkill {
   // Along the path from where the robot is.
   void BeginRest(const skill::Tick& tick);
   void NoteProgress(skill::Tick& tick);
+  // Whether the body fits there, by the map.
+  bool Fits(const navigation::CellMap& map, const navigation::Point& at) const;
+  // Notes of a path where the map leaves it no room.
+  void NoteCuts(const navigation::CellMap& map, const navigation::Path& path,
+                const std::vector<bool>& on_lane, skill::Tick& tick) const;
+  // Adds to the path what of this one is not cut out.
+  void AddUncut(const navigation::Path& path, const std::vector<bool>& on_lane,
+                const skill::Tick& tick);
+  void CloseArea();
   // The last point of its area.
   std::size_t EndOf(std::size_t index) const;
   // To the next area; false: there is none.
@@ -81,8 +94,10 @@ class Explore : public TravelSkill {
   navigation::Path path_;                   // empty: not computed yet
   std::vector<bool> on_lane_;               // of the line from each point to the next one
   std::vector<std::size_t> last_of_areas_;  // points of the path, in ascending order
-  bool approaches_ = false;                 // it is on a path of the planner
-  std::string obstacle_;                    // why it has left out a part
+  std::size_t uncut_ = 0;                   // points of the paths so far, with what is cut out
+  std::shared_ptr<const navigation::CellMap> map_;  // only while the path is made
+  bool approaches_ = false;                         // it is on a path of the planner
+  std::string obstacle_;                            // why it has left out a part
   skill::StateId to_start_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };

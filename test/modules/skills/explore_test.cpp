@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "musher/navigation/planner/cell_map.hpp"
 #include "musher/navigation/trajectory/trajectory.hpp"
 #include "musher/test/modules/skills/moving_robot.hpp"
 
@@ -241,6 +242,59 @@ TEST_F(Explore, IsPartialWhereItCannotReachAPartOfItsArea) {
   EXPECT_TRUE(RunToItsEnd(120));
   EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
   EXPECT_EQ(rooms, std::set<bool>{!first}) << "the other room, once it may be entered";
+}
+
+// A wall across the first two lanes, and a pillar that is as wide as a lane.
+TEST_F(Explore, LeavesOutWhatItsMapHas) {
+  auto map = std::make_shared<navigation::CellMap>();
+  map->resolution_m = 0.1;
+  map->size_x = map->size_y = 200;
+  map->blocked.assign(200 * 200, 0);
+  const auto is_blocked = [](double x_m, double y_m) {
+    return (x_m > 7.7 && x_m < 8.3 && y_m < 4) || (x_m > 11 && x_m < 13 && y_m > 6);
+  };
+  for (int x = 0; x < 200; ++x) {
+    for (int y = 0; y < 200; ++y) {
+      if (is_blocked(0.1 * x + 0.05, 0.1 * y + 0.05)) map->blocked[map->IndexOf({x, y, 0})] = 1;
+    }
+  }
+  robot.ground_map = {true, nullptr};
+  robot.blocked = [&](const navigation::Point& at) {
+    return is_blocked(at.x_m, at.y_m) || is_blocked(at.x_m + 0.2, at.y_m) ||
+           is_blocked(at.x_m - 0.2, at.y_m);
+  };
+  robot.plan = [&](const auto& from, const auto& to) -> Result<navigation::Path> {
+    if (robot.blocked(to.at)) return Error{kCodeFailed, "in a wall"};
+    return navigation::Path{from, {{from.at.x_m, 5, 0}, 0}, {{to.at.x_m, 5, 0}, 0}, to};
+  };
+  NotePlaces();
+  Go();
+  RunFor(1);
+  EXPECT_EQ(feedback().message, "Waiting for the map");
+  robot.ground_map = {false, map};
+  EXPECT_TRUE(RunToItsEnd(180));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(feedback().details.Number("skipped"), 0) << "it has met no obstacle";
+  EXPECT_EQ(feedback().details.Number("covered"), 100);
+  for (const int y : {2, 6, 10, 14}) {
+    for (int x = 2; x <= 30; ++x) {
+      const bool in_wall = (y < 8 && x > 13 && x < 19) || (y > 12 && x > 19 && x < 29);
+      const bool near =
+          places_.contains({x, y}) || places_.contains({x - 1, y}) || places_.contains({x + 1, y});
+      EXPECT_TRUE(near || in_wall) << x / 2.0 << " " << y / 2.0;
+    }
+  }
+}
+
+TEST_F(Explore, SaysThatItsMapLeavesNoRoom) {
+  auto map = std::make_shared<navigation::CellMap>();
+  map->resolution_m = 0.1;
+  map->size_x = map->size_y = 200;
+  map->blocked.assign(200 * 200, 1);
+  robot.ground_map = {false, map};
+  Go();
+  Step();
+  EXPECT_EQ(feedback().message, "the map leaves no room for the robot in the boundary");
 }
 
 TEST_F(Explore, IsCompletedWithAsMuchAsTheRequestSays) {
