@@ -68,8 +68,9 @@ std::optional<Error> MotionGuard::Jump(const Seen& from, const Seen& to) const {
   const double turned_rad = Turned(from.pose, to.pose);
   if (turned_rad <= rules_.jump_rad + kFasterThanLimit * rules_.yaw_rad_s * passed_s)
     return std::nullopt;
-  return MakeError(Fault::kJump, fmt::format("the direction has jumped by {:.1f} rad in {:.2f} s",
-                                             turned_rad, passed_s));
+  return MakeError(Fault::kJump, fmt::format("the direction has jumped by {:.1f} rad in {:.2f} s, "
+                                             "which no body with {:.1f} rad/s can do",
+                                             turned_rad, passed_s, rules_.yaw_rad_s));
 }
 
 std::optional<Error> MotionGuard::OnPose(const Pose& pose, Duration stamp, Time now) {

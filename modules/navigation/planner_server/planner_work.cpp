@@ -15,7 +15,6 @@
 namespace musher::navigation {
 namespace {
 
-constexpr double kSeenWithinM = 8;            // points farther from the robot do not matter yet
 constexpr std::size_t kMostCopied = 4 << 20;  // cells of a map that is copied for a request
 constexpr double kAroundPathM = 10;           // the part of a larger map that is copied
 constexpr double kAroundRobotM = 25;          // if that is too large as well
@@ -60,16 +59,11 @@ Result<CellMap> BetweenGroundAndCeiling(const CellMap& map, double ceiling_m) {
   return between;
 }
 
-// What the scan has seen near the robot and the map does not have. For a flyer its columns: a
-// planar scan does not say how high a thing is.
-std::vector<Point> NewNearby(const Planner& planner, const Pose& start,
-                             const std::vector<Point>& seen, bool flies) {
+// What the scan has seen, as far as it is remembered, and the map does not have. For a flyer its
+// columns: a planar scan does not say how high a thing is.
+std::vector<Point> NewlySeen(const Planner& planner, const std::vector<Point>& seen, bool flies) {
   const CellMap& map = planner.clearance().map();
-  std::vector<Point> nearby;
-  for (const Point& point : seen) {
-    if (Distance(point, start.at) <= kSeenWithinM) nearby.push_back(point);
-  }
-  nearby = NewPoints(nearby, planner.clearance(), 2 * map.resolution_m);
+  const std::vector<Point> nearby = NewPoints(seen, planner.clearance(), 2 * map.resolution_m);
   if (!flies) return nearby;
   std::vector<Point> columns;
   for (const Point& point : nearby) {
@@ -306,7 +300,7 @@ Result<Plan> FindRefuge(const Planner& planner, const RefugeRequest& request,
                         const PlannerRobot& robot, const std::function<bool()>& stop) {
   CellMap map = Around(planner.clearance().map(), {request.start}, kAroundRobotM);
   const CellMap place = map;
-  BlockPoints(NewNearby(planner, request.start, request.seen, robot.flies), map);
+  BlockPoints(NewlySeen(planner, request.seen, robot.flies), map);
   BlockPoints(BodiesOf(request.others, map), map);
   PlannerRules rules = RulesOf(robot);
   rules.start_within_m += place.resolution_m;  // it stands before the other
@@ -342,7 +336,7 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
     return Refused(MakeError(Fault::kTimeLimit, "the request reached its time limit"));
   }
   const CellMap& map = planner.clearance().map();
-  const std::vector<Point> seen = NewNearby(planner, request.start, request.seen, robot.flies);
+  const std::vector<Point> seen = NewlySeen(planner, request.seen, robot.flies);
   const double keep_m = robot.radius_m + robot.margin_m;
   if (auto rest = RestOf(request, planner.clearance(), keep_m)) {
     if (IsClear(rest->path, seen, keep_m)) return {std::move(*rest), PathCode::kNone, false};

@@ -33,6 +33,8 @@ class Reader {
     config_.kind = Name(root, "kind", "the kind of robot, as in \"jetbot\"");
     config_.kind_at = root.At("kind");
     config_.radius_m = root.Number("radius_m", 0.01, 10).value_or(config_.radius_m);
+    config_.speed_m_s = root.Number("speed_m_s", 0.01, 20).value_or(config_.speed_m_s);
+    config_.yaw_rad_s = root.Number("yaw_rad_s", 0.01, 20).value_or(config_.yaw_rad_s);
     config_.flies = root.Bool("flies").value_or(false);
     config_.goes_on_after_restart =
         root.Choice<bool>("after_restart", {{"fail", false}, {"continue", true}}).value_or(false);
@@ -115,7 +117,8 @@ class Reader {
                      "/tf",
                      prefix + "battery",
                      prefix + "goal_pose",
-                     prefix + "detections"};
+                     prefix + "detections",
+                     "map"};
   }
 
   void ReadTopics(TableReader& reader) {
@@ -126,6 +129,7 @@ class Reader {
     Topic(reader, "objects", names.objects, true);
     Topic(reader, "line", names.line, true);
     Topic(reader, "detections", names.detections, true);
+    Topic(reader, "map", names.map, true);
     Topic(reader, "planner", names.planner, false);
     Topic(reader, "controller", names.controller, false);
     Topic(reader, "hand", names.hand, false);

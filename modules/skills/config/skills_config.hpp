@@ -14,6 +14,7 @@
 #include "musher/base/time.hpp"
 #include "musher/base/toml/document.hpp"
 #include "musher/navigation/gate/motion_gate.hpp"
+#include "musher/navigation/gate/motion_guard.hpp"
 #include "musher/navigation/pose.hpp"
 
 namespace musher::skills {
@@ -41,6 +42,7 @@ struct InterfaceNames {
   // geometry_msgs/PoseStamped, as RViz's button for a goal publishes it.
   std::string goal_pose;
   std::string detections;  // musher_msgs/ObjectStates of a detector, on the body
+  std::string map;         // nav_msgs/OccupancyGrid
 };
 
 // The ground that the picture of the line shows, as if the camera looked straight down.
@@ -65,6 +67,9 @@ struct SkillsConfig {
   config_toml::Position kind_at;
   bool flies = false;
   double radius_m = 0.25;
+  // Of the body, also of a person who teleoperates it: a pose that moves faster has jumped.
+  double speed_m_s = navigation::GuardRules{}.speed_m_s;
+  double yaw_rad_s = navigation::GuardRules{}.yaw_rad_s;
   std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
   // With a battery at or below it, that does not charge, no skill moves it, and a flyer lands.

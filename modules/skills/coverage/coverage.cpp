@@ -113,6 +113,10 @@ Result<Plan> PlanCoverage(const Region& region, const Options& options,
     if (!tour.on_lane[i]) plan.between_m += length;
     if (tour.on_lane[i]) ++plan.lanes;
   }
+  plan.on_lane = tour.on_lane;
+  for (const Edge& lane : tour.lanes_left_out) {
+    plan.lanes_left_out.push_back({Turned(lane.from, *direction), Turned(lane.to, *direction)});
+  }
   plan.direction_rad = *direction;
   plan.cells = tour.cells;
   plan.cells_left_out = tour.cells_left_out;

@@ -25,12 +25,14 @@ struct Options {
 
 struct Plan {
   std::vector<GroundPoint> corners;  // straight lines between
+  std::vector<bool> on_lane;         // of each of these lines
   std::size_t lanes = 0;
   double length_m = 0;
   double between_m = 0;      // of it between lanes
   double direction_rad = 0;  // of the lanes
   std::size_t cells = 0;
   std::size_t cells_left_out = 0;  // that the robot cannot reach, or not all of their lanes
+  std::vector<Edge> lanes_left_out;
 };
 
 inline constexpr std::size_t kMostCells = 60;

@@ -293,7 +293,17 @@ Tour TourOf(const std::vector<Cell>& cells, const std::optional<GroundPoint>& st
   Attempt best = BestAttempt(lanes, router);
   std::vector<bool> whole(order.size(), true);
   for (std::size_t i = 0; i < lanes.size(); ++i) {
-    if (!best.covered[i]) whole[lanes[i].cell] = false;
+    if (best.covered[i]) continue;
+    whole[lanes[i].cell] = false;
+    best.tour.lanes_left_out.push_back({lanes[i].from, lanes[i].to});
+  }
+  std::vector<bool> joined(cells.size(), false);
+  for (const std::size_t passage : order) joined[passage / kEntries] = true;
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    if (joined[cell]) continue;
+    for (const Lane& lane : cells[cell].lanes) {
+      best.tour.lanes_left_out.push_back({EndOf(lane, false), EndOf(lane, true)});
+    }
   }
   best.tour.cells = static_cast<std::size_t>(std::ranges::count(whole, true));
   best.tour.cells_left_out = cells.size() - best.tour.cells;

@@ -15,6 +15,7 @@ struct Tour {
   std::vector<bool> on_lane;
   std::size_t cells = 0;           // that it covers
   std::size_t cells_left_out = 0;  // to which, or to a lane of which, no path keeps the radius
+  std::vector<Edge> lanes_left_out;
 };
 
 // From `start`, if there is one, through the largest part of the cells that is joined. Exact for

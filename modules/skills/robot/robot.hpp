@@ -21,7 +21,17 @@
 #include "musher/behavior/skill/future.hpp"
 #include "musher/navigation/traffic/right_of_way.hpp"
 
+namespace musher::navigation {
+struct CellMap;
+}  // namespace musher::navigation
+
 namespace musher::skills {
+
+// The map of the ground that a robot's planner has, too.
+struct GroundMap {
+  bool awaited = false;                              // it may still come
+  std::shared_ptr<const navigation::CellMap> cells;  // null: none has come; unknown cells are free
+};
 
 // A picture as it came: 8 bits a channel, blue, green, red; row by row without gaps.
 struct Picture {
@@ -137,6 +147,9 @@ class Robot {
   virtual void NoteCornered(Duration /*time*/) {}
   // A path to the nearest place that is off the paths of the others. Fails with the reason.
   virtual skill::Future<navigation::Path> ComputeRefuge() { return {}; }
+
+  // The first call asks for it.
+  virtual GroundMap map() { return {}; }
 
   // Points that a scan of the last 0.5 s has seen, in the frame of the map. Empty: none, or no
   // scan; see HasScan().

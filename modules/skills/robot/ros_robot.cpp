@@ -49,6 +49,7 @@ void RosRobot::BeginStep(Time now) {
   wire->cameras->Tend();
   if (wire->detectors) wire->detectors->Tend();
   wire->looks->Tend();
+  wire->maps->Tend();
 }
 
 void RosRobot::Rest() {
@@ -158,6 +159,11 @@ void RosRobot::NoteCornered(Duration time) {
 skill::Future<navigation::Path> RosRobot::ComputeRefuge() {
   const auto wire = wire_.lock();
   return wire ? wire->traffic->ComputeRefuge() : Failed<navigation::Path>(kClosed);
+}
+
+GroundMap RosRobot::map() {
+  const auto wire = wire_.lock();
+  return wire ? wire->maps->Ask() : GroundMap{};
 }
 
 std::vector<navigation::Point> RosRobot::obstacles() const {

@@ -73,6 +73,7 @@ class RosRobot final : public Robot {
   std::vector<navigation::RobotIntent> others() const override;
   void NoteCornered(Duration time) override;
   skill::Future<navigation::Path> ComputeRefuge() override;
+  GroundMap map() override;
   std::vector<navigation::Point> obstacles() const override;
   bool HasScan() const override;
   bool ScanCovers(const navigation::Point& place) const override;

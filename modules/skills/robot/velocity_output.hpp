@@ -34,8 +34,9 @@ class VelocityOutput {
 
   // Both must outlive it. Null: there is no publisher.
   VelocityOutput(transport::Publisher<msg::Twist>* publisher, transport::Clock& clock,
-                 const navigation::GateRules& rules, bool flies)
-      : publisher_(publisher), clock_(clock), gate_(rules), flies_(flies) {}
+                 const navigation::GateRules& rules, const navigation::GuardRules& limits,
+                 bool flies)
+      : publisher_(publisher), clock_(clock), gate_(rules), flies_(flies), guard_(limits) {}
 
   // False: the scan is refused.
   bool OnScan(std::size_t scanner, const msg::LaserScan& scan);
@@ -73,7 +74,7 @@ class VelocityOutput {
   transport::Clock& clock_;
   navigation::MotionGate gate_;
   const bool flies_;  // then it holds its place in the wind, and its commands move it nowhere
-  navigation::MotionGuard guard_{navigation::GuardRules{}};
+  navigation::MotionGuard guard_;
   std::string fault_;  // of the odometry beside the commands; empty: none
   navigation::Velocity command_;
   navigation::GateVerdict verdict_;

@@ -39,8 +39,10 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
       log_(std::move(log)),
       frames_(robot_config.tf_stale) {
   const InterfaceNames& names = config.names;
-  velocity = std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity),
-                                              clock, config.gate, config.flies);
+  velocity = std::make_unique<VelocityOutput>(
+      endpoints.Advertise<msg::Twist>(names.velocity), clock, config.gate,
+      navigation::GuardRules{.speed_m_s = config.speed_m_s, .yaw_rad_s = config.yaw_rad_s},
+      config.flies);
   navigator = std::make_unique<Navigator>(
       endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
       endpoints.OpenActionClient<msg::FollowPath>(names.controller),
@@ -62,6 +64,9 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   }
   looks = std::make_unique<LookFeeds>(node, clock, name_space, config,
                                       [this](const std::string& frame) { return OnBody(frame); });
+  maps = std::make_unique<MapFeed>(
+      node, clock, names.map.empty() ? "" : transport::ResolveName(name_space, names.map),
+      [this](const std::string& frame) { return InMap(frame); });
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   for (const std::string& name : {names.clear_planner, names.clear_controller}) {
     if (!name.empty()) memories.push_back(endpoints.OpenClient<msg::Trigger>(name));

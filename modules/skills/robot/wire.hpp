@@ -20,6 +20,7 @@
 #include "musher/modules/skills/robot/detector_feeds.hpp"
 #include "musher/modules/skills/robot/flight_hold.hpp"
 #include "musher/modules/skills/robot/look_feeds.hpp"
+#include "musher/modules/skills/robot/map_feed.hpp"
 #include "musher/modules/skills/robot/navigator.hpp"
 #include "musher/modules/skills/robot/photo_folder.hpp"
 #include "musher/modules/skills/robot/recent_value.hpp"
@@ -118,6 +119,7 @@ struct RosRobot::Wire {
   std::unique_ptr<PhotoFolder> photos;
   std::unique_ptr<DetectorFeeds> detectors;  // null: the config names none
   std::unique_ptr<LookFeeds> looks;
+  std::unique_ptr<MapFeed> maps;
 
  private:
   void Subscribe(transport::Endpoints& endpoints);

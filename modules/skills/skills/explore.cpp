@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "musher/modules/skills/skills/points_text.hpp"
+#include "musher/navigation/planner/cell_map.hpp"
 #include "musher/navigation/planner/headings.hpp"
 
 namespace musher::skills {
@@ -20,10 +22,17 @@ using Kind = TravelStep::Kind;
 constexpr std::string_view kIndex = "index";
 constexpr std::string_view kSkipped = "skipped_m";
 constexpr std::string_view kBegin = "begin";
+constexpr std::string_view kCuts = "cuts";     // points that the map has as blocked, from and to
+constexpr std::string_view kAtEnd = "at_end";  // of the path
+constexpr std::string_view kParts = "skipped_parts";  // of the path, from index to index
 
 // From an obstacle on the path to the point at which the path is tried again.
 constexpr double kSkipM = 1;
 constexpr std::size_t kMostPoints = 200'000;
+constexpr double kMapMarginM = 0.1;   // of the body to what the map has, as planners keep it
+constexpr double kLeastPieceM = 0.3;  // of a lane between two things of the map
+constexpr std::size_t kMostAreas = 500;
+constexpr double kLeastCovered = 0.9;
 
 std::size_t IndexOf(const Tick& tick) {
   return static_cast<std::size_t>(tick.data.Get<std::int64_t>(kIndex, 0));
@@ -43,14 +52,64 @@ Error BadArea(std::string why) {
   return {kCodeParametersInvalid, std::move(why)};
 }
 
-Result<coverage::Region> RegionOf(const skill::Values& parameters) {
-  const auto boundary = ParsePoints("boundary", parameters.Text("boundary"));
-  if (!boundary) return boundary.error();
+Result<std::vector<coverage::Region>> RegionsOf(const skill::Values& parameters) {
+  const std::string text = parameters.Text("boundary");
   const auto holes = ParseLists("holes", parameters.Text("holes"));
+  std::vector<coverage::Region> regions;
+  if (HasLists(text)) {
+    const auto boundaries = ParseLists("boundary", text);
+    if (!boundaries) return boundaries.error();
+    for (const Points& boundary : boundaries.value()) regions.push_back({RingOf(boundary), {}});
+  } else {
+    const auto boundary = ParsePoints("boundary", text);
+    if (!boundary) return boundary.error();
+    regions.push_back({RingOf(boundary.value()), {}});
+  }
   if (!holes) return holes.error();
-  coverage::Region region{RingOf(boundary.value()), {}};
-  for (const Points& hole : holes.value()) region.holes.push_back(RingOf(hole));
-  return region;
+  if (regions.size() > 1 && !holes.value().empty()) {
+    return BadArea("holes belong to one area, and boundary has " + std::to_string(regions.size()));
+  }
+  if (regions.size() > kMostAreas) {
+    return BadArea(
+        fmt::format("boundary has {} areas; expected at most {}", regions.size(), kMostAreas));
+  }
+  for (const Points& hole : holes.value()) regions.front().holes.push_back(RingOf(hole));
+  return regions;
+}
+
+double LengthOf(const std::vector<coverage::Edge>& lines) {
+  double length_m = 0;
+  for (const coverage::Edge& line : lines) length_m += coverage::Distance(line.from, line.to);
+  return length_m;
+}
+
+// Lines that go on from each other in one direction are one.
+void AddLine(std::vector<coverage::Edge>& lines, const coverage::Edge& line) {
+  constexpr double kSameM = 1e-6;
+  const bool goes_on = !lines.empty() && coverage::Distance(lines.back().to, line.from) < kSameM &&
+                       coverage::Distance(line.from, {lines.back().from, line.to}) < kSameM;
+  if (goes_on) {
+    lines.back().to = line.to;
+  } else {
+    lines.push_back(line);
+  }
+}
+
+// The strip around a piece of a lane, so that a run over it has the same lane again: it is narrower
+// than two lanes and, at its ends, longer by the room that a run keeps to its boundary.
+Points StripOf(const coverage::Edge& lane, double lane_width_m, double radius_m) {
+  constexpr double kRoundedM = 0.02;  // its text has centimetres
+  const double half_m = std::max(lane_width_m / 2 - kRoundedM, radius_m + kRoundedM);
+  const double more_m = radius_m + kRoundedM;
+  const double length_m = coverage::Distance(lane.from, lane.to);
+  const double x = length_m > 0 ? (lane.to.x_m - lane.from.x_m) / length_m : 1;
+  const double y = length_m > 0 ? (lane.to.y_m - lane.from.y_m) / length_m : 0;
+  const auto corner = [&](const coverage::GroundPoint& at, double along_m, double left_m) {
+    return navigation::Point{at.x_m + along_m * x - left_m * y, at.y_m + along_m * y + left_m * x,
+                             0};
+  };
+  return {corner(lane.from, -more_m, -half_m), corner(lane.to, more_m, -half_m),
+          corner(lane.to, more_m, half_m), corner(lane.from, -more_m, half_m)};
 }
 
 }  // namespace
@@ -75,8 +134,10 @@ void Explore::Declare(skill::Table& table) {
   table.MonotoneProgress();
   table.Does("Goes over an area in lanes, past holes and obstacles");
   table.Uses(kBase);
-  table.Needs("boundary", skill::Kind::kText, "corners, m in the map: [[0, 0], [9, 0], [9, 9]]");
+  table.Needs("boundary", skill::Kind::kText,
+              "corners, m in the map: [[0, 0], [9, 0], [9, 9]], or several such lists");
   table.Takes("holes", std::string(), "lists of corners, m in the map: [[[3, 3], [4, 3], [4, 4]]]");
+  table.Takes("least_covered", kLeastCovered, "of the lanes, 0 to 1, so that it is completed");
   table.Takes("lane_width", 2.0, "m, from lane to lane");
   table.Takes("robot_radius", 0.5, "m, room to the boundary and the holes");
   table.Takes("interpolation_distance", 0.05, "m, from point to point of the path");
@@ -87,11 +148,24 @@ void Explore::Declare(skill::Table& table) {
 }
 
 Next Explore::Step(Tick& tick) {
+  return AtEnd(tick, Go(tick));
+}
+
+Next Explore::Go(Tick& tick) {
   if (tick.state == stopping_) return Stop(tick);
   DoNotGiveWay();
   if (path_.empty()) {
+    // A run that was restored has the cuts with which it began.
+    const bool maps = !robot_.flies() && tick.data.Find(kCuts) == nullptr;
+    const GroundMap map = maps ? robot_.map() : GroundMap{};
+    if (map.awaited && map.cells == nullptr) {
+      tick.Report(10, "Waiting for the map");
+      return Next::Stay();
+    }
+    map_ = map.cells;
     const Result<> limit = CheckLostLimit(tick.parameters);
     const Result<> made = limit ? MakePath(tick) : limit;
+    map_.reset();
     if (!made) return Next::Fail(made.error().message);
   }
   tick.Detail("path_length", plan_.length_m);
@@ -102,8 +176,12 @@ Next Explore::Step(Tick& tick) {
 }
 
 Result<> Explore::MakePath(Tick& tick) {
-  const auto region = RegionOf(tick.parameters);
-  if (!region) return region.error();
+  const auto regions = RegionsOf(tick.parameters);
+  if (!regions) return regions.error();
+  const double least = tick.parameters.Number("least_covered");
+  if (!(least >= 0 && least <= 1)) {
+    return BadArea(fmt::format("least_covered is {:g}; expected 0 to 1", least));
+  }
   if (tick.parameters.Text("interpolation_method") != "linear") {
     return BadArea("interpolation_method is '" + tick.parameters.Text("interpolation_method") +
                    "'; expected linear");
@@ -125,31 +203,152 @@ Result<> Explore::MakePath(Tick& tick) {
     const Result<> flies = CheckInTheAir(robot_, height_m);
     if (!flies) return flies.error();
   }
+  // Always the nearest area next.
+  std::vector<coverage::Region> left = regions.value();
+  coverage::GroundPoint here{begin[0], begin[1]};
+  while (!left.empty()) {
+    const auto nearest = std::ranges::min_element(left, {}, [&](const coverage::Region& region) {
+      double away_m = std::numeric_limits<double>::infinity();
+      for (const auto& corner : region.boundary) {
+        away_m = std::min(away_m, coverage::Distance(here, corner));
+      }
+      return away_m;
+    });
+    const Result<> added = AddPath(*nearest, tick, here, height_m);
+    if (!added) {
+      path_.clear();
+      return added;
+    }
+    if (!path_.empty()) here = {path_.back().at.x_m, path_.back().at.y_m};
+    left.erase(nearest);
+  }
+  if (tick.data.Find(kCuts) == nullptr) tick.data.Set(kCuts, skill::Numbers{});
+  if (path_.empty()) return BadArea("the map leaves no room for the robot in the boundary");
+  SetIndex(tick, std::min(IndexOf(tick), path_.size() - 1));
+  return Ok();
+}
+
+Result<> Explore::AddPath(const coverage::Region& region, Tick& tick,
+                          const coverage::GroundPoint& start, double height_m) {
+  const double distance_m = tick.parameters.Number("interpolation_distance");
   const auto plan = coverage::PlanCoverage(
-      region.value(),
-      {tick.parameters.Number("lane_width"), tick.parameters.Number("robot_radius")},
-      coverage::GroundPoint{begin[0], begin[1]});
+      region, {tick.parameters.Number("lane_width"), tick.parameters.Number("robot_radius")},
+      start);
   if (!plan) return plan.error();
-  if (plan.value().length_m / distance_m > static_cast<double>(kMostPoints)) {
+  const coverage::Plan& area = plan.value();
+  if ((plan_.length_m + area.length_m) / distance_m > static_cast<double>(kMostPoints)) {
     return BadArea(
         fmt::format("the path of {:.0f} m has more than {} points; expected a larger "
                     "interpolation_distance",
-                    plan.value().length_m, kMostPoints));
+                    plan_.length_m + area.length_m, kMostPoints));
   }
-  plan_ = plan.value();
+  plan_.length_m += area.length_m;
+  plan_.lanes += area.lanes;
+  plan_.cells_left_out += area.cells_left_out;
+  plan_.lanes_left_out.insert(plan_.lanes_left_out.end(), area.lanes_left_out.begin(),
+                              area.lanes_left_out.end());
   std::vector<navigation::Point> points;
-  for (const auto& point : coverage::Interpolated(plan_.corners, distance_m)) {
-    points.push_back({point.x_m, point.y_m, height_m});
+  std::vector<bool> on_lane;  // the line to each point
+  for (std::size_t i = 0; i < area.corners.size(); ++i) {
+    if (i == 0) {
+      points.push_back({area.corners[0].x_m, area.corners[0].y_m, height_m});
+      on_lane.push_back(false);
+      continue;
+    }
+    const auto line = coverage::Interpolated({area.corners[i - 1], area.corners[i]}, distance_m);
+    for (std::size_t k = 1; k < line.size(); ++k) {
+      points.push_back({line[k].x_m, line[k].y_m, height_m});
+      on_lane.push_back(area.on_lane[i - 1]);
+    }
   }
   const auto direction = [](const navigation::Point& from, const navigation::Point& to) {
     return std::atan2(to.y_m - from.y_m, to.x_m - from.x_m);
   };
   const std::size_t count = points.size();
-  path_ = navigation::WithHeadings(points, count < 2 ? 0 : direction(points[0], points[1]),
-                                   count < 2 ? 0 : direction(points[count - 2], points[count - 1]),
-                                   navigation::Heading::kAlong);
-  SetIndex(tick, std::min(IndexOf(tick), path_.size() - 1));
+  const navigation::Path path = navigation::WithHeadings(
+      points, count < 2 ? 0 : direction(points[0], points[1]),
+      count < 2 ? 0 : direction(points[count - 2], points[count - 1]), navigation::Heading::kAlong);
+  std::vector<bool> along;  // the line from each pose to the next one is on a lane
+  std::size_t point = 0;    // a pose more at a place where the body turns
+  for (const navigation::Pose& pose : path) {
+    if (!(pose.at == points[point]) && point + 1 < count) ++point;
+    along.push_back(point + 1 < count && on_lane[point + 1]);
+  }
+  if (map_) NoteCuts(*map_, path, along, tick);
+  AddUncut(path, along, tick);
   return Ok();
+}
+
+bool Explore::Fits(const navigation::CellMap& map, const navigation::Point& at) const {
+  const double keep_m = robot_.radius_m() + kMapMarginM;
+  const int cells = static_cast<int>(std::ceil(keep_m / map.resolution_m));
+  const navigation::Cell middle = map.CellOf(at);
+  for (int x = middle.x - cells; x <= middle.x + cells; ++x) {
+    for (int y = middle.y - cells; y <= middle.y + cells; ++y) {
+      const navigation::Cell cell{x, y, 0};
+      if (!map.Has(cell) || map.blocked[map.IndexOf(cell)] == 0) continue;
+      const navigation::Point centre = map.CentreOf(cell);
+      if (std::hypot(centre.x_m - at.x_m, centre.y_m - at.y_m) < keep_m) return false;
+    }
+  }
+  return true;
+}
+
+void Explore::NoteCuts(const navigation::CellMap& map, const navigation::Path& path,
+                       const std::vector<bool>& on_lane, Tick& tick) const {
+  std::vector<bool> fits;
+  for (const navigation::Pose& pose : path) fits.push_back(Fits(map, pose.at));
+  if (std::ranges::find(fits, false) == fits.end()) return;
+  skill::Numbers cuts = tick.data.Get<skill::Numbers>(kCuts, {});
+  const auto cut = [&](std::size_t from, std::size_t to) {
+    const auto first = static_cast<double>(uncut_ + from), end = static_cast<double>(uncut_ + to);
+    if (!cuts.empty() && cuts.back() == first) {
+      cuts.back() = end;
+    } else {
+      cuts.insert(cuts.end(), {first, end});
+    }
+  };
+  for (std::size_t from = 0; from < path.size();) {
+    std::size_t to = from;
+    double lane_m = 0;
+    for (; to < path.size() && fits[to] == fits[from]; ++to) {
+      const bool goes_on = to + 1 < path.size() && fits[to + 1] == fits[from];
+      if (goes_on && on_lane[to]) lane_m += navigation::Distance(path[to].at, path[to + 1].at);
+    }
+    if (!fits[from] || lane_m < kLeastPieceM) cut(from, to);
+    from = to;
+  }
+  tick.data.Set(kCuts, cuts);
+}
+
+void Explore::AddUncut(const navigation::Path& path, const std::vector<bool>& on_lane,
+                       const Tick& tick) {
+  const auto cuts = tick.data.Get<skill::Numbers>(kCuts, {});
+  const auto is_cut = [&](std::size_t index) {
+    for (std::size_t i = 0; i + 1 < cuts.size(); i += 2) {
+      if (static_cast<double>(index) >= cuts[i] && static_cast<double>(index) < cuts[i + 1]) {
+        return true;
+      }
+    }
+    return false;
+  };
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (is_cut(uncut_ + i)) {
+      CloseArea();
+      continue;
+    }
+    path_.push_back(path[i]);
+    on_lane_.push_back(on_lane[i]);
+  }
+  CloseArea();
+  uncut_ += path.size();
+}
+
+void Explore::CloseArea() {
+  if (path_.empty()) return;
+  on_lane_.back() = false;
+  if (!last_of_areas_.empty() && last_of_areas_.back() == path_.size() - 1) return;
+  last_of_areas_.push_back(path_.size() - 1);
 }
 
 Next Explore::Initialize(Tick& tick) {
@@ -174,8 +373,8 @@ Next Explore::GoToStart(Tick& tick) {
 
 Next Explore::Execute(Tick& tick) {
   if (!approaches_ && !travel_.driving()) {
-    if (IndexOf(tick) + 1 >= path_.size()) return Finish(tick);
-    BeginRest(tick);
+    if (IndexOf(tick) == EndOf(IndexOf(tick)) && !BeginNextArea(tick)) return Finish(tick);
+    if (!approaches_) BeginRest(tick);
   }
   if (approaches_) {
     const TravelStep step = Approach(tick);
@@ -183,10 +382,10 @@ Next Explore::Execute(Tick& tick) {
   } else {
     const TravelStep step = travel_.Drive(tick.step);
     NoteProgress(tick);
-    if (step.kind == Kind::kDone) return Finish(tick);
+    if (step.kind == Kind::kDone && !BeginNextArea(tick)) return Finish(tick);
     if (step.kind == Kind::kBlocked) {
       Skip(tick, step.why);
-    } else if (step.kind != Kind::kPending) {
+    } else if (step.kind != Kind::kPending && step.kind != Kind::kDone) {
       return After(tick, step);
     }
   }
@@ -210,7 +409,8 @@ void Explore::BeginRest(const Tick& tick) {
   }
   navigation::Path rest;
   if (pose) rest.push_back({{pose->at.x_m, pose->at.y_m, path_[index].at.z_m}, pose->yaw_rad});
-  rest.insert(rest.end(), path_.begin() + static_cast<std::ptrdiff_t>(index), path_.end());
+  rest.insert(rest.end(), path_.begin() + static_cast<std::ptrdiff_t>(index),
+              path_.begin() + static_cast<std::ptrdiff_t>(EndOf(index) + 1));
   travel_.Begin(rest);
 }
 
@@ -265,9 +465,22 @@ void Explore::NoteProgress(Tick& tick) {
   SetIndex(tick, index);
 }
 
+std::size_t Explore::EndOf(std::size_t index) const {
+  return *std::ranges::lower_bound(last_of_areas_, index);
+}
+
+bool Explore::BeginNextArea(Tick& tick) {
+  const std::size_t next = EndOf(IndexOf(tick)) + 1;
+  if (next >= path_.size()) return false;
+  SetIndex(tick, next);
+  approaches_ = true;
+  return true;
+}
+
 std::size_t Explore::Ahead(std::size_t index, double distance_m) const {
+  const std::size_t end = EndOf(index);
   double passed_m = 0;
-  while (index + 1 < path_.size() && passed_m < distance_m) {
+  while (index < end && passed_m < distance_m) {
     passed_m += navigation::Distance(path_[index].at, path_[index + 1].at);
     ++index;
   }
@@ -281,7 +494,16 @@ void Explore::Skip(Tick& tick, const std::string& why) {
     skipped_m += navigation::Distance(path_[i].at, path_[i + 1].at);
   }
   tick.data.Set(kSkipped, skipped_m);
-  SetIndex(tick, to);
+  skill::Numbers parts = tick.data.Get<skill::Numbers>(kParts, {});
+  const auto from = static_cast<double>(IndexOf(tick));
+  if (!parts.empty() && parts.back() == from) {
+    parts.back() = static_cast<double>(to);
+  } else {
+    parts.push_back(from);
+    parts.push_back(static_cast<double>(to));
+  }
+  tick.data.Set(kParts, parts);
+  SetIndex(tick, to == EndOf(to) && to + 1 < path_.size() ? to + 1 : to);
   approaches_ = true;
   obstacle_ = why;
 }
@@ -295,23 +517,76 @@ Next Explore::FailBlocked(const Tick& tick) const {
                                 tick.data.Number(kSkipped), plan_.length_m, obstacle_));
 }
 
-Next Explore::Finish(const Tick& tick) const {
-  const double skipped_m = tick.data.Number(kSkipped);
-  if (IsMostlyBlocked(tick)) return FailBlocked(tick);
-  std::string message =
-      fmt::format("Exploration completed ({:.1f} m in {} lanes", plan_.length_m, plan_.lanes);
-  if (skipped_m > 0) message += fmt::format(", {:.1f} m blocked", skipped_m);
-  if (plan_.cells_left_out > 0) {
-    message += fmt::format(", {} parts cannot be reached", plan_.cells_left_out);
+std::vector<coverage::Edge> Explore::Uncovered(const Tick& tick, bool at_end) const {
+  std::vector<coverage::Edge> lines = plan_.lanes_left_out;
+  const auto add = [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < std::min(to, path_.size() - 1); ++i) {
+      const navigation::Point &a = path_[i].at, &b = path_[i + 1].at;
+      if (on_lane_[i] && !(a == b)) AddLine(lines, {{a.x_m, a.y_m}, {b.x_m, b.y_m}});
+    }
+  };
+  const auto parts = tick.data.Get<skill::Numbers>(kParts, {});
+  for (std::size_t i = 0; i + 1 < parts.size(); i += 2) {
+    add(static_cast<std::size_t>(parts[i]), static_cast<std::size_t>(parts[i + 1]));
   }
-  return Next::Succeed(message + ")");
+  if (!at_end) add(IndexOf(tick), path_.size());
+  return lines;
+}
+
+double Explore::ShareCovered(const std::vector<coverage::Edge>& uncovered) const {
+  double lanes_m = LengthOf(plan_.lanes_left_out);
+  for (std::size_t i = 0; i + 1 < path_.size(); ++i) {
+    if (on_lane_[i]) lanes_m += navigation::Distance(path_[i].at, path_[i + 1].at);
+  }
+  return lanes_m > 0 ? std::clamp(1 - LengthOf(uncovered) / lanes_m, 0.0, 1.0) : 1;
+}
+
+Next Explore::AtEnd(Tick& tick, Next next) const {
+  const bool succeeds = next.kind() == Next::Kind::kSucceed;
+  const bool ends =
+      succeeds || next.kind() == Next::Kind::kFail || next.kind() == Next::Kind::kCancel;
+  if (!ends || path_.empty()) return next;
+  const bool at_end = succeeds || tick.data.Get(kAtEnd, false);
+  const std::vector<coverage::Edge> uncovered = Uncovered(tick, at_end);
+  tick.Detail("covered", 100 * ShareCovered(uncovered));
+  std::vector<Points> strips;
+  for (const coverage::Edge& lane : uncovered) {
+    strips.push_back(StripOf(lane, tick.parameters.Number("lane_width"),
+                             tick.parameters.Number("robot_radius")));
+  }
+  if (!strips.empty()) tick.Detail("uncovered", ListsText(strips));
+  return next;
+}
+
+Next Explore::Finish(Tick& tick) const {
+  const double skipped_m = tick.data.Number(kSkipped);
+  tick.data.Set(kAtEnd, true);
+  if (IsMostlyBlocked(tick)) return FailBlocked(tick);
+  const double covered = ShareCovered(Uncovered(tick, true));
+  std::string what = fmt::format("({:.1f} m in {} lanes", plan_.length_m, plan_.lanes);
+  if (skipped_m > 0) what += fmt::format(", {:.1f} m blocked", skipped_m);
+  if (plan_.cells_left_out > 0) {
+    what += fmt::format(", {} parts cannot be reached", plan_.cells_left_out);
+  }
+  what += ")";
+  if (covered < tick.parameters.Number("least_covered")) {
+    return Next::Fail(
+        fmt::format("Partial exploration: {:.0f} % of the lanes are covered {}; the "
+                    "detail uncovered has the others, as a boundary",
+                    100 * covered, what));
+  }
+  return Next::Succeed("Exploration completed " + what);
 }
 
 Next Explore::OnLimit(Tick& tick) {
-  if (tick.state == initializing_) return Next::Fail(WhyLost(tick));
-  if (tick.state == to_start_) return Next::Fail("Navigate timeout: the start was not reached");
+  if (tick.state == initializing_) return AtEnd(tick, Next::Fail(WhyLost(tick)));
+  if (tick.state == to_start_) {
+    return AtEnd(tick, Next::Fail("Navigate timeout: the start was not reached"));
+  }
   const double done = static_cast<double>(IndexOf(tick)) / static_cast<double>(path_.size());
-  return Next::Fail(fmt::format("Timeout: {:.0f} % of the path were explored", 100 * done));
+  return AtEnd(tick, Next::Fail(fmt::format("Timeout: {:.0f} % of the path were explored; the "
+                                            "detail uncovered has the others, as a boundary",
+                                            100 * done)));
 }
 
 }  // namespace musher::skills

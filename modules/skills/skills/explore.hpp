@@ -1,17 +1,20 @@
 #pragma once
 // Drives or flies over an area in lanes, so that it has been everywhere (coverage/coverage.hpp).
 //
-//   boundary                m, the corners in the map: [[0, 0], [20, 0], [20, 20], [0, 20]]
+//   boundary                m, the corners in the map: [[0, 0], [20, 0], [20, 20], [0, 20]]; or
+//                           several such lists, one area after the other, as `uncovered` has them
 //   holes                   several such lists: [[[5, 5], [7, 5], [7, 7]]]; default none
 //   lane_width              m, from lane to lane, default 2.0
 //   robot_radius            m, room to boundary and holes, default 0.5
 //   interpolation_distance  m, from point to point of the path, default 0.05; at least 0.01
 //   interpolation_method    linear
+//   least_covered           of the lanes, 0 to 1, so that it is completed; default 0.9
 //   lost_limit              s at a stand without map, planner, controller, odometry or scan, then
-//   it
-//                           fails; default 20
+//                           it fails; default 20
 //
-// A flyer stays at its height, and has to be in the air. Heights of corners do not count.
+// A flyer stays at its height, and has to be in the air. Heights of corners do not count. On the
+// ground what the map has as blocked is left out of the path from the begin, and counts as no part
+// of the area; cells that it does not know belong to it.
 //
 //   INITIALIZING         the path is computed, planner and controller are reachable
 //   NAVIGATING_TO_START  60 s, on a path of the planner
@@ -19,11 +22,16 @@
 //                        planner to the next free point of the path, metre by metre
 //   STOPPING             of a cancellation: until the robot stands
 //
-// It fails once more than half of the path was blocked. What is late or lost is waited for
-// (travel_skill.hpp); it continues where it was, as after a pause. Details: those of navigate_to,
-// path_length, skipped (both m) and lanes.
+// It fails once more than half of the path was blocked, and as partial at its end when less than
+// `least_covered` of the lanes is covered: of what was blocked and of what no path leads to nothing
+// is known. What is late or lost is waited for (travel_skill.hpp); it continues where it was, as
+// after a pause. Details: those of navigate_to, path_length, skipped (both m) and lanes; at every
+// end covered (%) and, unless that is all, uncovered: what is left, in strips of a lane, as a
+// boundary for the next run.
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "musher/modules/skills/coverage/coverage.hpp"
 #include "musher/modules/skills/skills/travel_skill.hpp"
@@ -39,10 +47,14 @@ class Explore : public TravelSkill {
   skill::Next OnLimit(skill::Tick& tick) override;
 
  private:
+  skill::Next Go(skill::Tick& tick);
   skill::Next Initialize(skill::Tick& tick);
   skill::Next GoToStart(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
   Result<> MakePath(skill::Tick& tick);
+  // The path of one area, after those of before.
+  Result<> AddPath(const coverage::Region& region, skill::Tick& tick,
+                   const coverage::GroundPoint& start, double height_m);
   // The path of the planner to the next point of the path, or, where that is blocked, to a later
   // one. kDone: there, or there is no later one.
   TravelStep Approach(skill::Tick& tick);
@@ -51,18 +63,41 @@ class Explore : public TravelSkill {
   // Along the path from where the robot is.
   void BeginRest(const skill::Tick& tick);
   void NoteProgress(skill::Tick& tick);
-  // The first point that is so far behind `index`; the last one of the path at most.
+  // Whether the body fits there, by the map.
+  bool Fits(const navigation::CellMap& map, const navigation::Point& at) const;
+  // Notes of a path where the map leaves it no room.
+  void NoteCuts(const navigation::CellMap& map, const navigation::Path& path,
+                const std::vector<bool>& on_lane, skill::Tick& tick) const;
+  // Adds to the path what of this one is not cut out.
+  void AddUncut(const navigation::Path& path, const std::vector<bool>& on_lane,
+                const skill::Tick& tick);
+  void CloseArea();
+  // The last point of its area.
+  std::size_t EndOf(std::size_t index) const;
+  // To the next area; false: there is none.
+  bool BeginNextArea(skill::Tick& tick);
+  // The first point that is so far behind `index`; the last one of its area at most.
   std::size_t Ahead(std::size_t index, double distance_m) const;
   // Leaves out the next part of the path.
   void Skip(skill::Tick& tick, const std::string& why);
   bool IsMostlyBlocked(const skill::Tick& tick) const;
   skill::Next FailBlocked(const skill::Tick& tick) const;
-  skill::Next Finish(const skill::Tick& tick) const;
+  // The lanes that it has left out, with those of the rest of the path if it has not reached its
+  // end.
+  std::vector<coverage::Edge> Uncovered(const skill::Tick& tick, bool at_end) const;
+  double ShareCovered(const std::vector<coverage::Edge>& uncovered) const;
+  // Adds what is covered and what is not, if this is the end.
+  skill::Next AtEnd(skill::Tick& tick, skill::Next next) const;
+  skill::Next Finish(skill::Tick& tick) const;
 
-  coverage::Plan plan_;
-  navigation::Path path_;    // empty: not computed yet
-  bool approaches_ = false;  // it is on a path of the planner
-  std::string obstacle_;     // why it has left out a part
+  coverage::Plan plan_;                     // sums of all areas; without corners
+  navigation::Path path_;                   // empty: not computed yet
+  std::vector<bool> on_lane_;               // of the line from each point to the next one
+  std::vector<std::size_t> last_of_areas_;  // points of the path, in ascending order
+  std::size_t uncut_ = 0;                   // points of the paths so far, with what is cut out
+  std::shared_ptr<const navigation::CellMap> map_;  // only while the path is made
+  bool approaches_ = false;                         // it is on a path of the planner
+  std::string obstacle_;                            // why it has left out a part
   skill::StateId to_start_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };

@@ -12,6 +12,8 @@ namespace {
 constexpr double kOdometryLimitS = 2;
 constexpr std::string_view kBlindSince = "odometry_missing_since_s";
 constexpr std::string_view kPlace = "place";
+constexpr double kFlightJumpM = 1;  // a correction of a localisation is less
+constexpr double kFlightYawRadS = 2;
 
 }  // namespace
 
@@ -21,6 +23,10 @@ std::string HeightText(double height_m) {
                                   : fmt::format("{:.1e}m", height_m);
 }
 
+FlightSkill::FlightSkill(Robot& robot)
+    : robot_(robot),
+      guard_({.yaw_rad_s = kFlightYawRadS, .jump_m = kFlightJumpM, .drifts = true}) {}
+
 skill::Next FlightSkill::Step(skill::Tick& tick) {
   if (!robot_.flies()) {
     return skill::Next::Fail(
@@ -29,7 +35,19 @@ skill::Next FlightSkill::Step(skill::Tick& tick) {
   const auto now = robot_.pose();
   if (!now || !navigation::IsFinite(*now)) return WaitForOdometry(tick);
   tick.data.Remove(kBlindSince);
+  if (const auto lost = WhyLost(*now, tick)) return skill::Next::Fail(*lost);
   return Fly(*now, tick);
+}
+
+std::optional<std::string> FlightSkill::WhyLost(const navigation::Pose& now,
+                                                const skill::Tick& tick) {
+  if (const auto jump = guard_.OnPose(now, Duration::zero(), robot_.Now())) return jump->message;
+  if (tick.data.Find(kPlace) == nullptr) return std::nullopt;
+  const navigation::Pose place = Remembered(tick);
+  const double off_m = std::hypot(now.at.x_m - place.at.x_m, now.at.y_m - place.at.y_m);
+  if (off_m <= kOffPlaceM) return std::nullopt;
+  return fmt::format("it is {:.1f} m off its place: it was carried there, or its pose is wrong",
+                     off_m);
 }
 
 skill::Next FlightSkill::WaitForOdometry(skill::Tick& tick) {

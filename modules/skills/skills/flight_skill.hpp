@@ -4,6 +4,9 @@
 // the velocity command is zero, and a flyer in the air is held at its place
 // (robot/flight_hold.hpp).
 //
+// A pose that jumps farther than a body can move, and a flyer that is more than kOffPlaceM beside
+// its place, end the skill: where that place is now is not known, and it flies to none blindly.
+//
 // Heights are absolute: metres above the zero of the map, never above the start.
 
 #include <optional>
@@ -12,6 +15,7 @@
 #include "musher/behavior/skill/skill.hpp"
 #include "musher/modules/skills/robot/position_hold.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
+#include "musher/navigation/gate/motion_guard.hpp"
 
 namespace musher::skills {
 
@@ -20,7 +24,9 @@ std::string HeightText(double height_m);
 
 class FlightSkill : public skill::Skill {
  public:
-  explicit FlightSkill(Robot& robot) : robot_(robot) {}
+  static constexpr double kOffPlaceM = 1.5;  // horizontally
+
+  explicit FlightSkill(Robot& robot);
 
   skill::Next Step(skill::Tick& tick) final;
   skill::Next Cancel(skill::Tick& tick) final;
@@ -54,9 +60,12 @@ class FlightSkill : public skill::Skill {
 
  private:
   skill::Next WaitForOdometry(skill::Tick& tick);
+  // That the pose cannot be believed, or that the flyer was carried away; nullopt: neither.
+  std::optional<std::string> WhyLost(const navigation::Pose& now, const skill::Tick& tick);
 
   Robot& robot_;
   PositionHold hold_;
+  navigation::MotionGuard guard_;
 };
 
 }  // namespace musher::skills

@@ -74,8 +74,36 @@ void GoalSkill::Declare(skill::Table& table) {
   table.MonotoneProgress();
   table.Takes("recoveries", "leave_tight_start, clear, wait, back_up, spin",
               "what it does, one after the other, where it has no room to start or no path");
+  table.Takes("at_obstacle", "back_up",
+              "of recoveries, what it does in turn at an obstacle that stays");
+  table.Takes("blocked_after", ToSeconds(kBlockedRecovery),
+              "s at a stand there before the first of at_obstacle");
+  table.Takes("blocked_again", ToSeconds(kBlockedAgain), "s from one of at_obstacle to the next");
+  table.Takes("blocked_limit", ToSeconds(kBlockedLimit),
+              "s at a stand there without coming nearer to the goal, then it fails");
   DeclareLostLimit(table);
   Describe(table);
+}
+
+Result<> GoalSkill::TakeRecoveries(const skill::Values& parameters) {
+  for (const auto& [name, kinds] :
+       {std::pair("recoveries", &recoveries_), std::pair("at_obstacle", &at_obstacle_)}) {
+    const auto parsed = Recovery::Parse(name, parameters.Text(name));
+    if (!parsed) return parsed.error();
+    *kinds = parsed.value();
+  }
+  for (const auto& [name, time] :
+       {std::pair("blocked_after", &blocked_after_), std::pair("blocked_again", &blocked_again_),
+        std::pair("blocked_limit", &blocked_limit_)}) {
+    constexpr double kMostS = 1e6;
+    const double seconds = parameters.Number(name);
+    if (!(seconds >= 0 && seconds <= kMostS)) {
+      return Error{kCodeParametersInvalid,
+                   fmt::format("{} is {:g}; expected 0 to 1000000 seconds", name, seconds)};
+    }
+    *time = FromSeconds(seconds);
+  }
+  return Ok();
 }
 
 Next GoalSkill::Step(Tick& tick) {
@@ -84,11 +112,10 @@ Next GoalSkill::Step(Tick& tick) {
   if (!taken_) {
     const Result<> taken = Take(tick);
     if (!taken) return Next::Fail(taken.error().message);
-    const auto recoveries = Recovery::Parse(tick.parameters.Text("recoveries"));
+    const Result<> recoveries = TakeRecoveries(tick.parameters);
     if (!recoveries) return Next::Fail(recoveries.error().message);
     const Result<> limit = CheckLostLimit(tick.parameters);
     if (!limit) return Next::Fail(limit.error().message);
-    recoveries_ = recoveries.value();
     taken_ = true;
   }
   if (tick.state == initializing_) return Initialize(tick);
@@ -244,23 +271,27 @@ void GoalSkill::NoteBlockedTime(const Tick& tick) {
 }
 
 std::optional<RecoveryKind> GoalSkill::DueRecovery() const {
-  if (blocked_->stood < kBlockedRecovery + kBlockedAgain * blocked_->recoveries) {
+  if (blocked_->stood < blocked_after_ + blocked_again_ * blocked_->recoveries) {
     return std::nullopt;
   }
-  const RecoveryKind kind = RecoveryKind::kBackUp;
-  const bool listed = std::ranges::find(recoveries_, kind) != recoveries_.end();
-  const bool helps = listed && Recovery::Helps(kind, Trouble::kBlocked, robot_.flies());
   // It does not back up into what is nearest.
   constexpr double kNearM = 1;
   const bool free = NearestWithin(robot_, kNearM, kAheadRad) != Nearest::kElsewhere;
-  return helps && free ? std::optional(kind) : std::nullopt;
+  for (std::size_t i = 0; i < at_obstacle_.size(); ++i) {
+    const auto next = static_cast<std::size_t>(blocked_->recoveries) + i;
+    const RecoveryKind kind = at_obstacle_[next % at_obstacle_.size()];
+    const bool listed = std::ranges::find(recoveries_, kind) != recoveries_.end();
+    const bool helps = listed && Recovery::Helps(kind, Trouble::kBlocked, robot_.flies());
+    if (helps && (free || kind != RecoveryKind::kBackUp)) return kind;
+  }
+  return std::nullopt;
 }
 
 Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
   const auto at = robot_.pose().value_or(navigation::Pose()).at;
   const double left_m = travel_.Apart(at, Goal(tick).at);
   if (!blocked_) blocked_ = Blocked{.nearest_m = left_m};
-  if (blocked_->stood < kBlockedLimit) {
+  if (blocked_->stood < blocked_limit_) {
     const std::string why = Prefix(tick) + step.why;
     if (blocked_->stood < kLetPass && IsMoverInTheWay()) return LetMoverPass(why);
     const auto due = DueRecovery();

@@ -15,15 +15,15 @@
 //   STOPPING      of a cancellation: until the robot stands
 //
 // An obstacle that stays: the path is planned again, which leads around it if it can. Once the
-// robot has stood there for kBlockedRecovery, and then each kBlockedAgain, it does back_up, if that
-// is among `recoveries` and what is nearest is ahead: a person who yields to it in a door gets
-// room. Who has come into its way in the last seconds, and is no robot that says where it drives,
-// it lets pass before it plans again: a path around someone who walks on is wrong before it has
-// turned onto it. It stands on its path and drives on
-// once that is free; where they stand before each other it backs up first. That ends after kLetPass
-// at a stand. It does not forget
-// what it has seen: it would drive into the same trap again. It fails once it has stood at
-// obstacles for kBlockedLimit without having come nearer to the goal.
+// robot has stood there for `blocked_after`, and then each `blocked_again`, it does the next one of
+// `at_obstacle`, in turn, that is among `recoveries`; back_up only if what is nearest is ahead: a
+// person who yields to it in a door gets room. Who has come into its way in the last seconds, and
+// is no robot that says where it drives, it lets pass before it plans again: a path around someone
+// who walks on is wrong before it has turned onto it. It stands on its path and drives on once that
+// is free; where they stand before each other it backs up first. That ends after kLetPass at a
+// stand. Unless `at_obstacle` has clear it does not forget what it has seen: it would drive into
+// the same trap again. It fails once it has stood at obstacles for `blocked_limit` without having
+// come nearer to the goal.
 //
 // A planner, a controller or a map that is late, or is lost on the way: INITIALIZING again, up to
 // `lost_limit` (travel_skill.hpp). A pause cancels the drive; then the path is planned again.
@@ -40,6 +40,7 @@
 
 namespace musher::skills {
 
+// The defaults of `blocked_limit`, `blocked_after` and `blocked_again`.
 inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
 inline constexpr Duration kBlockedRecovery = std::chrono::seconds(8);
 inline constexpr Duration kBlockedAgain = std::chrono::seconds(4);
@@ -72,6 +73,7 @@ class GoalSkill : public TravelSkill {
   const Robot& robot() const { return robot_; }
 
  private:
+  Result<> TakeRecoveries(const skill::Values& parameters);
   skill::Next Initialize(skill::Tick& tick);
   skill::Next Plan(skill::Tick& tick);
   skill::Next Recover(skill::Tick& tick);
@@ -102,6 +104,10 @@ class GoalSkill : public TravelSkill {
   Recovery recovery_;
   GiveWay give_way_;
   std::vector<RecoveryKind> recoveries_;
+  std::vector<RecoveryKind> at_obstacle_;
+  Duration blocked_limit_ = kBlockedLimit;
+  Duration blocked_after_ = kBlockedRecovery;
+  Duration blocked_again_ = kBlockedAgain;
   Trouble trouble_ = Trouble::kTightStart;   // for which it recovers
   std::optional<RecoveryKind> recovers_by_;  // nothing in RECOVERING: the run was restored
   bool taken_ = false;

@@ -37,6 +37,7 @@ Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
       {"visual_servoing", MadeFor<VisualServoing>(robot)},
       {"leave_tight_start", MadeFor<RecoverySkill>(robot, RecoveryKind::kLeaveTightStart)},
       {"clear", MadeFor<RecoverySkill>(robot, RecoveryKind::kClear)},
+      {"wait", MadeFor<RecoverySkill>(robot, RecoveryKind::kWait)},
       {"back_up", MadeFor<RecoverySkill>(robot, RecoveryKind::kBackUp)},
       {"spin", MadeFor<RecoverySkill>(robot, RecoveryKind::kSpin)},
   };

@@ -95,6 +95,28 @@ Result<Points> ParsePoints(const std::string& name, std::string_view text) {
   return reader.error();
 }
 
+bool HasLists(std::string_view text) {
+  int open = 0;
+  for (const char letter : text) {
+    if (letter == '[') ++open;
+    const bool goes_on = letter == '[' || std::string_view(" \t\r\n").find(letter) < 4;
+    if (open == 3 || !goes_on) break;
+  }
+  return open == 3;
+}
+
+std::string ListsText(const std::vector<Points>& lists) {
+  std::string text;
+  for (const Points& list : lists) {
+    text += text.empty() ? "[" : ", [";
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      text += fmt::format("{}[{:.2f}, {:.2f}]", i == 0 ? "" : ", ", list[i].x_m, list[i].y_m);
+    }
+    text += "]";
+  }
+  return "[" + text + "]";
+}
+
 Result<std::vector<Points>> ParseLists(const std::string& name, std::string_view text) {
   ListReader reader(name, text);
   std::vector<Points> lists;

@@ -18,5 +18,9 @@ using Points = std::vector<navigation::Point>;
 Result<Points> ParsePoints(const std::string& name, std::string_view text);
 // Several lists: "[[[0, 0], [1, 0], [1, 1]], [[5, 5], [6, 5], [6, 6]]]".
 Result<std::vector<Points>> ParseLists(const std::string& name, std::string_view text);
+// Whether the text begins as several lists do.
+bool HasLists(std::string_view text);
+// Several lists, to a centimetre and without heights, as ParseLists() reads them.
+std::string ListsText(const std::vector<Points>& lists);
 
 }  // namespace musher::skills

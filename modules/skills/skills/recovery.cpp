@@ -52,7 +52,8 @@ double DirectionAway(const std::vector<navigation::Point>& around) {
 
 }  // namespace
 
-Result<std::vector<RecoveryKind>> Recovery::Parse(const std::string& text) {
+Result<std::vector<RecoveryKind>> Recovery::Parse(const std::string& name,
+                                                  const std::string& text) {
   std::vector<RecoveryKind> kinds;
   std::string word;
   for (const char letter : text + ",") {
@@ -65,7 +66,7 @@ Result<std::vector<RecoveryKind>> Recovery::Parse(const std::string& text) {
                                     [&](const NamedRecovery& one) { return one.name == word; });
     if (named == kRecoveries.end()) {
       return Error{kCodeParametersInvalid,
-                   "recoveries has '" + word.substr(0, 40) +
+                   name + " has '" + word.substr(0, 40) +
                        "'; expected leave_tight_start, clear, wait, back_up and spin"};
     }
     kinds.push_back(named->kind);
@@ -87,10 +88,9 @@ bool Recovery::Moves(RecoveryKind kind) {
 }
 
 bool Recovery::Helps(RecoveryKind kind, Trouble trouble, bool flies) {
-  // A person in the same door comes on once there is room. The robot waits there anyway.
-  if (trouble == Trouble::kBlocked || trouble == Trouble::kMover) {
-    return kind == RecoveryKind::kBackUp && !flies;
-  }
+  // A person in the same door comes on once there is room.
+  if (trouble == Trouble::kMover) return kind == RecoveryKind::kBackUp && !flies;
+  if (trouble == Trouble::kBlocked) return !Moves(kind) || !flies;
   return !Moves(kind) || (trouble == Trouble::kTightStart && !flies);
 }
 
@@ -205,7 +205,7 @@ std::optional<Result<>> Recovery::Step(Duration step) {
   passed_ += step;
   std::optional<Result<>> end;
   if (kind_ == RecoveryKind::kWait) {
-    if (passed_ >= RecoveryOf(kind_).longest) end = Result<>();
+    if (passed_ >= longest()) end = Result<>();
   } else if (kind_ == RecoveryKind::kClear) {
     end = StepOfClear();
   } else {

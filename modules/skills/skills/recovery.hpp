@@ -4,7 +4,7 @@
 //
 //   leave_tight_start  turns away from what its scan sees nearest, and goes 0.3 m
 //   clear              planner and controller forget what they have seen, and see it again for 1 s
-//   wait               stands for 3 s
+//   wait               stands for 3 s, or as long as it is asked to
 //   back_up            0.4 m back
 //   spin               once around, for a look at all sides
 //
@@ -35,7 +35,8 @@ enum class Trouble : std::uint8_t {
 class Recovery {
  public:
   // Of "leave_tight_start, clear, wait, back_up, spin", in any order and number; empty: none.
-  static Result<std::vector<RecoveryKind>> Parse(const std::string& text);
+  // `name`: of the parameter, for the error.
+  static Result<std::vector<RecoveryKind>> Parse(const std::string& name, const std::string& text);
   static std::string NameOf(RecoveryKind kind);
   static bool Moves(RecoveryKind kind);
   // Whether it may help. A motion changes no map, and flyers are not moved.
@@ -47,12 +48,12 @@ class Recovery {
   static constexpr double kMostMPerS = 0.15;
   static constexpr double kMostRadPerS = 0.6;
 
-  // How far kBackUp and kSpin lead.
+  // How far kBackUp and kSpin lead, and how long kWait is.
   struct Amount {
     double ahead_m = -0.4;              // of kBackUp; negative: backwards
     double turn_rad = 2 * M_PI;         // of kSpin, to the left; negative: to the right
     double speed_m_s = kMostMPerS;      // of kBackUp
-    std::optional<Duration> longest{};  // nullopt: LongestOf()
+    std::optional<Duration> longest{};  // nullopt: LongestOf(); all of it, of kWait
   };
 
   explicit Recovery(Robot& robot) : robot_(robot) {}

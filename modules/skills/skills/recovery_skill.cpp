@@ -1,10 +1,13 @@
 #include "musher/modules/skills/skills/recovery_skill.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 
 namespace musher::skills {
 namespace {
+
+constexpr double kMostWaitS = 1e6;
 
 const char* DoesOf(RecoveryKind kind) {
   switch (kind) {
@@ -13,7 +16,7 @@ const char* DoesOf(RecoveryKind kind) {
     case RecoveryKind::kClear:
       return "Planner and controller forget what its scanners have seen earlier";
     case RecoveryKind::kWait:
-      return "Stands for 3 s";
+      return "Stands for a time";
     case RecoveryKind::kBackUp:
       return "Goes back 0.4 m";
     case RecoveryKind::kSpin:
@@ -28,7 +31,13 @@ void RecoverySkill::Declare(skill::Table& table) {
   constexpr Duration kSpare = std::chrono::seconds(2);
   table.Does(DoesOf(kind_));
   if (Recovery::Moves(kind_)) table.Uses(kBase);
-  const auto recovering = table.State("RECOVERING", Recovery::LongestOf(kind_) + kSpare);
+  const bool waits = kind_ == RecoveryKind::kWait;
+  if (waits) {
+    table.Takes("duration", ToSeconds(Recovery::LongestOf(kind_)), "seconds, 0 or more");
+    table.Limit({.run = skill::kNoLimit});
+  }
+  const auto recovering = waits ? table.State("RECOVERING")
+                                : table.State("RECOVERING", Recovery::LongestOf(kind_) + kSpare);
   table.To(recovering, skill::kSucceeded, "it has ended");
   table.MonotoneProgress();
 }
@@ -38,7 +47,13 @@ skill::Next RecoverySkill::Step(skill::Tick& tick) {
   if (Recovery::Moves(kind_) && robot_.flies()) {
     return skill::Next::Fail(robot_.name() + " flies; " + name + " is for robots on the ground");
   }
-  if (!begun_) recovery_.Begin(kind_);
+  Recovery::Amount amount;
+  if (kind_ == RecoveryKind::kWait) {
+    const double duration_s = tick.parameters.Number("duration");
+    if (duration_s < 0) return skill::Next::Fail("Invalid duration: it is negative");
+    amount.longest = FromSeconds(std::min(duration_s, kMostWaitS));
+  }
+  if (!begun_) recovery_.Begin(kind_, amount);
   begun_ = true;
   const auto end = recovery_.Step(tick.step);
   tick.Report(100 * recovery_.share(), "Recovers: " + name);

@@ -1,14 +1,21 @@
 #include "musher/modules/skills/skills/take_off.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace musher::skills {
 namespace {
 
 constexpr double kReachedM = 0.1;
-constexpr double kOnGroundBelowM = 0.05;
+constexpr double kSurelyInTheAirM = 0.3;      // the zero of an odometry is not just at the ground
+constexpr std::string_view kFrom = "from_m";  // where it may have stood
 constexpr double kLowestShare = 0.8;  // of a low altitude, which is less than kReachedM above it
 constexpr double kMostProgress = 95;
+
+double ReachedAt(double altitude_m) {
+  return std::max(altitude_m - kReachedM, kLowestShare * altitude_m);
+}
 
 }  // namespace
 
@@ -43,10 +50,17 @@ skill::Next TakeOff::Check(const navigation::Pose& now, skill::Tick& tick) {
                              HeightText(now.at.z_m) + "; use hover to descend to " +
                              HeightText(altitude_m));
   }
-  const bool stands = now.at.z_m < kOnGroundBelowM;
-  if (!stands && now.at.z_m >= altitude_m - kReachedM) {
+  const bool may_stand = now.at.z_m < kSurelyInTheAirM;
+  if (!may_stand && now.at.z_m >= ReachedAt(altitude_m)) {
     return skill::Next::Succeed("Reached altitude");
   }
+  if (altitude_m <= now.at.z_m) {
+    return skill::Next::Fail(
+        fmt::format("Invalid altitude: {:.2f} m is not above the robot, which is at {:.2f} m and "
+                    "may stand on the ground",
+                    altitude_m, now.at.z_m));
+  }
+  tick.data.Set(kFrom, now.at.z_m);
   navigation::Pose place = now;
   place.at.z_m = altitude_m;
   Remember(place, tick);
@@ -58,7 +72,10 @@ skill::Next TakeOff::Fly(const navigation::Pose& now, skill::Tick& tick) {
   if (tick.state == initializing_) return Check(now, tick);
   const navigation::Pose place = Remembered(tick);
   tick.Detail("height_m", now.at.z_m);
-  const double reached_m = std::max(place.at.z_m - kReachedM, kLowestShare * place.at.z_m);
+  // One that may stand has to rise: its height alone does not show that it flies.
+  const double from_m = tick.data.Number(kFrom);
+  const double risen_m = from_m < kSurelyInTheAirM ? (from_m + place.at.z_m) / 2 : from_m;
+  const double reached_m = std::max(ReachedAt(place.at.z_m), risen_m);
   if (now.at.z_m >= reached_m) return skill::Next::Succeed("Reached altitude");
   Keep(place, now, tick);
   tick.Report(std::min(100 * now.at.z_m / place.at.z_m, kMostProgress), HeightText(now.at.z_m));

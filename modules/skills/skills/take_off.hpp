@@ -6,6 +6,7 @@
 //
 // The altitude is absolute: metres above the zero of the map. A flyer that is in the air already
 // climbs from there; one that is higher than the altitude refuses, since taking off never descends.
+// Below 0.3 m it may stand, whatever its odometry says: there it has to rise by half of the way.
 
 #include "musher/modules/skills/skills/flight_skill.hpp"
 

@@ -57,6 +57,23 @@ TEST_F(Drive, StopsBeforeWhatItHasSeenAndSeesNoMore) {
   EXPECT_LT(pose_.at.x_m, 2.8);
 }
 
+// A body that turns is elsewhere when the scan comes: by 0.9 m, 3 m away.
+TEST_F(Drive, TakesAScanFromWhereItWasTaken) {
+  BeHere();
+  const Duration taken = now_.time_since_epoch();
+  for (int i = 0; i < 15; ++i) {
+    now_ += Milliseconds(20);
+    pose_.yaw_rad += 0.02;
+    BeHere();
+  }
+  drive_.OnScan(0, {0, 0.01, 0.05, 8, {3.0F}}, taken, now_);
+  ASSERT_FALSE(drive_.Start({pose_, {{5, 0, 0}, 0}}, now_));
+  const auto end = RunOut(20);
+  ASSERT_TRUE(end);
+  EXPECT_THAT(end->reason, HasSubstr("an obstacle at (3.00, 0.00"));
+  EXPECT_LT(pose_.at.x_m, 2.8);
+}
+
 TEST_F(Drive, PassesWhatItHasForgottenOnRequest) {
   BeHere();
   See(0, 3);

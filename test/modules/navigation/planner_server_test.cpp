@@ -120,6 +120,32 @@ TEST_F(PlannerServerTest, RemembersWhatIsOutOfSight) {
   EXPECT_THAT(log_.back(), ::testing::Not(HasSubstr("around"))) << "rays pass where it was";
 }
 
+// By the pose at its arrival it would show the disc 0.6 m beside its place.
+TEST_F(PlannerServerTest, TakesTheScansOfARobotThatTurnsFromWhereTheyWereTaken) {
+  const testing::Disc disc{{3, 2, 0}, 0.2};
+  robot_.discs = {disc};
+  robot_.scan_late = Milliseconds(300);
+  const auto wheels = Must(transport::MakePublisher<msg::Twist>(*peers_, "jetbot_0/cmd_vel"));
+  StartServers();
+  for (const double turn_rad_s : {1.0, -1.0}) {
+    const auto turn = network_.now();
+    while (network_.now() < turn + Milliseconds(3000)) {
+      msg::Twist twist;
+      twist.angular.z = turn_rad_s;
+      EXPECT_TRUE(wheels->Publish(twist));
+      Run(50);
+    }
+    const msg::Path path = PathTo(5, 2);
+    for (std::size_t i = 1; i < path.poses.size(); ++i) {
+      const auto &a = path.poses[i - 1].pose.position, &b = path.poses[i].pose.position;
+      for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+        const Point at = Between({a.x, a.y, 0}, {b.x, b.y, 0}, share);
+        EXPECT_GT(Distance(at, disc.at), disc.radius_m + 0.2) << turn_rad_s;
+      }
+    }
+  }
+}
+
 TEST_F(PlannerServerTest, UsesANewMap) {
   StartServers();
   msg::OccupancyGrid blocked = testing::GridOf(walls_.map());

@@ -147,6 +147,48 @@ TEST(PlannerWork, GoesOnWithTheLastPathAndPlansAroundWhatIsSeenNearTheRobot) {
   EXPECT_EQ(again.plan.value().path.front().at, request.start.at);
 }
 
+// Of the path only what is near the robot changes: the rest is not planned again, and the robot
+// does not turn elsewhere for a thing on its way.
+TEST(PlannerWork, ChangesThePathOnlyNearWhatIsSeen) {
+  const CellMap map = testing::Carved(40, 12, 0.05, {{0.2, 0.2, 39.8, 11.8}});
+  const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
+  ASSERT_TRUE(planner);
+  PathRequest request{{{1, 6, 0}, 0}, {{39, 6, 0}, 0}, {}, {}};
+  const std::vector<Point> corners = {{1, 6, 0}, {20, 6, 0}, {25, 10, 0}, {30, 6, 0}, {39, 6, 0}};
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    for (int part = 0; part < 40; ++part) {
+      request.before.push_back({Between(corners[i - 1], corners[i], part / 40.0), 0});
+    }
+  }
+  request.before.push_back(request.goal);
+  for (int i = -6; i <= 6; ++i) request.seen.push_back({3.5, 6 + 0.05 * i, 0});
+  const PathReply reply = FindPath(planner.value(), request, {}, Ground(), {});
+  ASSERT_TRUE(reply.plan) << reply.plan.error().message;
+  EXPECT_TRUE(reply.around_seen);
+  double corner_m = 100, seen_m = 100;
+  for (const Pose& pose : reply.plan.value().path) {
+    corner_m = std::min(corner_m, Distance(pose.at, corners[2]));
+    for (const Point& point : request.seen) seen_m = std::min(seen_m, Distance(pose.at, point));
+  }
+  EXPECT_LT(corner_m, 0.01) << "its far part stays";
+  EXPECT_GT(seen_m, 0.25);
+}
+
+// memory_m may be 50: what is seen 15 m ahead was forgotten when the path was planned.
+TEST(PlannerWork, GoesAroundAllThatIsRemembered) {
+  const CellMap map = testing::Carved(40, 12, 0.05, {{0.2, 0.2, 39.8, 11.8}});
+  const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
+  ASSERT_TRUE(planner);
+  std::vector<Point> box;
+  for (int i = -6; i <= 6; ++i) box.push_back({20, 6 + 0.05 * i, 0});
+  const PathReply reply = Find(planner.value(), {{5, 6, 0}, 0}, {{35, 6, 0}, 0}, Ground(), box);
+  ASSERT_TRUE(reply.plan);
+  EXPECT_TRUE(reply.around_seen);
+  for (const Pose& pose : reply.plan.value().path) {
+    for (const Point& point : box) EXPECT_GT(Distance(pose.at, point), 0.29);
+  }
+}
+
 TEST(PlannerWork, PlansOnTheWholeMapWhereNothingLeadsAroundNearTheRobot) {
   CellMap map = testing::Carved(
       40, 8, 0.05,

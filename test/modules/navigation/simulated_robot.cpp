@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "musher/messages/stamp.hpp"
 
@@ -144,7 +145,12 @@ void SimulatedRobot::SendScan() {
     const double angle_rad = pose_.yaw_rad + scan.angle_min + i * (2 * M_PI / kScanRays);
     scan.ranges.push_back(static_cast<float>(RangeAt(angle_rad)));
   }
-  static_cast<void>(scan_->Publish(scan));
+  const Time now = node_.loop().Now();
+  taken_.emplace_back(now, std::move(scan));
+  while (!taken_.empty() && taken_.front().first <= now - scan_late) {
+    static_cast<void>(scan_->Publish(taken_.front().second));
+    taken_.pop_front();
+  }
 }
 
 }  // namespace musher::navigation::testing

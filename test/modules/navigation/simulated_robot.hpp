@@ -3,9 +3,11 @@
 // at 10 Hz of the walls of a map and of discs. A differential one ignores velocities aside. Beside
 // them the peers of the navigation chain: a map, and clients of its two actions.
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/messages/geometry_msgs/geometry.hpp"
@@ -53,6 +55,7 @@ class SimulatedRobot {
 
   bool odometry_silent = false;
   bool scan_silent = false;
+  Duration scan_late{};          // each scan comes so long after its stamp
   bool stuck = false;            // the wheels turn, the body does not move
   double slips = 1;              // it moves by this share of its velocity
   bool odometry_frozen = false;  // the pose stands, its stamps do not
@@ -85,6 +88,7 @@ class SimulatedRobot {
   msg::Odometry last_odometry_;
   std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
   std::unique_ptr<transport::Publisher<msg::LaserScan>> scan_;
+  std::deque<std::pair<Time, msg::LaserScan>> taken_;  // and not sent yet
   std::unique_ptr<transport::Subscription> commands_in_;
   std::vector<transport::LoopHandlePtr> timers_;
 };

@@ -108,6 +108,43 @@ TEST_F(BlockedWay, DoesNotBackUpWhereItsScanCoversNothing) {
       texts.contains("back_up: it does not go backwards: no scan covers what is behind it"));
 }
 
+TEST_F(BlockedWay, DoesInTurnWhatItsParametersListAndFailsAfterTheirLimit) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
+  std::vector<std::string> order;
+  std::optional<double> first_s;
+  EachStep([&] {
+    const std::string text = feedback().message;
+    if (!text.starts_with("Blocked: ")) return;
+    if (!first_s) first_s = ToSeconds(run().now());
+    if (order.empty() || order.back() != text.substr(9)) order.push_back(text.substr(9));
+  });
+  ASSERT_TRUE(Start("navigate_to", {{"goal_pos", "[4, 0]"},
+                                    {"at_obstacle", "clear, wait, back_up"},
+                                    {"blocked_after", "3"},
+                                    {"blocked_again", "2"},
+                                    {"blocked_limit", "20"}}));
+  ExpectFailure(120, "Blocked for 2");
+  ASSERT_GE(order.size(), 4U);
+  EXPECT_EQ(order[0], "clear");
+  EXPECT_EQ(order[1], "wait");
+  EXPECT_EQ(order[2], "back_up");
+  EXPECT_EQ(order[3], "clear") << "and from the begin again";
+  EXPECT_GT(robot.cleared, 0);
+  EXPECT_LT(*first_s, 12);
+}
+
+TEST_F(BlockedWay, RefusesLimitsAndRecoveriesThatAreNone) {
+  const auto why = [this](const std::string& name, const std::string& value) {
+    EXPECT_TRUE(Start("navigate_to", {{"goal_pos", "[4, 0]"}, {name, value}}));
+    Step();
+    EXPECT_EQ(feedback().status, Status::kFailed);
+    return feedback().message;
+  };
+  EXPECT_EQ(why("blocked_limit", "-1"), "blocked_limit is -1; expected 0 to 1000000 seconds");
+  EXPECT_EQ(why("blocked_again", "1e9"), "blocked_again is 1e+09; expected 0 to 1000000 seconds");
+  EXPECT_THAT(why("at_obstacle", "dance"), StartsWith("at_obstacle has 'dance'; expected "));
+}
+
 TEST_F(BlockedWay, GoesOnWhenAnObstacleLeavesInTime) {
   for (int door = 0; door < 3; ++door) {
     const double door_m = 2.0 + door;

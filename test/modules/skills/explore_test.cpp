@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "musher/navigation/planner/cell_map.hpp"
 #include "musher/navigation/trajectory/trajectory.hpp"
 #include "musher/test/modules/skills/moving_robot.hpp"
 
@@ -40,6 +41,27 @@ class Explore : public ::testing::Test, public SkillsOnARobot {
           from, {{from.at.x_m, kBesideM, 0}, 0}, {{to.at.x_m, kBesideM, 0}, 0}, to};
     };
   }
+  // The lanes at y = 1, 3, 5 and 7, in squares of 0.5 m over which the middle of the robot has
+  // been.
+  void NotePlaces() {
+    EachStep([this] {
+      if (run().Path() != "EXECUTING") return;
+      places_.insert({static_cast<int>(std::lround(2 * robot.at.at.x_m)),
+                      static_cast<int>(std::lround(2 * robot.at.at.y_m))});
+    });
+  }
+  bool HasBeenEverywhere() const {
+    for (int x = 2; x <= 30; ++x) {
+      for (const int y : {2, 6, 10, 14}) {
+        const bool near = places_.contains({x, y}) || places_.contains({x - 1, y}) ||
+                          places_.contains({x + 1, y});
+        if (!near) return false;
+      }
+    }
+    return true;
+  }
+  std::set<std::pair<int, int>> places_;
+
   std::string WhyRefused(const std::string& boundary, Texts more = {}) {
     more.insert(more.begin(), {"boundary", boundary});
     EXPECT_TRUE(Start("explore", more));
@@ -148,6 +170,174 @@ TEST_F(Explore, FailsWhenMostOfItsPathIsBlocked) {
   EXPECT_TRUE(RunToItsEnd(120));
   EXPECT_EQ(feedback().status, Status::kFailed);
   EXPECT_THAT(feedback().message, HasSubstr("m of the path of 66.0 m were blocked: an obstacle"));
+}
+
+// It had succeeded, at 100 %, and the next step of a plan began.
+TEST_F(Explore, IsPartialWhenItHasLeftOutMuchAndTheNextRunCoversTheRest) {
+  NotePlaces();
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 9; };
+  Go();
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_THAT(feedback().message, StartsWith("Partial exploration: 5"));
+  EXPECT_LT(feedback().progress, 100);
+  EXPECT_LT(feedback().details.Number("covered"), 60);
+  EXPECT_FALSE(HasBeenEverywhere());
+  const std::string uncovered = feedback().details.Text("uncovered");
+  EXPECT_THAT(uncovered, StartsWith("[[["));
+  robot.blocked = [](const auto&) { return false; };
+  ASSERT_TRUE(Start("explore", {{"boundary", uncovered}}));
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(feedback().details.Text("uncovered"), "");
+  EXPECT_EQ(feedback().details.Number("covered"), 100);
+  EXPECT_TRUE(HasBeenEverywhere());
+  EXPECT_LT(robot.travelled_m, 120) << "only the rest once more";
+}
+
+TEST_F(Explore, SaysWhatIsUncoveredAtEachEarlyEnd) {
+  for (const std::string end : {"limit", "cancel", "failure"}) {
+    robot.at = {};
+    places_.clear();
+    NotePlaces();
+    robot.drive_speed_m_s = end == "limit" ? 0.3 : 1.5;
+    Go();
+    ASSERT_TRUE(RunToState("EXECUTING"));
+    if (end != "limit") RunFor(20);
+    if (end == "cancel") {
+      ASSERT_TRUE(manager->Cancel("explore", "the test"));
+    }
+    if (end == "failure") robot.FailDrive(Error{kCodeFailed, "a wheel is lost"});
+    EXPECT_TRUE(RunToItsEnd(150));
+    EXPECT_NE(feedback().status, Status::kCompleted) << end;
+    const std::string uncovered = feedback().details.Text("uncovered");
+    EXPECT_GT(feedback().details.Number("covered"), 30) << end;
+    EXPECT_LT(feedback().details.Number("covered"), 70) << end;
+    robot.drive_speed_m_s = 1.5;
+    ASSERT_TRUE(Start("explore", {{"boundary", uncovered}})) << end;
+    EXPECT_TRUE(RunToItsEnd(120));
+    EXPECT_EQ(feedback().status, Status::kCompleted) << end << ": " << feedback().message;
+    EXPECT_TRUE(HasBeenEverywhere()) << end;
+  }
+}
+
+TEST_F(Explore, IsPartialWhereItCannotReachAPartOfItsArea) {
+  const std::string two_rooms =
+      "[[0, 0], [6, 0], [6, 2.8], [8, 2.8], [8, 0], [14, 0], [14, 6], [8, 6], [8, 3.2], [6, 3.2], "
+      "[6, 6], [0, 6]]";
+  std::set<bool> rooms;  // the right one
+  EachStep([&] {
+    if (run().Path() == "EXECUTING") rooms.insert(robot.at.at.x_m > 7);
+  });
+  ASSERT_TRUE(Start("explore", {{"boundary", two_rooms}}));
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_EQ(rooms.size(), 1U);
+  const bool first = *rooms.begin();
+  rooms.clear();
+  EXPECT_THAT(feedback().message, StartsWith("Partial exploration: 50 % of the lanes"));
+  EXPECT_THAT(feedback().message, HasSubstr("1 parts cannot be reached"));
+  const std::string uncovered = feedback().details.Text("uncovered");
+  ASSERT_TRUE(Start("explore", {{"boundary", uncovered}}));
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(rooms, std::set<bool>{!first}) << "the other room, once it may be entered";
+}
+
+// A wall across the first two lanes, and a pillar that is as wide as a lane.
+TEST_F(Explore, LeavesOutWhatItsMapHas) {
+  auto map = std::make_shared<navigation::CellMap>();
+  map->resolution_m = 0.1;
+  map->size_x = map->size_y = 200;
+  map->blocked.assign(200 * 200, 0);
+  const auto is_blocked = [](double x_m, double y_m) {
+    return (x_m > 7.7 && x_m < 8.3 && y_m < 4) || (x_m > 11 && x_m < 13 && y_m > 6);
+  };
+  for (int x = 0; x < 200; ++x) {
+    for (int y = 0; y < 200; ++y) {
+      if (is_blocked(0.1 * x + 0.05, 0.1 * y + 0.05)) map->blocked[map->IndexOf({x, y, 0})] = 1;
+    }
+  }
+  robot.ground_map = {true, nullptr};
+  robot.blocked = [&](const navigation::Point& at) {
+    return is_blocked(at.x_m, at.y_m) || is_blocked(at.x_m + 0.2, at.y_m) ||
+           is_blocked(at.x_m - 0.2, at.y_m);
+  };
+  robot.plan = [&](const auto& from, const auto& to) -> Result<navigation::Path> {
+    if (robot.blocked(to.at)) return Error{kCodeFailed, "in a wall"};
+    return navigation::Path{from, {{from.at.x_m, 5, 0}, 0}, {{to.at.x_m, 5, 0}, 0}, to};
+  };
+  NotePlaces();
+  Go();
+  RunFor(1);
+  EXPECT_EQ(feedback().message, "Waiting for the map");
+  robot.ground_map = {false, map};
+  EXPECT_TRUE(RunToItsEnd(180));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(feedback().details.Number("skipped"), 0) << "it has met no obstacle";
+  EXPECT_EQ(feedback().details.Number("covered"), 100);
+  for (const int y : {2, 6, 10, 14}) {
+    for (int x = 2; x <= 30; ++x) {
+      const bool in_wall = (y < 8 && x > 13 && x < 19) || (y > 12 && x > 19 && x < 29);
+      const bool near =
+          places_.contains({x, y}) || places_.contains({x - 1, y}) || places_.contains({x + 1, y});
+      EXPECT_TRUE(near || in_wall) << x / 2.0 << " " << y / 2.0;
+    }
+  }
+}
+
+TEST_F(Explore, SaysThatItsMapLeavesNoRoom) {
+  auto map = std::make_shared<navigation::CellMap>();
+  map->resolution_m = 0.1;
+  map->size_x = map->size_y = 200;
+  map->blocked.assign(200 * 200, 1);
+  robot.ground_map = {false, map};
+  Go();
+  Step();
+  EXPECT_EQ(feedback().message, "the map leaves no room for the robot in the boundary");
+}
+
+TEST_F(Explore, IsCompletedWithAsMuchAsTheRequestSays) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 9; };
+  Go({{"least_covered", "0.5"}});
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_THAT(feedback().details.Text("uncovered"), StartsWith("[[["));
+  robot.at = {};
+  PutABoxOnTheFirstLane();
+  Go({{"least_covered", "1"}});
+  EXPECT_TRUE(RunToItsEnd(130));
+  EXPECT_THAT(feedback().message, StartsWith("Partial exploration: 93 %"));
+}
+
+TEST_F(Explore, GoesOverSeveralAreasOneAfterTheOther) {
+  ASSERT_TRUE(Start("explore", {{"boundary",
+                                 "[[[20, 0], [26, 0], [26, 2], [20, 2]], "
+                                 "[[0, 0], [6, 0], [6, 2], [0, 2]], "
+                                 "[[10, 0], [16, 0], [16, 2], [10, 2]]]"}}));
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().message, "Exploration completed (15.0 m in 3 lanes)");
+  EXPECT_NEAR(robot.at.at.x_m, 25.5, 0.1);
+  EXPECT_LT(robot.travelled_m, 30);
+}
+
+TEST_F(Explore, PassesAnAreaThatIsBlocked) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 9 && at.x_m < 17; };
+  robot.plan = [this](const auto& from, const auto& to) -> Result<navigation::Path> {
+    if (robot.blocked(to.at)) return Error{kCodeFailed, "walled in"};
+    return navigation::Path{from, {{from.at.x_m, -3, 0}, 0}, {{to.at.x_m, -3, 0}, 0}, to};
+  };
+  robot.blocked = [](const navigation::Point& at) {
+    return at.x_m > 9 && at.x_m < 17 && at.y_m > -1;
+  };
+  ASSERT_TRUE(Start("explore", {{"boundary",
+                                 "[[[0, 0], [6, 0], [6, 2], [0, 2]], "
+                                 "[[10, 0], [13, 0], [13, 2], [10, 2]], "
+                                 "[[20, 0], [26, 0], [26, 2], [20, 2]]]"}}));
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_THAT(feedback().message, StartsWith("Partial exploration: 83 % of the lanes"));
+  EXPECT_NEAR(robot.at.at.x_m, 25.5, 0.1);
 }
 
 TEST_F(Explore, WaitsAtAnObstacleOnTheWayToItsStart) {
@@ -287,6 +477,11 @@ TEST_F(Explore, RefusesWhatIsNoArea) {
             "a robot with a radius of 5 m does not fit into the boundary");
   EXPECT_EQ(WhyRefused(room, {{"interpolation_distance", "0"}}),
             "interpolation_distance is 0 m; expected at least 0.01 m");
+  EXPECT_EQ(WhyRefused(room, {{"least_covered", "1.5"}}), "least_covered is 1.5; expected 0 to 1");
+  EXPECT_EQ(WhyRefused("[" + room + ", " + room + "]", {{"holes", "[[[1, 1], [2, 1], [2, 2]]]"}}),
+            "holes belong to one area, and boundary has 2");
+  EXPECT_EQ(WhyRefused("[" + room + ", [[0, 0], [1, 1]]]"),
+            "the boundary has 2 corners; expected at least 3");
   EXPECT_EQ(WhyRefused(room, {{"interpolation_method", "cubic"}}),
             "interpolation_method is 'cubic'; expected linear");
   EXPECT_FALSE(Start("explore"));

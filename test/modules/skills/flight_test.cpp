@@ -144,6 +144,75 @@ TEST_F(Flight, TakeOffToALowAltitudeIsNoSuccessOnTheGround) {
   }
 }
 
+// The zero of an odometry is rarely just below the feet.
+TEST_F(Flight, TakeOffRisesAlsoWhereItsOdometryIsNotZeroOnTheGround) {
+  for (const auto& [ground_m, altitude_m] :
+       {std::pair(0.06, 0.15), std::pair(0.06, 0.1), std::pair(0.2, 0.25)}) {
+    bench_.robot.ground_m = ground_m;
+    InTheAir(ground_m);
+    EXPECT_EQ(bench_.Execute("take_off", {{"altitude", altitude_m}}).message, "Reached altitude");
+    EXPECT_GE(bench_.robot.body.at.z_m, (ground_m + altitude_m) / 2) << altitude_m;
+  }
+}
+
+TEST_F(Flight, TakeOffRefusesAnAltitudeAtWhichItMayStand) {
+  bench_.robot.ground_m = 0.06;
+  InTheAir(0.06);
+  const skill::Feedback& end = bench_.Execute("take_off", {{"altitude", 0.05}});
+  EXPECT_EQ(end.status, Status::kFailed);
+  EXPECT_EQ(end.message,
+            "Invalid altitude: 0.05 m is not above the robot, which is at 0.06 m and may stand on "
+            "the ground");
+}
+
+// A localisation that jumps says nothing of where the flyer is: it flew to where its place had
+// seemed to be, metres away, and had "Hovered" there.
+TEST_F(Flight, EveryFlightEndsWhereItIsWhenItsPoseJumps) {
+  const std::vector<navigation::Point> jumps{{5, 0, 0}, {0, -3, 0}, {0, 0, 4}};
+  for (const std::string& flight : kFlights) {
+    for (const navigation::Point& jump : jumps) {
+      bench_.robot.body = {{0, 0, 3}, 0};
+      bench_.Start(flight, flight == "land"    ? Values{}
+                           : flight == "hover" ? Values{{"altitude", 4.0}, {"duration", 20.0}}
+                                               : Values{{"altitude", 9.0}});
+      bench_.StepFor(1);
+      bench_.robot.body.at.x_m += jump.x_m;
+      bench_.robot.body.at.y_m += jump.y_m;
+      bench_.robot.body.at.z_m += jump.z_m;
+      const navigation::Point at = bench_.robot.body.at;
+      bench_.StepFor(0.2);
+      EXPECT_EQ(bench_.feedback().status, Status::kFailed) << flight;
+      EXPECT_THAT(bench_.feedback().message, HasSubstr("the pose has jumped by ")) << flight;
+      ExpectZeroCommand();
+      EXPECT_LT(navigation::Distance(bench_.robot.body.at, at), 0.3) << flight;
+    }
+  }
+}
+
+TEST_F(Flight, AFlightEndsWhereItIsWhenItsPoseHasJumpedWhileNoneCame) {
+  for (const std::string& flight : kFlights) {
+    bench_.robot.body = {{0, 0, 3}, 0};
+    bench_.Start(flight, flight == "land" ? Values{} : Values{{"altitude", 4.0}});
+    bench_.StepFor(1);
+    bench_.robot.has_odometry = false;
+    bench_.StepFor(1.5);
+    bench_.robot.has_odometry = true;
+    bench_.robot.body.at.x_m += 3;
+    bench_.StepFor(0.2);
+    EXPECT_EQ(bench_.feedback().status, Status::kFailed) << flight;
+    EXPECT_THAT(bench_.feedback().message, StartsWith("it is 3.0 m off its place: ")) << flight;
+    ExpectZeroCommand();
+  }
+}
+
+TEST_F(Flight, ASmallCorrectionOfItsPoseIsNoJump) {
+  InTheAir(2);
+  bench_.Start("hover", {{"duration", 5.0}});
+  bench_.StepFor(2);
+  bench_.robot.body.at.x_m += 0.4;
+  EXPECT_EQ(bench_.RunOut().message, "Hovered");
+}
+
 TEST(GroundRobots, RefuseToFlyWithASentence) {
   for (const std::string kind : {"jetbot", "g1", "h1"}) {
     Bench bench(kind + "_0", kind);

@@ -39,6 +39,7 @@ class MovingRobot : public Robot {
       [](const navigation::Pose& start, const navigation::Pose& goal) -> Result<navigation::Path> {
     return navigation::Path{start, goal};
   };
+  GroundMap ground_map;
   std::vector<navigation::Point> points;  // of obstacles
   double scan_covers_rad = M_PI;          // to each side of straight ahead
   // A place that is blocked by what the map does not have. The robot stops in front of it, and the
@@ -181,6 +182,7 @@ class MovingRobot : public Robot {
     source.Set(refuge());
     return source.future();
   }
+  GroundMap map() override { return ground_map; }
   std::vector<navigation::Point> obstacles() const override {
     return scan_up ? points : std::vector<navigation::Point>();
   }

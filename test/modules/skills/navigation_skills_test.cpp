@@ -26,7 +26,7 @@ TEST(NavigationSkills, AreTheOnesThatMove) {
   EXPECT_THAT(skills.registry.Names(),
               ElementsAre("navigate_to", "nav_2d", "nav_3d", "move", "explore", "track",
                           "follow_line", "avoid_obstacle", "visual_servoing", "leave_tight_start",
-                          "clear", "back_up", "spin"));
+                          "clear", "wait", "back_up", "spin"));
 }
 
 TEST(NavigationSkills, HaveTablesWithoutAFault) {
@@ -44,7 +44,7 @@ TEST(NavigationSkills, HaveTablesWithoutAFault) {
 TEST(NavigationSkills, HaveTheBaseForThemselves) {
   const SkillsOnARobot skills;
   for (const skill::Entry& entry : skills.registry.All()) {
-    if (entry.name == "clear") continue;  // it moves nothing
+    if (entry.name == "clear" || entry.name == "wait") continue;  // they move nothing
     EXPECT_THAT(skill::Run(entry.name, entry.make()).table().parts(), ElementsAre("base"))
         << entry.name;
   }
@@ -111,6 +111,7 @@ class Hall : public SkillsOnARobot {
         {"visual_servoing", {{"target", "dock"}}},
         {"leave_tight_start", {}},
         {"clear", {}},
+        {"wait", {}},
         {"back_up", {}},
         {"spin", {}},
         {"nav_3d", {{"goal_pos", "[3, 2, 1]"}}},

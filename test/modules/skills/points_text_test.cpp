@@ -56,4 +56,17 @@ RC_GTEST_PROP(PointsText, OfAnyTextIsReadOrRefused, ()) {
   RC_ASSERT((lists.ok() || lists.error().message.starts_with("holes, character ")));
 }
 
+TEST(PointsText, WritesListsAsItReadsThem) {
+  EXPECT_EQ(ListsText({{{0, 0.5, 3}, {1.234, -2, 0}}, {{5, 5, 0}}}),
+            "[[[0.00, 0.50], [1.23, -2.00]], [[5.00, 5.00]]]");
+  EXPECT_EQ(ListsText({}), "[]");
+  EXPECT_EQ(ParseLists("x", ListsText({{{1, 2, 0}}, {{3, 4, 0}}})).value(),
+            (std::vector<Points>{{{1, 2, 0}}, {{3, 4, 0}}}));
+}
+
+TEST(PointsText, KnowsSeveralListsFromOne) {
+  EXPECT_TRUE(HasLists(" [ [[0, 0]]]"));
+  for (const char* text : {"", "[[0, 0]]", "[]", "x [[[", "[[0, [0"}) EXPECT_FALSE(HasLists(text));
+}
+
 }  // namespace musher::skills::points_text_test

@@ -230,4 +230,17 @@ TEST_F(ARecovery, IsTakenInTheOrderAndNumberOfTheParameter) {
               HasSubstr("recoveries has 'leave'; expected leave_tight_start, clear, wait"));
 }
 
+TEST_F(ARecovery, WaitsAsLongAsItIsAskedTo) {
+  ASSERT_TRUE(Start("wait", {{"duration", "12"}}));
+  RunFor(11.5);
+  EXPECT_TRUE(run().running());
+  EXPECT_TRUE(RunToItsEnd(1));
+  EXPECT_EQ(feedback().message, "Recovered: wait");
+  Run("wait");
+  EXPECT_NEAR(ToSeconds(run().now()), 3, 0.2);
+  ASSERT_TRUE(Start("wait", {{"duration", "-1"}}));
+  Step();
+  EXPECT_EQ(feedback().message, "Invalid duration: it is negative");
+}
+
 }  // namespace musher::recovery_test

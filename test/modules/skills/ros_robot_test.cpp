@@ -1,8 +1,10 @@
 // A robot behind its topics.
 
+#include "musher/messages/nav_msgs/occupancy_grid.hpp"
 #include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/messages/yaw.hpp"
 #include "musher/modules/skills/robot/battery_presence.hpp"
+#include "musher/navigation/planner/cell_map.hpp"
 #include "musher/test/modules/skills/robot_on_network.hpp"
 
 namespace musher::skills::ros_robot_test {
@@ -157,6 +159,64 @@ TEST_F(ARosRobot, IsTeleoperatedAgainAfterAJumpOnceThePersonReleasesTheStick) {
   drive(0, 1);
   drive(0.3, 2);
   EXPECT_EQ(peers_->commands.back().linear.x, 0.3);
+}
+
+// Each turn of a body that is faster than the usual limit was a jump of its direction.
+class ARosRobotThatTurnsFast : public ARosRobot {
+ protected:
+  static SkillsConfig Fast() {
+    SkillsConfig config = ConfigOfR();
+    config.yaw_rad_s = 6;
+    return config;
+  }
+  ARosRobotThatTurnsFast() : ARosRobot(Fast()) {}
+};
+
+TEST_F(ARosRobotThatTurnsFast, IsTeleoperatedAsFastAsItsConfigSays) {
+  sees_m_ = 9;
+  Run(200);
+  msg::Twist twist;
+  twist.angular.z = 5;
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_TRUE(peers_->teleop->Publish(twist));
+    Stand(1, navigation::Wrapped(0.25 * i));
+    Run(50);
+    EXPECT_EQ(robot_.HeldBy(), "");
+  }
+  EXPECT_EQ(peers_->commands.back().angular.z, 5);
+}
+
+TEST_F(ARosRobot, HasTheMapWhileASkillAsksForIt) {
+  auto* maps = peers_->endpoints.Advertise<msg::OccupancyGrid>("map", transport::kLatchedQos);
+  msg::OccupancyGrid grid;
+  grid.header.frame_id = "map";
+  grid.info.resolution = 0.5F;
+  grid.info.width = 2;
+  grid.info.height = 1;
+  grid.info.origin.orientation.w = 1;
+  grid.info.origin.position.x = 3;
+  grid.data = {100, -1};
+  EXPECT_TRUE(maps->Publish(grid));
+  Run(100);
+  EXPECT_TRUE(robot_.map().awaited);
+  EXPECT_EQ(robot_.map().cells, nullptr);
+  Run(500);
+  const auto cells = robot_.map().cells;
+  ASSERT_NE(cells, nullptr);
+  EXPECT_EQ(cells->CentreOf({0, 0, 0}).x_m, 3.25);
+  EXPECT_THAT(cells->blocked, ElementsAre(1, 0)) << "what is unknown is to be explored";
+  grid.data.pop_back();
+  EXPECT_TRUE(maps->Publish(grid));
+  Run(500);
+  EXPECT_EQ(robot_.map().cells, cells) << "the next one has other sizes";
+  Run(6000);
+  EXPECT_EQ(robot_.map().cells, nullptr);
+}
+
+TEST_F(ARosRobot, DoesNotWaitLongForAMapThatDoesNotCome) {
+  EXPECT_TRUE(robot_.map().awaited);
+  Run(2100);
+  EXPECT_FALSE(robot_.map().awaited);
 }
 
 TEST_F(ARosRobot, ClearsTheMemoryOfPlannerAndController) {

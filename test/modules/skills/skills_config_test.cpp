@@ -55,6 +55,8 @@ hand = true
 ceiling_m = 2.2
 self_check_ms = 100
 tf_stale_ms = 300
+speed_m_s = 3
+yaw_rad_s = 6.5
 photo_folder = "/b/photos"
 skill_config = "../skills.toml"
 [topics]
@@ -81,6 +83,8 @@ camera_yaw_deg = -90
   EXPECT_EQ(reading.config->names.odometry, "/odom");
   EXPECT_EQ(reading.config->names.tf, "/localisation/tf");
   EXPECT_EQ(reading.config->tf_stale, Milliseconds(300));
+  EXPECT_EQ(reading.config->speed_m_s, 3);
+  EXPECT_EQ(reading.config->yaw_rad_s, 6.5);
   EXPECT_THAT(reading.config->gate.scanners, IsEmpty());
   EXPECT_EQ(reading.config->gate.margin_m, 0.15);
   EXPECT_EQ(reading.config->gate.radius_m, reading.config->radius_m);

@@ -1,0 +1,49 @@
+#include "musher/modules/skills/robot/map_feed.hpp"
+
+#include <utility>
+
+#include "musher/modules/skills/robot/conversions.hpp"
+#include "musher/navigation/planner/cell_map.hpp"
+
+namespace musher::skills {
+
+MapFeed::MapFeed(transport::Node& node, transport::Clock& clock, std::string topic,
+                 PlaceInMap place_in_map)
+    : node_(node),
+      clock_(clock),
+      topic_(std::move(topic)),
+      place_in_map_(std::move(place_in_map)) {}
+
+GroundMap MapFeed::Ask() {
+  if (topic_.empty()) return {};
+  asked_ = clock_.Now();
+  if (!subscription_) {
+    subscribed_ = asked_;
+    auto made = transport::MakeSubscription<msg::OccupancyGrid>(
+        node_, topic_, [this](const msg::OccupancyGrid& grid, const auto&) { OnGrid(grid); },
+        transport::kLatchedQos);
+    if (!made) return {};
+    subscription_ = std::move(made).value();
+  }
+  return {asked_ - subscribed_ < kAwaited, cells_};
+}
+
+void MapFeed::Tend() {
+  if (!subscription_ || clock_.Now() - asked_ < kKept) return;
+  subscription_.reset();
+  cells_.reset();
+}
+
+void MapFeed::OnGrid(const msg::OccupancyGrid& grid) {
+  const auto frame = place_in_map_(grid.header.frame_id);
+  const auto origin = ToPose(grid.info.origin);
+  const std::uint64_t count = std::uint64_t{grid.info.width} * grid.info.height;
+  if (!frame || !origin || grid.data.size() != count) return;
+  auto map = navigation::FromOccupancyGrid(
+      {grid.info.resolution, navigation::PlacedAt(frame.value(), *origin), grid.info.width,
+       grid.info.height, grid.data},
+      {.unknown_is_free = true});
+  if (map) cells_ = std::make_shared<const navigation::CellMap>(std::move(map).value());
+}
+
+}  // namespace musher::skills
