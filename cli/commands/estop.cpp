@@ -466,17 +466,37 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console
   return Series(stop, found, global, console).Run();
 }
 
+// Not empty, which means all stops: one that is engaged after an answer without any was not seen.
+std::vector<std::string> SeenStops(const msg::MachineStatus& shown) {
+  if (shown.emergency_stop) return shown.stop_ids;
+  return {transport::StopIdText(StopId(0))};
+}
+
+// The release covers the stops that are printed before it is sent, and no other one: a person may
+// engage one at the same time.
 ExitCode Release(const GlobalOptions& global, Console& console) {
   const auto link = Link::OpenForCalls(global, &console);
-  const auto answer =
-      link->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {UserAtHost()}, kStopTimeout);
-  if (const auto* failure = std::get_if<Failure>(&answer)) {
-    Failure with_hint = *failure;
-    if (failure->exit == ExitCode::kNoController) {
-      with_hint.error.message += "; only a controller can release an emergency stop";
+  const auto fail = [&console](Failure failure, const char* what) {
+    if (failure.exit == ExitCode::kNoController) {
+      failure.error.message += "; only a controller can release an emergency stop";
+    } else {
+      failure.error.message.insert(0, what);
     }
-    return console.Fail(with_hint);
+    return console.Fail(failure);
+  };
+  constexpr const char* kUnseen = "not released, because the engaged stops are not known: ";
+  if (!link->CallsHere()) {
+    if (const auto failure = link->ChooseMachine(Link::Purpose::kAct)) return fail(*failure, "");
   }
+  const auto before = link->Call<msg::GetStatus>("get_status", {}, kStopTimeout);
+  if (const auto* failure = std::get_if<Failure>(&before)) return fail(*failure, kUnseen);
+  const msg::MachineStatus& shown = std::get<msg::GetStatus::Response>(before).status;
+  if (shown.emergency_stop && !console.mode().json) console.Print(StopsToRelease(shown));
+  msg::ReleaseEmergencyStop::Request request{UserAtHost()};
+  request.seen_stops = SeenStops(shown);
+  const auto answer =
+      link->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", request, kStopTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) return fail(*failure, "");
   const auto& released = std::get<msg::ReleaseEmergencyStop::Response>(answer);
   if (released.code != kCodeOk) {
     return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
@@ -489,7 +509,7 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
     return console.Fail(unknown);
   }
   const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
-  console.Print(console.mode().json ? ReleaseJson(machine)
+  console.Print(console.mode().json ? ReleaseJson(machine, shown.stop_ids)
                                     : ReleaseText(machine, console.mode().colour));
   return ExitCode::kDone;
 }

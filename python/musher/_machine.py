@@ -290,10 +290,17 @@ class Machine:
                 return report
             mailbox.pop(min(until - now, _LOOK_S))
 
-    def release_estop(self, by: str = "") -> None:
-        """Releases the emergency stop; changes no state."""
-        reply = self._call("release_emergency_stop", ReleaseEmergencyStop,
-                           ReleaseEmergencyStop.Request(by or default_by()), acts=True)
+    def release_estop(self, by: str = "", seen: Optional[MachineStatus] = None) -> None:
+        """Releases the emergency stops of `seen`, the status that the program, or a person, has decided by; without it,
+        those that are engaged now. Changes no state. Raises musher.Failure, and releases none, if another one has been
+        engaged since."""
+        if seen is None:
+            self._meant(acts=True)  # raises where another machine would answer
+            seen = self.status()
+        request = ReleaseEmergencyStop.Request(by or default_by())
+        # Not empty, which means all stops: one that is engaged after a status without any was not seen.
+        request.seen_stops = list(seen.stop_ids) if seen.emergency_stop else ["0" * 16]
+        reply = self._call("release_emergency_stop", ReleaseEmergencyStop, request, acts=True)
         if reply.code != 0:
             raise Failure(reply.code, reply.reason)
         for stop in self._stops:

@@ -18,6 +18,7 @@ from robot import DEADLINE_S, SOURCE  # also sets the domain
 import musher  # noqa: E402
 from musher import _machine  # noqa: E402
 from musher.musher_msgs.msg import ActuatorInfo, ActuatorStatus, EmergencyStop, MachineStatus  # noqa: E402
+from musher.musher_msgs.srv import ReleaseEmergencyStop  # noqa: E402
 
 DOG = "d0900000-0000-4000-8000-000000000002"
 SECOND_DOG = "d0910000-0000-4000-8000-000000000003"
@@ -440,15 +441,36 @@ class Stops(unittest.TestCase):
         self.addCleanup(node.close)
         return node
 
-    def publish(self, node, machine_id, latched, host="another boot/1", pid=7):
+    def publish(self, node, machine_id, latched, host="another boot/1", pid=7, stop_ids=()):
         """The statuses of dog's controller and of its only actuator, which is stopped."""
         legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
         status = MachineStatus(machine="dog", machine_id=machine_id, name_space=self.NAMESPACE, host=host, pid=pid,
                                phase="running", state="Active", actuators=[legs], emergency_stop=latched,
-                               emergency_stop_by="anna" if latched else "")
+                               emergency_stop_by="anna" if latched else "", stop_ids=list(stop_ids))
         node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
         node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
             ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=machine_id))
+        return status
+
+    # A stop that another person had just engaged was released, too.
+    def test_a_release_covers_the_stops_that_were_seen(self):
+        node = self.node()
+        before = self.publish(node, DOG, latched=True, stop_ids=["00000000000000a1"])
+        released = []
+
+        def release(request):
+            released.append(list(request.seen_stops))
+            return ReleaseEmergencyStop.Response()
+
+        node.serve("musher/release_emergency_stop", ReleaseEmergencyStop, release)
+        dog = self.dog()
+        dog.release_estop()
+        self.publish(self.node(), DOG, latched=True, stop_ids=["00000000000000a1", "00000000000000b2"])
+        dog.release_estop(seen=before)
+        before.emergency_stop, before.stop_ids = False, []
+        dog.release_estop(seen=before)
+        self.assertEqual(released, [["00000000000000a1"], ["00000000000000a1"], ["0" * 16]])
+
     def dog(self):
         machine = musher.Machine(namespace=self.NAMESPACE, machine="dog")
         self.addCleanup(machine.close)
