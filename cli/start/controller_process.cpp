@@ -95,8 +95,6 @@ Result<> ControllerProcess::Begin() {
   auto controller = Controller::Make(*node_, domain_id.value(), config_, Options());
   if (!controller) return controller.error();
   controller_ = std::move(controller).value();
-  // Not before: what runs from the other slot may belong to a controller that leads.
-  if (run_) EndOtherSlot(*run_);
   controller_->AdoptOrphans();
   children_watch_ = loop_.WhenReadable(children_.get(), [this] {
     if (NextSignal(children_) != 0) controller_->ReapOrphans();
@@ -161,7 +159,10 @@ ControllerOptions ControllerProcess::Options() {
   options.adopt = start_.adopt;
   options.restarted = start_.restarted;
   options.supervised = start_.supervised;
-  if (run_) options.started_from = run_->root;
+  if (run_) {
+    options.started_from = run_->root;
+    options.before_begin = [this] { EndOtherSlot(*run_); };
+  }
   options.extensions = {cyberdog::Extension()};
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };

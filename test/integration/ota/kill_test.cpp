@@ -4,10 +4,13 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/ota/install.hpp"
 #include "musher/ota/posix_disk.hpp"
 #include "musher/test/integration/ota/root.hpp"
 #include "musher/test/support/wait.hpp"
+#include "musher/transport/dds/node_thread.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::kill_test {
 
@@ -57,6 +60,36 @@ class Killed : public RobotWithUpgrades {
  private:
   ota::PosixDisk disk_;
   std::optional<ota::Root> opened_;
+};
+
+// A controller of another host that leads the machine, as far as other controllers see it.
+class FarController {
+ public:
+  explicit FarController(const std::string& name_space) {
+    thread_->RunOnLoop([&] {
+      heartbeats_ = transport::MakePublisher<msg::ControllerHeartbeat>(
+                        thread_->node(), transport::ControllerHeartbeatTopic(name_space),
+                        transport::kLatchedQos)
+                        .value();
+      msg::ControllerHeartbeat heartbeat;
+      heartbeat.machine = "dog";
+      heartbeat.epoch = 9;
+      heartbeat.host = "another boot/1";
+      heartbeat.pid = 7;
+      heartbeat.participant = thread_->node().participant().value();
+      heartbeat.period_ns = Duration(std::chrono::seconds(60)).count();
+      EXPECT_TRUE(heartbeats_->Publish(heartbeat));
+    });
+  }
+  ~FarController() {
+    thread_->RunOnLoop([this] { heartbeats_ = nullptr; });
+  }
+  FarController(const FarController&) = delete;
+  FarController& operator=(const FarController&) = delete;
+
+ private:
+  const std::shared_ptr<transport::NodeThread> thread_ = transport::NodeThread::Start({}).value();
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
 };
 
 TEST_F(Killed, InstallerLeavesTheMachineInOtaUntilItIsInstalledAgain) {
@@ -286,6 +319,24 @@ TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
   const Ended takeover = Musher({"up", root_, "--detach", "--takeover"});
   EXPECT_EQ(takeover.exit, 0) << takeover.err;
   EXPECT_EQ(Where(), "Active from a");
+}
+
+// They were ended before the start had looked for a controller of another host, which may lead
+// them. And the version that was to be tried counted as one whose trial had not finished.
+TEST_F(Killed, NoProcessOfTheOtherSlotEndsWhereAControllerOfAnotherHostLeads) {
+  Make("1.1.0", {.policy = "[transport]\nprofile = \"lan\"\n"});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  Process left({"env", "MUSHER_CONFIG=" + root_ + "/slots/a/robot.toml", "sh", "-c",
+                "trap 'echo ended; exit' TERM; echo runs; while :; do sleep 0.1; done"});
+  ASSERT_NE(left.LineWith("runs"), "");
+  {
+    const FarController leads(name_space_);
+    const Ended refused = UpDetached();
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_THAT(refused.err, HasSubstr("process 7 of another host"));
+  }
+  left.Signal(SIGKILL);
+  EXPECT_THAT(left.Wait().out, Not(HasSubstr("ended")));
 }
 
 }  // namespace musher::testing::kill_test
