@@ -61,8 +61,11 @@ int ControllerProcess::Run() {
   PutOwnFolderFirstInPath();
   if (run_) PutSlotFirstInPath(*run_);
   if (const auto begun = Begin(); !begun) {
-    // A version on trial boot that cannot be started is abandoned for the previous one.
-    start_again_ = run_ && run_->on_trial_boot && EndTrialBoot(*run_, begun.error());
+    // A version on trial boot that cannot be started is abandoned for the previous one. That
+    // another controller of the machine leads says nothing of the version.
+    const bool is_led = begun.error().code == kCodeTargetBusy;
+    if (is_led) PostponeTrial();
+    start_again_ = run_ && run_->on_trial_boot && !is_led && EndTrialBoot(*run_, begun.error());
     if (start_again_)
       OnTrouble("version " + run_->version + " abandoned: " + begun.error().message);
     if (start_again_) return static_cast<int>(ExitCode::kUsage);
@@ -131,6 +134,12 @@ void ControllerProcess::BeginRun() {
       [this](const Result<>& outcome) { OnTrialBootEnd(outcome); });
   if (start_held_) trial_boot_->Hold();
   if (start_up_ && !start_up_->usable) trial_boot_->Fail({kCodeFailed, start_up_->message});
+}
+
+// This start has not begun it: the next one does.
+void ControllerProcess::PostponeTrial() {
+  if (!run_ || !run_->on_trial_boot) return;
+  if (auto postponed = PostponeTrialBoot(*run_); !postponed) OnTrouble(postponed.error().message);
 }
 
 void ControllerProcess::OnTrialBootEnd(const Result<>& outcome) {
@@ -239,6 +248,7 @@ void ControllerProcess::OnFenced(const std::string& message) {
   start_again_ = false;  // the machine is not taken down: another controller leads it
   const bool begun = controller_->shell().machine().phase == Phase::kFenced;
   exit_ = begun ? ExitCode::kNotDone : ExitCode::kUsage;
+  if (!begun) PostponeTrial();
   log_.Write(message, kCodePermissionDenied);
   service_manager_.Fenced(message);
   SendProgress(begun ? Progress::kFenced : Progress::kNotStarted, message, kCodePermissionDenied);
