@@ -105,10 +105,6 @@ Result<> Controller::Open() {
     journal_ = std::make_unique<NoJournal>();
   }
   if (auto opened = OpenShell(); !opened) return opened;
-  for (const ActuatorConfig& actuator : config_.actuators) {
-    if (actuator.protocol != Protocol::kMusher) continue;
-    held_ += NameLock::IsHeld(LockOf(actuator.name)) ? 1 : 0;
-  }
   WatchNetwork();
   listen_for_others_ |= config_.transport == TransportProfile::kLan;
   const Duration listen = listen_for_others_ ? ListenTime(config_) : Duration{};
@@ -141,9 +137,29 @@ void Controller::BeginAfter(Duration listen) {
   const auto first_status_at = shell_->peers().first_status_at();
   const bool settled = shell_->rival() || !first_status_at;
   const Time until = settled ? Time{} : *first_status_at + listen;
-  const auto begin = [this] { BeginOnceReceived(node_.loop().Now() + kStatusWithin); };
+  const auto begin = [this] { BeginUnlessLed(); };
   if (node_.loop().Now() >= until) return begin();
   begin_later_ = node_.loop().At(until, begin);
+}
+
+// What runs here may belong to a controller of another host.
+void Controller::BeginUnlessLed() {
+  if (const auto& rival = shell_->rival(); rival && !options_.takeover) {
+    return shell_->Refuse(Refused<Refusal::kAlreadyLed>(rival->process));
+  }
+  if (options_.before_begin) options_.before_begin();
+  CountHeld();
+  const Time now = node_.loop().Now();
+  // In a later turn: what was ended has left by then.
+  begin_later_ = node_.loop().At(now, [this, now] { BeginOnceReceived(now + kStatusWithin); });
+}
+
+void Controller::CountHeld() {
+  held_ = 0;
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    if (actuator.protocol != Protocol::kMusher) continue;
+    held_ += NameLock::IsHeld(LockOf(actuator.name)) ? 1 : 0;
+  }
 }
 
 // Waits for the statuses of running actuators: they contain the hash of their config.

@@ -42,6 +42,9 @@ struct ControllerOptions {
   bool supervised = false;
   std::vector<ControllerExtension> extensions;
   ControllerShell::Hooks hooks;
+  // Called before it takes control of anything, once it has listened for other controllers: none
+  // leads, or it takes over. It may wait for processes that it ends.
+  std::function<void()> before_begin;
   // Called once for each problem that does not stop the robot, such as a full disk. From any
   // thread.
   std::function<void(const std::string&)> on_trouble;
@@ -91,6 +94,8 @@ class Controller {
   Result<> MayTakeOver(pid_t controller) const;
   void TakeStopsHere();
   void BeginAfter(Duration listen);
+  void BeginUnlessLed();
+  void CountHeld();
   void BeginOnceReceived(Time deadline);
   void Begin();
   std::string LockOf(const std::string& actuator) const;

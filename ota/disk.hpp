@@ -40,6 +40,9 @@ class Disk {
   class Lock {
    public:
     virtual ~Lock() = default;
+    // It stays held while this process executes a program. Returns the descriptor that holds it
+    // then; -1: it has none.
+    virtual int KeepForExec() { return -1; }
   };
 
   virtual ~Disk() = default;

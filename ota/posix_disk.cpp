@@ -76,6 +76,11 @@ class PosixLock : public Disk::Lock {
  public:
   explicit PosixLock(UniqueFd fd) : fd_(std::move(fd)) {}
 
+  int KeepForExec() override {
+    fcntl(fd_.get(), F_SETFD, 0);
+    return fd_.get();
+  }
+
  private:
   UniqueFd fd_;
 };
@@ -212,6 +217,20 @@ int HolderOf(const std::string& path) {
   struct flock whole = Whole(F_RDLCK);
   if (!fd.valid() || fcntl(fd.get(), F_OFD_GETLK, &whole) != 0) return 0;
   return whole.l_type == F_UNLCK ? 0 : ReadPid(fd.get());
+}
+
+Result<std::unique_ptr<Disk::Lock>> ResumeLock(const std::string& path, int fd) {
+  UniqueFd kept(fd);
+  struct stat held {};
+  struct stat named {};
+  const bool same = fstat(fd, &held) == 0 && lstat(path.c_str(), &named) == 0 &&
+                    held.st_dev == named.st_dev && held.st_ino == named.st_ino;
+  struct flock whole = Whole(F_WRLCK);
+  if (!same || fcntl(fd, F_OFD_SETLK, &whole) != 0) {
+    return Error{kCodeStateInvalid, path + " is not held by descriptor " + std::to_string(fd)};
+  }
+  fcntl(fd, F_SETFD, FD_CLOEXEC);
+  return std::unique_ptr<Disk::Lock>(std::make_unique<PosixLock>(std::move(kept)));
 }
 
 void WriteHolder(const std::string& path) {

@@ -26,6 +26,10 @@ class PosixDisk : public Disk {
   Result<std::unique_ptr<Lock>> Take(const std::string& path, bool wait) override;
 };
 
+// The lock of this file that this process held when it executed its program again, by the
+// descriptor of KeepForExec(); it is closed with the lock, or at once if it does not hold it.
+Result<std::unique_ptr<Disk::Lock>> ResumeLock(const std::string& path, int fd);
+
 // The process that holds the lock of this file; 0: none.
 int HolderOf(const std::string& path);
 

@@ -138,12 +138,14 @@ Result<> Root::Change(const std::function<Result<SlotState>(const SlotState&)>& 
   return SaveState(next.value());
 }
 
-Result<Boot> Root::Boot(std::optional<Slot> running) const {
+Result<Boot> Root::Boot(std::optional<Slot> running, bool takes_trial) const {
   // Without the lock (read-only disk, or a stopped holder) the start continues.
   const auto lock = LockState();
   const auto look = [this](Slot slot) { return Look(slot); };
   const auto state = LoadState();
-  auto boot = DecideBoot(state, CurrentSlot(), look, running);
+  auto due = state;
+  if (due && takes_trial) due->started = false;
+  auto boot = DecideBoot(due, CurrentSlot(), look, running);
   if (!boot) return boot.error();
   ReportUnfinished(boot.value());
   if (state != boot.value().next) {
@@ -172,6 +174,14 @@ void Root::ReportUnfinished(ota::Boot& boot) const {
   boot.reason += (boot.reason.empty() ? "" : "; ") + ("the upgrade to version " + version) +
                  " did not finish, `musher ota install` repeats it";
   version.clear();
+}
+
+Result<> Root::PostponeTrialBoot() const {
+  return Change([](const SlotState& state) -> Result<SlotState> {
+    SlotState next = state;
+    next.started = false;
+    return next;
+  });
 }
 
 Result<> Root::EndTrialBoot(const std::string& version, const Result<>& outcome) const {

@@ -69,8 +69,12 @@ class Root {
   Result<> Change(const std::function<Result<SlotState>(const SlotState&)>& change) const;
 
   // Chooses which slot is started now, and saves that. Does not begin a trial boot that cannot be
-  // saved. `running`: the slot whose actuators run, see DecideBoot().
-  Result<ota::Boot> Boot(std::optional<Slot> running = std::nullopt) const;
+  // saved. `running`: the slot whose actuators run, see DecideBoot(). `takes_trial`: a trial boot
+  // that was started is that of a process which lives, and is taken over: it goes on.
+  Result<ota::Boot> Boot(std::optional<Slot> running = std::nullopt,
+                         bool takes_trial = false) const;
+  // The trial boot of the last start was not begun: the next start begins it.
+  Result<> PostponeTrialBoot() const;
   // Ends the running trial boot.
   Result<> EndTrialBoot(const std::string& version, const Result<>& outcome) const;
   // Initialises the state: the first version of a new root is in this slot.

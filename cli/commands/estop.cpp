@@ -2,11 +2,7 @@
 // which actuators have stopped. A stop that not every actuator has confirmed stays published after
 // the command's end. musher estop --release: releases it; that alone moves nothing.
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
@@ -24,6 +20,7 @@
 #include "musher/cli/machine/stop_target.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
+#include "musher/controller/client/detached_publisher.hpp"
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/controller/storage/machines_here.hpp"
@@ -42,7 +39,6 @@ constexpr Duration kLanStopTimeout = std::chrono::seconds(10);  // a bad link de
 constexpr Duration kFirstTry = std::chrono::seconds(1);  // then the other process publishes, too
 constexpr Duration kOthersWithin = Milliseconds(300);    // after the first machine that is meant
 constexpr Duration kSaved = std::chrono::seconds(1);     // a save takes less on a disk that works
-constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
 // It waits for no discovery: without an id --machine may be a name, or the beginning of an id that
 // is not known yet.
@@ -65,15 +61,12 @@ void Address(msg::EmergencyStop& stop, const MachineIdentity& machine) {
   stop.machine_id = machine.id;
 }
 
-// Hands the stop to the controller of this host, which publishes it: long before this process has
-// discovered an actuator where the host is busy. With credentials the stop goes by DDS only, which
-// knows what they permit: an observer may look, and nothing else.
+// With credentials the stop goes by DDS only, which knows what they permit: an observer may look,
+// and nothing else.
 void HandOver(const msg::EmergencyStop& stop, const GlobalOptions& global) {
   if (!global.keys.empty()) return;
   const auto domain = transport::DomainId({});
-  if (!domain) return;
-  NameLock::Send(NameLock::NameOf(domain.value(), global.name_space, "musher/controller"),
-                 msg::Encode(stop));
+  if (domain) HandOverStop(stop, domain.value(), global.name_space);
 }
 
 // The options with which the command reaches every host of the machine: of its own config, where
@@ -106,83 +99,20 @@ struct Stop {
   }
 };
 
-// Publishes the stop for a minute, unless it is released. Without the signals and the terminal of
-// the command.
-[[noreturn]] void PublishForAMinute(const GlobalOptions& global, const std::string& network,
-                                    const Stop& stop) {
-  const auto link = Link::OpenAtOnce(global, nullptr, network);
-  if (!link) _exit(1);
-  const auto latch = stop.Publish(link.value()->node(), global);
-  if (!latch) _exit(1);
-  link.value()->RunUntil([&] { return latch.value()->withdrawn(); }, kKeptPublished);
-  _exit(0);
+// What a process of its own does, without the signals and the terminal of the command. By `network`
+// alone; empty: by all.
+DetachedPublisher::Publish PublishForAMinute(const GlobalOptions& global, const Stop& stop,
+                                             const std::string& network = {}) {
+  return [&global, &stop, network] {
+    const auto link = Link::OpenAtOnce(global, nullptr, network);
+    if (!link) return;
+    const auto latch = stop.Publish(link.value()->node(), global);
+    if (!latch) return;
+    link.value()->RunUntil([&] { return latch.value()->withdrawn(); },
+                           DetachedPublisher::kKeptPublished);
+    _exit(0);  // DDS waits for ever to leave a network that is lost
+  };
 }
-
-// A process of its own that publishes the stop for a minute once this one asks for it, or has ended
-// in any way: on Ctrl-C, with its terminal, or killed.
-class DetachedPublisher {
- public:
-  // To be called before the process has a second thread. `timeout`: after which it publishes
-  // unless it was cancelled. `network`: by it alone; empty: by all.
-  DetachedPublisher(const GlobalOptions& global, const Stop& stop,
-                    std::optional<Duration> timeout = std::nullopt,
-                    const std::string& network = {}) {
-    int ends[2] = {-1, -1};
-    if (pipe2(ends, O_CLOEXEC) != 0) return;
-    UniqueFd read_end(ends[0]);
-    UniqueFd write_end(ends[1]);
-    pid_ = fork();
-    if (pid_ == 0) {
-      write_end = {};
-      Wait(read_end.get(), timeout, global, network, stop);
-    }
-    if (pid_ > 0) pipe_ = std::move(write_end);
-  }
-  DetachedPublisher(const DetachedPublisher&) = delete;
-  DetachedPublisher& operator=(const DetachedPublisher&) = delete;
-  // Unless it was cancelled, the process goes on.
-  ~DetachedPublisher() = default;
-
-  void Begin() { Send('p'); }
-  // Every actuator has confirmed the stop, or it is released.
-  void Cancel() {
-    Send('c');
-    pipe_ = {};
-    if (pid_ <= 0) return;
-    kill(pid_, SIGTERM);
-    if (!begun_) waitpid(pid_, nullptr, 0);
-  }
-  pid_t pid() const { return std::max(pid_, 0); }  // 0: there is no such process
-
- private:
-  [[noreturn]] static void Wait(int fd, std::optional<Duration> timeout,
-                                const GlobalOptions& global, const std::string& network,
-                                const Stop& stop) {
-    setsid();
-    const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
-    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
-    pollfd asked{fd, POLLIN, 0};
-    const int wait_ms = timeout ? static_cast<int>(ToMilliseconds(*timeout)) : -1;
-    while (poll(&asked, 1, wait_ms) < 0 && errno == EINTR) {
-    }
-    if (asked.revents == 0) PublishForAMinute(global, network, stop);
-    char word = 0;
-    ssize_t size = 0;
-    do {
-      size = read(fd, &word, 1);
-    } while (size < 0 && errno == EINTR);
-    if (size == 1 && word == 'c') _exit(0);
-    PublishForAMinute(global, network, stop);
-  }
-  void Send(char word) {
-    if (!pipe_.valid() || begun_) return;
-    begun_ = write(pipe_.get(), &word, 1) == 1 && word == 'p';
-  }
-
-  UniqueFd pipe_;
-  pid_t pid_ = -1;
-  bool begun_ = false;
-};
 
 // Waits until every actuator of the machine has latched the stop.
 class Confirmation {
@@ -322,7 +252,8 @@ Found SearchMeanwhile(Stop& stop, const GlobalOptions& global) {
   const auto begun = std::chrono::steady_clock::now();
   Address(stop.message, {global.machine, ""});
   HandOver(stop.message, global);
-  std::optional<DetachedPublisher> meanwhile(std::in_place, global, stop, kFirstTry);
+  std::optional<DetachedPublisher> meanwhile(std::in_place, PublishForAMinute(global, stop),
+                                             kFirstTry);
   Found found{TargetOf(global), {}};
   const bool by_id = BeginsIdOf(found.machine, global.machine);
   if (by_id) {
@@ -339,7 +270,7 @@ Found SearchMeanwhile(Stop& stop, const GlobalOptions& global) {
   }
   if (by_id || global.machine.empty()) {
     meanwhile->Cancel();
-    meanwhile.emplace(global, stop, kFirstTry);
+    meanwhile.emplace(PublishForAMinute(global, stop), kFirstTry);
   }
   found.machines = MachinesHere(transport::DomainId({}).value(), global.name_space);
   meanwhile->Cancel();
@@ -366,7 +297,7 @@ class Attempt {
         found_(found),
         global_(global),
         network_(std::move(network)),
-        detached_(global, stop, std::nullopt, network_) {}
+        detached_(PublishForAMinute(global, stop, network_)) {}
   Attempt(const Attempt&) = delete;
   Attempt& operator=(const Attempt&) = delete;
 
@@ -535,17 +466,37 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console
   return Series(stop, found, global, console).Run();
 }
 
+// Not empty, which means all stops: one that is engaged after an answer without any was not seen.
+std::vector<std::string> SeenStops(const msg::MachineStatus& shown) {
+  if (shown.emergency_stop) return shown.stop_ids;
+  return {transport::StopIdText(StopId(0))};
+}
+
+// The release covers the stops that are printed before it is sent, and no other one: a person may
+// engage one at the same time.
 ExitCode Release(const GlobalOptions& global, Console& console) {
   const auto link = Link::OpenForCalls(global, &console);
-  const auto answer =
-      link->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {UserAtHost()}, kStopTimeout);
-  if (const auto* failure = std::get_if<Failure>(&answer)) {
-    Failure with_hint = *failure;
-    if (failure->exit == ExitCode::kNoController) {
-      with_hint.error.message += "; only a controller can release an emergency stop";
+  const auto fail = [&console](Failure failure, const char* what) {
+    if (failure.exit == ExitCode::kNoController) {
+      failure.error.message += "; only a controller can release an emergency stop";
+    } else {
+      failure.error.message.insert(0, what);
     }
-    return console.Fail(with_hint);
+    return console.Fail(failure);
+  };
+  constexpr const char* kUnseen = "not released, because the engaged stops are not known: ";
+  if (!link->CallsHere()) {
+    if (const auto failure = link->ChooseMachine(Link::Purpose::kAct)) return fail(*failure, "");
   }
+  const auto before = link->Call<msg::GetStatus>("get_status", {}, kStopTimeout);
+  if (const auto* failure = std::get_if<Failure>(&before)) return fail(*failure, kUnseen);
+  const msg::MachineStatus& shown = std::get<msg::GetStatus::Response>(before).status;
+  if (shown.emergency_stop && !console.mode().json) console.Print(StopsToRelease(shown));
+  msg::ReleaseEmergencyStop::Request request{UserAtHost()};
+  request.seen_stops = SeenStops(shown);
+  const auto answer =
+      link->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", request, kStopTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) return fail(*failure, "");
   const auto& released = std::get<msg::ReleaseEmergencyStop::Response>(answer);
   if (released.code != kCodeOk) {
     return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
@@ -558,7 +509,7 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
     return console.Fail(unknown);
   }
   const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
-  console.Print(console.mode().json ? ReleaseJson(machine)
+  console.Print(console.mode().json ? ReleaseJson(machine, shown.stop_ids)
                                     : ReleaseText(machine, console.mode().colour));
   return ExitCode::kDone;
 }

@@ -46,11 +46,12 @@ struct UpOptions {
   bool adopt = false;     // take control of actuators that run with another config, too
   // A supervisor starts it, perhaps again after a crash: complete a TearDown that was under way.
   bool restarted = false;
-  // For a controller that restarts itself: its connection to the launcher, and the launcher's pid
-  // or 0.
+  // For a controller that restarts itself: its connection to the launcher, the launcher's pid or 0,
+  // and the lock of its root.
   struct Resume {
     int progress = -1;
     int launcher = 0;
+    int root_lock = -1;  // the descriptor that holds it; -1: none
   };
   std::optional<Resume> resume;
 };
@@ -97,8 +98,8 @@ struct Reexec {
       environment.emplace_back(*variable);
     }
   }
-  void Prepare(pid_t launcher) {
-    words.back() += "," + std::to_string(launcher);
+  void Prepare(pid_t launcher, int root_lock) {
+    words.back() += "," + std::to_string(launcher) + "," + std::to_string(root_lock);
     the_end.program = OwnProgram();
     // A package manager may have replaced the file, or may be about to.
     std::error_code error;
@@ -119,9 +120,11 @@ struct Target {
   RootLock lock{};  // of the run's root
 };
 
-std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
+// `lock`: of the root, if this process holds it.
+std::optional<Target> ChooseTarget(const UpOptions& options, RootLock lock, Console& console) {
   if (std::filesystem::is_directory(options.file)) {
-    auto chosen = ChooseSlot(options.file, options.takeover, options.resume.has_value(), console);
+    auto chosen = ChooseSlot(options.file, options.takeover, options.resume.has_value(),
+                             std::move(lock), console);
     if (!chosen) return std::nullopt;
     return Target{std::move(chosen->config), std::move(chosen->run), std::move(chosen->lock)};
   }
@@ -190,7 +193,8 @@ namespace {
          options.resume || options.restarted});
     the_end.exit_code = process.Run();
     if (process.StartsAgain()) {
-      reexec.Prepare(process.launcher());
+      // Another start that took the lock while the program is loaded would change the choice.
+      reexec.Prepare(process.launcher(), target.lock.KeepForExec());
       fcntl(kept.get(), F_SETFD, 0);  // here: it is executed from a signal where DDS does not end
     } else {
       target.lock = {};  // the machine is stopped, while this process leaves the domain
@@ -225,15 +229,21 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   // If the reader of the output exits, as in `| head -2`, this process and the controller continue.
   // The processes that the controller starts get the default action of all signals.
   std::signal(SIGPIPE, SIG_IGN);
-  auto target = ChooseTarget(options, console);
+  RootLock lock;
+  if (options.resume && options.resume->root_lock >= 0) {
+    const std::string root = std::filesystem::canonical(options.file);
+    if (auto kept = lock.Resume(root, options.resume->root_lock); !kept) {
+      console.PrintError(kept.error().message);
+    }
+  }
+  auto target = ChooseTarget(options, std::move(lock), console);
   if (!target) return ExitCode::kUsage;
   auto good = CheckTarget(*target, options, global, console);
   if (!good && target->run && target->run->on_trial_boot && EndTrialBoot(*target->run, good)) {
     const std::string reason =
         "version " + target->run->version + " abandoned: " + good.error().message;
     console.PrintError(reason);
-    target.reset();  // releases its lock
-    target = ChooseTarget(options, console);
+    target = ChooseTarget(options, std::move(target->lock), console);
     if (!target) return ExitCode::kUsage;
     if (target->run) target->run->reason = reason;
     good = CheckTarget(*target, options, global, console);
@@ -289,9 +299,10 @@ void AddUp(Grammar& grammar) {
   app.add_option_function<std::vector<int>>(
          "--resume",
          [&resume = options.resume](const std::vector<int>& values) {
-           resume = UpOptions::Resume{values.at(0), values.at(1)};
+           resume =
+               UpOptions::Resume{values.at(0), values.at(1), values.size() > 2 ? values.at(2) : -1};
          })
-      ->expected(2)
+      ->expected(2, 3)
       ->delimiter(',')
       ->group("");
 }

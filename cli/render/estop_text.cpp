@@ -80,6 +80,17 @@ std::string EstopError(const EstopReport& report) {
   return error;
 }
 
+std::string StopsToRelease(const msg::MachineStatus& shown) {
+  const msg::MachineStatus machine = Printable(shown);
+  std::string text = "releasing the emergency stop" +
+                     Signed(machine.emergency_stop_by, machine.emergency_stop_reason);
+  const std::vector<std::string>& ids = machine.stop_ids;
+  if (ids.size() > 1) {
+    text += fmt::format(" and {} more (ids {})", ids.size() - 1, fmt::join(ids, ", "));
+  }
+  return text + '\n';
+}
+
 std::string ReleaseText(const msg::MachineStatus& shown, bool colour) {
   const msg::MachineStatus machine = Printable(shown);
   return "emergency stop released; states are unchanged\n" + machine.machine + " is in " +

@@ -226,11 +226,13 @@ std::string EstopJson(const EstopReport& report) {
                    {"actuators", actuators}});
 }
 
-std::string ReleaseJson(const msg::MachineStatus& machine) {
+std::string ReleaseJson(const msg::MachineStatus& machine,
+                        const std::vector<std::string>& released) {
   return JsonLine({{"engaged", machine.emergency_stop},
                    {"machine", machine.machine},
                    {"state", Known(machine.state)},
-                   {"phase", machine.phase}});
+                   {"phase", machine.phase},
+                   {"released", released}});
 }
 
 std::string PolicyJson(const msg::RequestPolicy::Request& request,

@@ -49,7 +49,9 @@ std::string RunningJson(const Failure& failure,
 std::string EndingJson(const std::vector<Ending::Outcome>& outcomes);
 std::string SwitchJson(const msg::SetState::Response& result);
 std::string EstopJson(const EstopReport& report);
-std::string ReleaseJson(const msg::MachineStatus& machine);
+// `released`: the ids of the stops that the release has covered.
+std::string ReleaseJson(const msg::MachineStatus& machine,
+                        const std::vector<std::string>& released = {});
 std::string PolicyJson(const msg::RequestPolicy::Request& request,
                        const msg::RequestPolicy::Response& response);
 std::string RestartJson(const msg::ActuatorInfo& actuator);

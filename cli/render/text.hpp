@@ -48,6 +48,8 @@ std::string SwitchError(const msg::SetState::Response& result);
 std::string EstopText(const EstopReport& report, bool colour);
 // The actuators that have not stopped, as one sentence.
 std::string EstopError(const EstopReport& report);
+// The stops that a release is about to cover.
+std::string StopsToRelease(const msg::MachineStatus& machine);
 // The machine's state after the release of an emergency stop.
 std::string ReleaseText(const msg::MachineStatus& machine, bool colour);
 std::string RestartText(const msg::ActuatorInfo& actuator, bool colour);

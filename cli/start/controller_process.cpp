@@ -61,8 +61,11 @@ int ControllerProcess::Run() {
   PutOwnFolderFirstInPath();
   if (run_) PutSlotFirstInPath(*run_);
   if (const auto begun = Begin(); !begun) {
-    // A version on trial boot that cannot be started is abandoned for the previous one.
-    start_again_ = run_ && run_->on_trial_boot && EndTrialBoot(*run_, begun.error());
+    // A version on trial boot that cannot be started is abandoned for the previous one. That
+    // another controller of the machine leads says nothing of the version.
+    const bool is_led = begun.error().code == kCodeTargetBusy;
+    if (is_led) PostponeTrial();
+    start_again_ = run_ && run_->on_trial_boot && !is_led && EndTrialBoot(*run_, begun.error());
     if (start_again_)
       OnTrouble("version " + run_->version + " abandoned: " + begun.error().message);
     if (start_again_) return static_cast<int>(ExitCode::kUsage);
@@ -95,8 +98,6 @@ Result<> ControllerProcess::Begin() {
   auto controller = Controller::Make(*node_, domain_id.value(), config_, Options());
   if (!controller) return controller.error();
   controller_ = std::move(controller).value();
-  // Not before: what runs from the other slot may belong to a controller that leads.
-  if (run_) EndOtherSlot(*run_);
   controller_->AdoptOrphans();
   children_watch_ = loop_.WhenReadable(children_.get(), [this] {
     if (NextSignal(children_) != 0) controller_->ReapOrphans();
@@ -135,6 +136,12 @@ void ControllerProcess::BeginRun() {
   if (start_up_ && !start_up_->usable) trial_boot_->Fail({kCodeFailed, start_up_->message});
 }
 
+// This start has not begun it: the next one does.
+void ControllerProcess::PostponeTrial() {
+  if (!run_ || !run_->on_trial_boot) return;
+  if (auto postponed = PostponeTrialBoot(*run_); !postponed) OnTrouble(postponed.error().message);
+}
+
 void ControllerProcess::OnTrialBootEnd(const Result<>& outcome) {
   const std::string what =
       "version " + run_->version + " in slot " + std::string(ota::SlotName(run_->slot));
@@ -161,7 +168,10 @@ ControllerOptions ControllerProcess::Options() {
   options.adopt = start_.adopt;
   options.restarted = start_.restarted;
   options.supervised = start_.supervised;
-  if (run_) options.started_from = run_->root;
+  if (run_) {
+    options.started_from = run_->root;
+    options.before_begin = [this] { EndOtherSlot(*run_); };
+  }
   options.extensions = {cyberdog::Extension()};
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
@@ -238,6 +248,7 @@ void ControllerProcess::OnFenced(const std::string& message) {
   start_again_ = false;  // the machine is not taken down: another controller leads it
   const bool begun = controller_->shell().machine().phase == Phase::kFenced;
   exit_ = begun ? ExitCode::kNotDone : ExitCode::kUsage;
+  if (!begun) PostponeTrial();
   log_.Write(message, kCodePermissionDenied);
   service_manager_.Fenced(message);
   SendProgress(begun ? Progress::kFenced : Progress::kNotStarted, message, kCodePermissionDenied);

@@ -57,6 +57,7 @@ class ControllerProcess {
  private:
   Result<> Begin();
   void BeginRun();
+  void PostponeTrial();
   void OnTrialBootEnd(const Result<>& outcome);
   void StartAgain(const std::string& why);
   ControllerOptions Options();

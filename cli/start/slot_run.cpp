@@ -32,7 +32,8 @@ constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
 constexpr Duration kRunKillTime = Milliseconds(2000);
 constexpr int kInstallerPollMs = 100;
 constexpr auto kInstallerTime = std::chrono::minutes(10);  // a start waits for an installation
-constexpr const char* kConfigVariable = "MUSHER_CONFIG";   // of an actuator's process
+constexpr Duration kStoppedInstallerTime = std::chrono::seconds(5);  // … one that is stopped
+constexpr const char* kConfigVariable = "MUSHER_CONFIG";             // of an actuator's process
 
 // Slots are replaced by upgrades: the controller's own files must be outside of them.
 std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
@@ -65,23 +66,43 @@ std::optional<ota::Slot> RunningSlot(const ota::Root& root) {
   return std::nullopt;
 }
 
-// Waits for the end of an installation, which is quicker than a person who starts the robot again.
-// A robot's start does not wait for ever: an installer that is stopped writes only into the other
-// slot.
-Result<> TakeRoot(const ota::Root& root, RootLock& lock, bool takeover, Console& console) {
-  const auto until = std::chrono::steady_clock::now() + kInstallerTime;
+// Why the start does not wait for that installer any longer.
+Error InstallerStays(int installer, bool stopped, const std::string& root) {
+  const std::string cure =
+      stopped
+          ? fmt::format("it is stopped: `kill -CONT {0}` continues it, `kill -KILL {0}` ends it",
+                        installer)
+          : fmt::format("it has not ended within {} min: `kill {}` ends it", kInstallerTime.count(),
+                        installer);
+  return {kCodeTargetBusy,
+          fmt::format("not started: process {} installs a version into {}; {}; then start again",
+                      installer, root, cure)};
+}
+
+// Waits for the end of an installation, which is quicker than a person who starts the robot again,
+// and for one that is stopped a moment. Not for ever, and no start goes on beside it: it may yet
+// write into the slot that is started. Nullopt: the machine may start, perhaps without the lock.
+std::optional<Error> TakeRoot(const ota::Root& root, RootLock& lock, bool takeover,
+                              Console& console) {
+  const auto now = [] { return std::chrono::steady_clock::now(); };
+  const auto until = now() + kInstallerTime;
+  std::optional<Time> stopped_since;
   const auto holder = [&root] { return ota::HolderOf(root.RunLock()); };
   for (bool first = true;; first = false) {
-    auto taken = TakeFromKilled([&] { return lock.Take(root.path()); }, holder);
-    if (taken || taken.error().code != kCodeTargetBusy) return taken;
+    const auto taken = TakeFromKilled([&] { return lock.Take(root.path()); }, holder);
+    // A file system that is read-only permits no lock, and no installation.
+    if (taken || taken.error().code != kCodeTargetBusy) return std::nullopt;
     const int installer = holder();
-    if (installer == 0 || installer != ota::HolderOf(root.InstallLock())) return taken;
-    const bool stopped = RunStateOf(installer) == ProcessRunState::kStopped;
-    if (takeover || stopped || std::chrono::steady_clock::now() > until) {
-      console.PrintError(
-          fmt::format("the start does not wait for process {}, which installs", installer));
-      return Ok();
+    if (installer == 0 || installer != ota::HolderOf(root.InstallLock())) {
+      if (takeover) return std::nullopt;
+      return Error{kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}",
+                                                installer, root.path(), HowToReplace(installer))};
     }
+    const bool stopped = RunStateOf(installer) == ProcessRunState::kStopped;
+    if (!stopped) stopped_since.reset();
+    if (stopped && !stopped_since) stopped_since = now();
+    const bool stays = stopped && now() > *stopped_since + kStoppedInstallerTime;
+    if (stays || now() > until) return InstallerStays(installer, stopped, root.path());
     if (first) {
       console.PrintError(fmt::format(
           "process {} installs a version into {}; the start waits for it", installer, root.path()));
@@ -93,7 +114,7 @@ Result<> TakeRoot(const ota::Root& root, RootLock& lock, bool takeover, Console&
 }  // namespace
 
 std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover, bool taken_down,
-                                     Console& console) {
+                                     RootLock lock, Console& console) {
   ota::PosixDisk disk;
   const auto fail = [&](const Error& error) {
     console.Fail(error);
@@ -101,18 +122,15 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
   };
   const auto root = ota::Root::Open(disk, fs::canonical(root_path));
   if (!root) return fail(root.error());
-  const auto holder = [&root] { return ota::HolderOf(root.value().RunLock()); };
-  RootLock lock;
-  const auto taken = TakeRoot(root.value(), lock, takeover, console);
-  if (!taken && taken.error().code == kCodeTargetBusy && !takeover) {
-    return fail(
-        {kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; {}", holder(),
-                                      root.value().path(), HowToReplace(holder()))});
+  if (!lock.held()) {
+    if (const auto busy = TakeRoot(root.value(), lock, takeover, console)) return fail(*busy);
   }
+  // The start that is taken over may be about to begin the trial boot, or be in it.
+  const bool takes_trial = !lock.held() && ota::HolderOf(root.value().RunLock()) != 0;
   auto running = taken_down ? std::nullopt : RunningSlot(root.value());
   std::string abandoned;  // why a version was abandoned
   while (true) {
-    const auto boot = root.value().Boot(running);
+    const auto boot = root.value().Boot(running, takes_trial);
     if (!boot) return fail(boot.error());
     const ota::Boot& b = boot.value();
     ChosenSlot chosen{
@@ -143,6 +161,12 @@ Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome) {
   ota::PosixDisk disk;
   const auto root = ota::Root::Open(disk, run.root);
   return root ? root.value().EndTrialBoot(run.version, outcome) : Result<>(root.error());
+}
+
+Result<> PostponeTrialBoot(const SlotRun& run) {
+  ota::PosixDisk disk;
+  const auto root = ota::Root::Open(disk, run.root);
+  return root ? root.value().PostponeTrialBoot() : Result<>(root.error());
 }
 
 Result<> SaveTakingDown(const SlotRun& run) {
@@ -182,6 +206,21 @@ Result<> RootLock::Take(const std::string& root_path) {
   if (!lock) return lock.error();
   lock_ = std::move(lock).value();
   return Ok();
+}
+
+Result<> RootLock::Resume(const std::string& root_path, int fd) {
+  disk_ = std::make_unique<ota::PosixDisk>();
+  const auto root = ota::Root::Open(*disk_, root_path);
+  if (!root) return root.error();
+  file_ = root.value().RunLock();
+  auto lock = ota::ResumeLock(file_, fd);
+  if (!lock) return lock.error();
+  lock_ = std::move(lock).value();
+  return Ok();
+}
+
+int RootLock::KeepForExec() const {
+  return held() ? lock_->KeepForExec() : -1;
 }
 
 void RootLock::NameThisProcess() const {

@@ -44,7 +44,13 @@ class RootLock {
   // kCodeTargetBusy: another process holds it. After another Error the machine runs without it:
   // `musher ota` then cannot find this machine.
   Result<> Take(const std::string& root);
+  // Continues to hold the lock that this process had when it executed its program again: `fd` of
+  // KeepForExec().
+  Result<> Resume(const std::string& root, int fd);
   bool held() const { return lock_ != nullptr; }
+  // The lock stays held while this process executes a program. Returns the descriptor that holds it
+  // then; -1: it is not held.
+  int KeepForExec() const;
   // After a fork, in the process that keeps it: the file names this process from now on.
   void NameThisProcess() const;
 
@@ -62,15 +68,20 @@ struct ChosenSlot {
 
 // Chooses the slot of a root and saves the choice. A version on trial boot with a faulty config is
 // abandoned for the previous one. Prints the error and returns nullopt if there is no version to
-// start, or if the machine of this root already runs, or is being started, and `takeover` is false.
+// start, or if the machine of this root already runs, or is being started, and `takeover` is false,
+// or beside an installer that does not end.
 //
+// `lock`: of the root, if this process holds it already.
 // `taken_down`: the machine was taken down for this start. Otherwise actuators that run, as after a
 // crash of the controller or in a takeover, decide which slot is started: see ota::DecideBoot().
 std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, bool taken_down,
-                                     Console& console);
+                                     RootLock lock, Console& console);
 
 // Saves the outcome of the trial boot: the version is kept, or why not.
 Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);
+
+// Saves that the version is still to be tried: this start has not begun that.
+Result<> PostponeTrialBoot(const SlotRun& run);
 
 // Saves that this start takes down what runs from the slot: the next one does not try it again.
 Result<> SaveTakingDown(const SlotRun& run);
@@ -80,7 +91,7 @@ void PutSlotFirstInPath(const SlotRun& run);
 
 // Stops the processes that a crashed controller left running from the other slot: otherwise two
 // versions of a module would run. Waits for them, some seconds at most. Only for the controller
-// that leads: they may belong to another one.
+// that leads: they may belong to another one, also of another host.
 void EndOtherSlot(const SlotRun& run);
 
 // The trial boot of a version.

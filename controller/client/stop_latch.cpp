@@ -82,6 +82,10 @@ msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason) {
   return stop;
 }
 
+void HandOverStop(const msg::EmergencyStop& stop, int domain_id, const std::string& name_space) {
+  NameLock::Send(NameLock::NameOf(domain_id, name_space, "musher/controller"), msg::Encode(stop));
+}
+
 StopView ViewFromHere(const StopScope& scope, std::optional<msg::MachineStatus> controller) {
   const std::string names = NameLock::NameOf(scope.domain_id, scope.name_space, "");
   StopView view;

@@ -74,6 +74,11 @@ struct EstopReport {
 inline constexpr std::size_t kLongestStopReason = 256;
 msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason);
 
+// Hands the stop to the controller of this host, which publishes it: long before this process has
+// discovered an actuator where the host is busy. Waits for nothing. Not for a machine with
+// [security], whose credentials it does not check.
+void HandOverStop(const msg::EmergencyStop& stop, int domain_id, const std::string& name_space);
+
 // What the program that engages a stop knows of its machine.
 struct StopView {
   std::optional<msg::MachineStatus> controller = {};  // the controller's last status, if it answers

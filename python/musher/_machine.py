@@ -6,6 +6,7 @@ import datetime
 import errno
 import os
 import select
+import sys
 import threading
 import time
 from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple, TypeVar
@@ -26,6 +27,9 @@ _LOOK_S = 0.1  # between two looks at the processes of this host
 _STOPS_KEPT = 8
 _SHORTEST_ID = 4  # characters of an id that a person gives
 _OTHERS_S = 0.3  # machines of other hosts are found one after the other
+# Its arguments: the folder of the extension, and those of publish_stop().
+_PUBLISHER = ("import sys; sys.path.insert(0, sys.argv[1]); import _native; "
+              "_native.publish_stop(*sys.argv[2:7], int(sys.argv[7]), *sys.argv[8:])")
 _SEARCH_S = 1.0  # for the controller of this host, before a stop goes to each machine
 
 
@@ -230,12 +234,17 @@ class Machine:
         """Engages the emergency stop, with or without a controller. Returns the actuators that have stopped;
         raises musher.Failure if one of them or the controller has not confirmed it in time, or if the machine may have
         more of them. The stop stays engaged in any case, and reaches actuators that join until this machine is
-        closed."""
+        closed. One that not all have confirmed is then published for a minute by a process of its own, however this
+        one ends."""
         end = time.monotonic() + timeout_s
+        engaged = _native.NewStop(by or default_by(), reason)
+        native = self._native()
+        if not self._secured:
+            engaged.hand_over(self.node.namespace, self._domain, self._name)
         meant = self._to_stop()
         mailbox = _native.Mailbox()
-        stop = _native.Stop(self._native(), by or default_by(), reason, mailbox, *meant, self._domain, self._config,
-                            self._name)
+        stop = _native.Stop(native, engaged, mailbox, *meant, self._domain, self._config, self._name)
+        stop.publish_after_end(self._publisher())
         self._stops = [*self._stops[-_STOPS_KEPT + 1:], stop]
         with contextlib.ExitStack() as opened:
             statuses: Optional[_Statuses] = None  # of the machine whose id begins with the given word
@@ -254,7 +263,15 @@ class Machine:
                        f"in {timeout_s} s without a controller not every actuator may have been found")
         if unknown:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but {unknown}")
+        stop.confirm()
         return [name for name, _, _, _ in actuators]
+
+    def _publisher(self) -> List[str]:
+        """The program of the process that goes on to publish a stop. It loads nothing but the extension."""
+        if not sys.executable:
+            return []
+        folder = os.path.dirname(os.path.abspath(_native.__file__))
+        return [sys.executable, "-I", "-c", _PUBLISHER, folder, *self.node._joined_with]
 
     def _await_stop(self, stop: _native.Stop, mailbox: _native.Mailbox, statuses: "Optional[_Statuses]", end: float,
                     others: bool) -> Tuple[bool, bool, List[Tuple[str, bool, float, str]], str]:
@@ -273,12 +290,21 @@ class Machine:
                 return report
             mailbox.pop(min(until - now, _LOOK_S))
 
-    def release_estop(self, by: str = "") -> None:
-        """Releases the emergency stop; changes no state."""
-        reply = self._call("release_emergency_stop", ReleaseEmergencyStop,
-                           ReleaseEmergencyStop.Request(by or default_by()), acts=True)
+    def release_estop(self, by: str = "", seen: Optional[MachineStatus] = None) -> None:
+        """Releases the emergency stops of `seen`, the status that the program, or a person, has decided by; without it,
+        those that are engaged now. Changes no state. Raises musher.Failure, and releases none, if another one has been
+        engaged since."""
+        if seen is None:
+            self._meant(acts=True)  # raises where another machine would answer
+            seen = self.status()
+        request = ReleaseEmergencyStop.Request(by or default_by())
+        # Not empty, which means all stops: one that is engaged after a status without any was not seen.
+        request.seen_stops = list(seen.stop_ids) if seen.emergency_stop else ["0" * 16]
+        reply = self._call("release_emergency_stop", ReleaseEmergencyStop, request, acts=True)
         if reply.code != 0:
             raise Failure(reply.code, reply.reason)
+        for stop in self._stops:
+            stop.confirm()
         self._drop_stops()
 
     def close(self) -> None:
@@ -331,6 +357,8 @@ class Machine:
         id of a name, and to each machine of the namespace where a process hangs the search for the one here."""
         if self._name:
             return self._name, ""
+        if not self._leads_here() and _native.runs_here(self.node.namespace, self._domain):
+            return "", ""  # actuators run here, of any machine
         return _found_within(_SEARCH_S, self._machine_here) or ("", "")
 
     def _machine_here(self) -> Tuple[str, str]:

@@ -276,7 +276,10 @@ class Node:
             namespace = os.environ.get("MUSHER_NAMESPACE", "")
         keys = keys or os.environ.get("MUSHER_KEYS", "")
         identity = identity or os.environ.get("MUSHER_IDENTITY", "operator")
-        native = _native.Node(name, namespace, domain, os.path.abspath(keys) if keys else "", identity, interface)
+        keys = os.path.abspath(keys) if keys else ""
+        native = _native.Node(name, namespace, domain, keys, identity, interface)
+        #: With what another process joins the same domain: the arguments of musher._native.publish_stop().
+        self._joined_with = [namespace, "" if domain is None else str(domain), keys, identity, interface]
         self._start(native, Log(name))
 
     @classmethod

@@ -1,14 +1,18 @@
 #include "musher/python/native/client.hpp"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
 #include "musher/base/host.hpp"
+#include "musher/controller/client/detached_publisher.hpp"
 #include "musher/controller/client/leader_call.hpp"
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/client/switch_client.hpp"
@@ -170,18 +174,54 @@ class MachineSearch {
   std::optional<std::vector<MachineHere>> found_;  // guarded by it
 };
 
-// An emergency stop that is published as long as this exists, unless it is released.
+std::string HexOf(const msg::Bytes& bytes) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (const std::byte byte : bytes) {
+    text += kDigits[std::to_integer<std::size_t>(byte >> 4U)];
+    text += kDigits[std::to_integer<std::size_t>(byte & std::byte{15})];
+  }
+  return text;
+}
+
+msg::Bytes BytesOf(const std::string& hex) {
+  msg::Bytes bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    bytes.push_back(static_cast<std::byte>(std::stoi(hex.substr(i, 2), nullptr, 16)));
+  }
+  return bytes;
+}
+
+// A stop to engage, before it is known which machine is meant.
+struct NewStop {
+  msg::EmergencyStop message;
+
+  // To the controller of this host, which publishes it.
+  void HandOver(const std::string& name_space, std::optional<int> domain,
+                const std::string& word) const {
+    transport::DdsOptions options;
+    options.domain_id = domain;
+    const auto id = transport::DomainId(options);
+    if (!id) return;
+    msg::EmergencyStop here = message;
+    here.machine = word;
+    HandOverStop(here, id.value(), name_space);
+  }
+};
+
+// An emergency stop that is published as long as this exists, and a minute longer by a process of
+// its own, unless it is released or confirmed.
 class Stop : public OnLoop<EngagedStop> {
  public:
   // An item goes into the mailbox when the report has changed. `config`: the machine's, if the
   // program knows it. `word`: the name that was given, which may be the beginning of an id; may be
   // empty.
-  Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
-       const MailboxPtr& mailbox, const std::string& machine, const std::string& machine_id,
-       std::optional<int> domain, const std::string& config, const std::string& word)
+  Stop(const PyNodePtr& node, const NewStop& begun, const MailboxPtr& mailbox,
+       const std::string& machine, const std::string& machine_id, std::optional<int> domain,
+       const std::string& config, const std::string& word)
       : OnLoop(node,
                [&](transport::Node& on) -> Result<std::unique_ptr<EngagedStop>> {
-                 msg::EmergencyStop stop = NewEmergencyStop(by, reason);
+                 msg::EmergencyStop stop = begun.message;
                  stop.machine = machine;
                  stop.machine_id = machine_id;
                  const auto on_change = [mailbox] { mailbox->PushLatest({}); };
@@ -198,7 +238,10 @@ class Stop : public OnLoop<EngagedStop> {
                  engaged->Follow({machine, machine_id});
                  return engaged;
                }),
+        message_(begun.message),
         word_(word) {
+    message_.machine = machine;
+    message_.machine_id = machine_id;
     transport::DdsOptions options;
     options.domain_id = domain;
     const auto id = transport::DomainId(options);
@@ -241,6 +284,21 @@ class Stop : public OnLoop<EngagedStop> {
     return {over, report.controller, std::move(actuators), report.unknown};
   }
   bool Searches() const { return search_ != nullptr; }
+  // From now on another process publishes the stop for a minute once this object or this process
+  // has ended. `program`: calls publish_stop(); it gets the stop as its last arguments.
+  void PublishAfterEnd(std::vector<std::string> program) {
+    program.insert(program.end(), {std::to_string(getpid()), word_, HexOf(msg::Encode(message_))});
+    publisher_.emplace(program);
+  }
+  // Every actuator has confirmed it, or it is released.
+  void Confirm() {
+    if (publisher_) publisher_->Cancel();
+  }
+  pid_t PublisherPid() const { return publisher_ ? publisher_->pid() : 0; }
+  void Close() {
+    OnLoop::Close();
+    publisher_.reset();
+  }
   // The controller of this machine confirms it, where only the beginning of its id was given.
   void Follow(const std::string& machine, const std::string& machine_id) {
     Run([&](EngagedStop& stop) { stop.Follow({machine, machine_id}); });
@@ -257,10 +315,38 @@ class Stop : public OnLoop<EngagedStop> {
     Run([&](EngagedStop& stop) { stop.latch->AddBeginningOfId(word_, by_id); });
   }
 
+  msg::EmergencyStop message_;  // as it is published
   const std::string word_;
+  std::optional<DetachedPublisher> publisher_;
   StopScope scope_;
   std::shared_ptr<MachineSearch> search_;  // null: it has ended
 };
+
+// For the program of a DetachedPublisher. `engaged`: what Stop::PublishAfterEnd() has added to it.
+void PublishStop(const std::string& name_space, const std::string& domain, const std::string& keys,
+                 const std::string& identity, const std::string& interface, pid_t parent,
+                 const std::string& word, const std::string& engaged) {
+  const auto stop = msg::Decode<msg::EmergencyStop>(BytesOf(engaged));
+  if (!stop) throw py::value_error("no stop: " + engaged);
+  const auto publish = [&] {
+    const auto id = domain.empty() ? std::nullopt : std::optional(std::stoi(domain));
+    const PyNodePtr node = MakeNode("", name_space, id, keys, identity, interface);
+    OnLoop<StopLatch> latch(node, [&](transport::Node& on) {
+      auto begun = StopLatch::Begin(on, name_space, stop.value(), !keys.empty());
+      if (begun && !word.empty()) begun.value()->AddBeginningOfId(word);
+      return begun;
+    });
+    constexpr Duration kLook = Milliseconds(100);
+    bool released = false;
+    for (Duration left = DetachedPublisher::kKeptPublished; left > Duration{} && !released;
+         left -= kLook) {
+      latch.Run([&](StopLatch& published) { released = published.withdrawn(); });
+      WithoutGil([&] { node->thread->WaitFor(kLook); });
+    }
+    _exit(0);  // DDS waits for ever to leave a network that is lost
+  };
+  DetachedPublisher::PublishWhenAsked(STDIN_FILENO, parent, std::nullopt, publish);
+}
 
 // (namespace, name) of a valid config.
 std::pair<std::string, std::string> ReadMachine(const std::string& file) {
@@ -352,10 +438,19 @@ void AddClient(py::module_& native) {
                     const MailboxPtr&, const std::string&, const std::string&>())
       .def("found", &Restart::Found)
       .def("close", &Restart::Close);
+  native.def("publish_stop", &PublishStop);
+  py::class_<NewStop>(native, "NewStop")
+      .def(py::init([](const std::string& by, const std::string& reason) {
+        return NewStop{NewEmergencyStop(by, reason)};
+      }))
+      .def("hand_over", &NewStop::HandOver);
   py::class_<Stop>(native, "Stop")
-      .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
-                    const std::string&, const std::string&, std::optional<int>, const std::string&,
+      .def(py::init<const PyNodePtr&, const NewStop&, const MailboxPtr&, const std::string&,
+                    const std::string&, std::optional<int>, const std::string&,
                     const std::string&>())
+      .def("publish_after_end", &Stop::PublishAfterEnd)
+      .def("publisher_pid", &Stop::PublisherPid)
+      .def("confirm", &Stop::Confirm)
       .def("report", &Stop::Report)
       .def("follow", &Stop::Follow)
       .def("searches", &Stop::Searches)

@@ -19,31 +19,6 @@ Qos QosOf(bool reliable, bool latched, int depth) {
   return qos;
 }
 
-PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
-                   std::optional<int> domain, const std::string& keys, const std::string& identity,
-                   const std::string& interface) {
-  transport::DdsOptions options;
-  options.domain_id = domain;
-  options.discovery = transport::DiscoveryTiming::kAtOnce;
-  options.node_name = name;
-  options.name_space = name_space;
-  options.hidden = name.empty();
-  if (!interface.empty()) {
-    const auto profile = transport::Profile({});
-    if (profile && profile.value() != TransportProfile::kLan) {
-      Raise("Failure", {kCodeParametersInvalid, "interface " + interface +
-                                                    " has no effect: the profile is local; set "
-                                                    "MUSHER_TRANSPORT=lan"});
-    }
-    options.interfaces = {interface};
-    options.own_networks_only = true;
-  }
-  if (!keys.empty()) options.credentials = transport::Credentials{keys, identity};
-  auto thread = WithoutGil([&] { return transport::NodeThread::Start(options); });
-  if (!thread) Raise("Failure", thread.error());
-  return std::make_shared<PyNode>(PyNode{std::move(thread).value(), name_space});
-}
-
 MailboxPtr MakeMailbox() {
   try {
     return std::make_shared<Mailbox>();
@@ -119,6 +94,31 @@ class Reader : public OnLoop<transport::RawReader> {
 };
 
 }  // namespace
+
+PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
+                   std::optional<int> domain, const std::string& keys, const std::string& identity,
+                   const std::string& interface) {
+  transport::DdsOptions options;
+  options.domain_id = domain;
+  options.discovery = transport::DiscoveryTiming::kAtOnce;
+  options.node_name = name;
+  options.name_space = name_space;
+  options.hidden = name.empty();
+  if (!interface.empty()) {
+    const auto profile = transport::Profile({});
+    if (profile && profile.value() != TransportProfile::kLan) {
+      Raise("Failure", {kCodeParametersInvalid, "interface " + interface +
+                                                    " has no effect: the profile is local; set "
+                                                    "MUSHER_TRANSPORT=lan"});
+    }
+    options.interfaces = {interface};
+    options.own_networks_only = true;
+  }
+  if (!keys.empty()) options.credentials = transport::Credentials{keys, identity};
+  auto thread = WithoutGil([&] { return transport::NodeThread::Start(options); });
+  if (!thread) Raise("Failure", thread.error());
+  return std::make_shared<PyNode>(PyNode{std::move(thread).value(), name_space});
+}
 
 msg::Bytes WithEnvelope(const msg::RequestId& id, std::span<const std::byte> message) {
   // The id has 16 bytes, so that what follows stays aligned.

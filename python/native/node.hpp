@@ -4,6 +4,7 @@
 // Threads: with the GIL, which is released while the loop works.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -23,6 +24,11 @@ struct PyNode {
 };
 using PyNodePtr = std::shared_ptr<PyNode>;
 using MailboxPtr = std::shared_ptr<Mailbox>;
+
+// With the arguments of musher.Node. Raises musher.Failure.
+PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
+                   std::optional<int> domain, const std::string& keys, const std::string& identity,
+                   const std::string& interface);
 
 // An object of the transport that is made, used and dropped on the loop.
 template <class T>

@@ -28,8 +28,9 @@ TEST(Json, HasTheStatusOfAMachine) {
 
 TEST(Json, HasAnEmergencyStopAndItsRelease) {
   msg::MachineStatus status = RobotStatus();
-  EXPECT_EQ(ReleaseJson(status),
-            R"({"engaged":false,"machine":"dog","state":"Active","phase":"running"})");
+  EXPECT_EQ(
+      ReleaseJson(status, {"00000000000000a1"}),
+      R"({"engaged":false,"machine":"dog","state":"Active","phase":"running","released":["00000000000000a1"]})");
   status.emergency_stop = true;
   status.emergency_stop_by = "alice";
   status.emergency_stop_reason = "smoke";

@@ -23,6 +23,7 @@
 namespace musher::cli::machine_choice_test {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -237,6 +238,10 @@ TEST_F(AMachine, IsWaitedForWhileOnlyItsActuatorsRunAndAnotherOneAnswers) {
 // It has answered the request, and not what followed: that was reported as no answer.
 TEST_F(AMachine, WhoseStopIsReleasedIsReportedSoThoughItsStatusIsNotKnown) {
   FakeController cat(name_space_, "cat", kCat, "Active");
+  std::atomic<bool> answered = false;
+  cat.Serve<msg::GetStatus>("get_status", [&answered](const auto&, const auto& reply) {
+    if (!answered.exchange(true)) reply({});
+  });
   cat.Serve<msg::ReleaseEmergencyStop>("release_emergency_stop",
                                        [](const auto&, const auto& reply) { reply({}); });
   const Ran ran = Command({"estop", "--release", "--timeout", "2"});
@@ -245,6 +250,45 @@ TEST_F(AMachine, WhoseStopIsReleasedIsReportedSoThoughItsStatusIsNotKnown) {
       ran.err,
       HasSubstr("the emergency stop is released, but the machine's status is not known: the "
                 "controller of cat (pid 7) did not answer within 2 s"));
+}
+
+// A stop that another person had just engaged was released, too.
+TEST_F(AMachine, IsReleasedFromTheStopsThatTheOutputHasShown) {
+  FakeController cat(name_space_, "cat", kCat, "Active");
+  cat.Serve<msg::GetStatus>("get_status", [](const auto&, const auto& reply) {
+    msg::GetStatus::Response now;
+    now.status.machine = "cat";
+    now.status.emergency_stop = true;
+    now.status.emergency_stop_by = "anna";
+    now.status.emergency_stop_reason = "smoke";
+    now.status.stop_ids = {"00000000000000a1", "00000000000000b2"};
+    reply(now);
+  });
+  std::vector<std::string> seen;
+  cat.Serve<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                       [&seen](const auto& request, const auto& reply) {
+                                         seen = request.seen_stops;
+                                         reply({});
+                                       });
+  const Ran ran = Command({"estop", "--release", "--timeout", "5"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("releasing the emergency stop by anna: smoke and 1 more (ids "
+                                 "00000000000000a1, 00000000000000b2)\n"));
+  EXPECT_THAT(seen, ElementsAre("00000000000000a1", "00000000000000b2"));
+}
+
+TEST_F(AMachine, WhoseStopsAreNotKnownIsNotReleased) {
+  FakeController cat(name_space_, "cat", kCat, "Active");
+  std::atomic<int> released = 0;
+  cat.Serve<msg::ReleaseEmergencyStop>("release_emergency_stop",
+                                       [&released](const auto&, const auto& reply) {
+                                         ++released;
+                                         reply({});
+                                       });
+  const Ran ran = Command({"estop", "--release", "--timeout", "2"});
+  EXPECT_EQ(ran.exit, 4) << ran.out;
+  EXPECT_THAT(ran.err, HasSubstr("not released, because the engaged stops are not known: "));
+  EXPECT_EQ(released, 0);
 }
 
 TEST_F(AMachine, WhoseActuatorIsRestartedIsReportedSoThoughItsStatusIsNotKnown) {

@@ -1,8 +1,10 @@
 """The client of docs/python.md; the commands of that page are typed by test/docs."""
 
+import contextlib
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -16,6 +18,7 @@ from robot import DEADLINE_S, SOURCE  # also sets the domain
 import musher  # noqa: E402
 from musher import _machine  # noqa: E402
 from musher.musher_msgs.msg import ActuatorInfo, ActuatorStatus, EmergencyStop, MachineStatus  # noqa: E402
+from musher.musher_msgs.srv import ReleaseEmergencyStop  # noqa: E402
 
 DOG = "d0900000-0000-4000-8000-000000000002"
 SECOND_DOG = "d0910000-0000-4000-8000-000000000003"
@@ -91,6 +94,11 @@ class Choice(unittest.TestCase):
     """Machines of other hosts, which publish their statuses."""
 
     NAMESPACE = "python_choice"
+
+    def setUp(self):
+        patch = mock.patch.object(musher.Machine, "_publisher", lambda _: [])  # the tests share a namespace
+        patch.start()
+        self.addCleanup(patch.stop)
 
     def publish(self, machine, machine_id, **more):
         node = musher.Node(namespace=self.NAMESPACE)
@@ -332,25 +340,136 @@ sys.stdin.read()
 """
 
 
+# Stops dog in a namespace, prints the process that goes on to publish it, and ends as its input says.
+STOP_DOG = """import sys
+import musher
+machine = musher.Machine(namespace=sys.argv[1], machine="dog")
+try:
+    machine.estop("smoke", timeout_s=0.1)
+except musher.Failure:
+    print(machine._stops[-1].publisher_pid(), flush=True)
+sys.stdin.readline()
+machine.close()
+"""
+
+
+class StopsOfEndedPrograms(unittest.TestCase):
+    """A stop that not all have confirmed is published for a minute after the end of its program."""
+
+    def stop_dog(self, namespace):
+        program = subprocess.Popen([sys.executable, "-c", STOP_DOG, namespace], text=True, stdin=subprocess.PIPE,
+                                   stdout=subprocess.PIPE)
+        self.addCleanup(program.communicate)
+        self.addCleanup(program.kill)
+        publisher = int(program.stdout.readline())
+        self.assertNotEqual(publisher, 0)
+        self.addCleanup(self.end, publisher)
+        return program, publisher
+
+    def end(self, pid):
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+
+    def stop_in(self, namespace):
+        """The stop that a participant receives which begins now."""
+        with contextlib.closing(musher.Node(namespace=namespace)) as node:
+            return node.subscribe("musher/emergency_stop", EmergencyStop, latched=True).take(DEADLINE_S)
+
+    def test_one_whose_program_was_killed_is_published(self):
+        program, _ = self.stop_dog("python_killed")
+        program.kill()
+        program.wait(DEADLINE_S)
+        stop = self.stop_in("python_killed")
+        self.assertEqual((stop.machine, stop.reason), ("dog", "smoke"))
+
+    def test_one_whose_program_has_ended_is_published(self):
+        program, _ = self.stop_dog("python_ended")
+        program.communicate("\n", DEADLINE_S)
+        self.assertEqual(self.stop_in("python_ended").reason, "smoke")
+
+    def test_one_that_is_confirmed_is_not(self):
+        namespace = "python_confirmed"
+        node = musher.Node(namespace=namespace)
+        self.addCleanup(node.close)
+        legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
+        node.publisher("musher/machine_status", MachineStatus, latched=True).publish(
+            MachineStatus(machine="dog", machine_id=DOG, name_space=namespace, host="another boot/1", pid=7,
+                          phase="running", state="Active", actuators=[legs], emergency_stop=True,
+                          emergency_stop_by="anna"))
+        node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
+            ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=DOG))
+        with musher.Machine(namespace=namespace, machine="dog") as dog:
+            self.assertEqual(dog.estop("smoke", timeout_s=DEADLINE_S), ["legs"])
+            self.assertEqual(dog._stops[-1].publisher_pid(), 0)
+
+    # The search for the machine may take a second, and each second counts.
+    def test_the_controller_of_this_host_has_it_before_the_machine_is_searched_for(self):
+        namespace = "python_handed_over"
+        searched = threading.Event()
+        controller = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.addCleanup(controller.close)
+        controller.bind(f"\0musher/{os.environ['ROS_DOMAIN_ID']}/{namespace}/musher/controller")
+        controller.settimeout(DEADLINE_S)
+        no_process = mock.patch.object(musher.Machine, "_publisher", lambda _: [])
+        hangs = mock.patch.object(_machine._native, "machine_here",
+                                  lambda *_: searched.wait(DEADLINE_S) and ("", ""))
+        with no_process, hangs, mock.patch.object(_machine, "_SEARCH_S", 2 * DEADLINE_S):
+            with musher.Machine(namespace=namespace) as machine:
+                def stop():
+                    with contextlib.suppress(musher.Failure):
+                        machine.estop("smoke", timeout_s=0.1)
+
+                stopping = threading.Thread(target=stop)
+                stopping.start()
+                self.assertIn(b"smoke", controller.recv(4096))
+                searched.set()
+                stopping.join(DEADLINE_S)
+
+
 class Stops(unittest.TestCase):
     """What has to be confirmed before an emergency stop is reported as done."""
 
     NAMESPACE = "python_stops"
+
+    def setUp(self):
+        patch = mock.patch.object(musher.Machine, "_publisher", lambda _: [])  # the tests share a namespace
+        patch.start()
+        self.addCleanup(patch.stop)
 
     def node(self):
         node = musher.Node(namespace=self.NAMESPACE)
         self.addCleanup(node.close)
         return node
 
-    def publish(self, node, machine_id, latched, host="another boot/1", pid=7):
+    def publish(self, node, machine_id, latched, host="another boot/1", pid=7, stop_ids=()):
         """The statuses of dog's controller and of its only actuator, which is stopped."""
         legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
         status = MachineStatus(machine="dog", machine_id=machine_id, name_space=self.NAMESPACE, host=host, pid=pid,
                                phase="running", state="Active", actuators=[legs], emergency_stop=latched,
-                               emergency_stop_by="anna" if latched else "")
+                               emergency_stop_by="anna" if latched else "", stop_ids=list(stop_ids))
         node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
         node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
             ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=machine_id))
+        return status
+
+    # A stop that another person had just engaged was released, too.
+    def test_a_release_covers_the_stops_that_were_seen(self):
+        node = self.node()
+        before = self.publish(node, DOG, latched=True, stop_ids=["00000000000000a1"])
+        released = []
+
+        def release(request):
+            released.append(list(request.seen_stops))
+            return ReleaseEmergencyStop.Response()
+
+        node.serve("musher/release_emergency_stop", ReleaseEmergencyStop, release)
+        dog = self.dog()
+        dog.release_estop()
+        self.publish(self.node(), DOG, latched=True, stop_ids=["00000000000000a1", "00000000000000b2"])
+        dog.release_estop(seen=before)
+        before.emergency_stop, before.stop_ids = False, []
+        dog.release_estop(seen=before)
+        self.assertEqual(released, [["00000000000000a1"], ["00000000000000a1"], ["0" * 16]])
 
     def dog(self):
         machine = musher.Machine(namespace=self.NAMESPACE, machine="dog")

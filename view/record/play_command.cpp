@@ -1,6 +1,11 @@
 // musher-record play: publishes what a file has.
 
+#include <filesystem>
 #include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "musher/base/host.hpp"
@@ -44,22 +49,40 @@ Result<std::unique_ptr<McapSource>> OpenSource(const PlayCommandOptions& options
 }
 
 constexpr Duration kFindRobots = std::chrono::seconds(1);  // before anything is published
+constexpr Duration kNameWithin = Milliseconds(300);        // from a reader to the name of its node
 
-// Looks for a robot in the domain as long as it exists: its processes would obey what is played.
+bool IsViewerOfMusher(const transport::PeerInfo& peer) {
+  if (peer.pid == 0 || peer.host != HostName()) return false;
+  std::error_code error;
+  const auto program =
+      std::filesystem::read_symlink("/proc/" + std::to_string(peer.pid) + "/exe", error).filename();
+  return program == "musher" || program == "musher-view" || program == "musher-record";
+}
+
+// Looks for a robot in the domain as long as it exists: its processes would obey what is played. It
+// may have no controller: a driver that reads a recorded command moves by it, too.
 class RobotSearch {
  public:
-  // `on_found` runs once, on the loop.
+  explicit RobotSearch(transport::Node& node) : node_(node) {}
+
+  // `commands`: the played ones, as DDS names them: "rt/cmd_vel". `on_found` runs once, on the
+  // loop.
   static Result<std::unique_ptr<RobotSearch>> Begin(transport::Node& node, int domain_id,
+                                                    std::set<std::string> commands,
                                                     std::function<void(const Error&)> on_found) {
-    auto search = std::make_unique<RobotSearch>();
+    auto search = std::make_unique<RobotSearch>(node);
+    search->commands_ = std::move(commands);
     search->on_found_ = std::move(on_found);
     auto watch = transport::WatchTopics(
         node,
         [self = search.get()](const transport::DiscoveredEndpoint& endpoint) {
-          if (!endpoint.writer || !IsReportOfRobot(endpoint.type)) return;
-          self->Found("publishes " + RosTopic(endpoint.topic));
+          if (endpoint.writer && IsReportOfRobot(endpoint.type)) {
+            self->Found("publishes " + RosTopic(endpoint.topic));
+          } else if (!endpoint.writer && self->commands_.contains(endpoint.topic)) {
+            self->OnReader(endpoint);
+          }
         },
-        [](transport::EndpointId) {});
+        [self = search.get()](transport::EndpointId id) { self->readers_.erase(id); });
     if (!watch) return watch.error();
     search->watch_ = std::move(watch).value();
     if (NameLock::IsHeldInDomain(domain_id, "/musher/controller")) {
@@ -69,6 +92,36 @@ class RobotSearch {
   }
 
  private:
+  // The name of its node is discovered after it.
+  void OnReader(const transport::DiscoveredEndpoint& endpoint) {
+    transport::EventLoop& loop = node_.loop();
+    readers_[endpoint.id] =
+        loop.At(loop.Now() + kNameWithin,
+                [this, id = endpoint.id, reader = endpoint.participant,
+                 topic = RosTopic(endpoint.topic)] { OnNamedReader(id, reader, topic); });
+  }
+  // Tools that show or record what they read move nothing.
+  void OnNamedReader(transport::EndpointId id, transport::ParticipantId reader,
+                     const std::string& topic) {
+    if (!readers_.contains(id)) return;
+    std::string name = node_.RosNodeOf(reader);
+    for (const transport::PeerInfo& peer : node_.Peers()) {
+      if (peer.id != reader || !name.empty()) continue;
+      if (IsViewerOfMusher(peer)) return;
+      name = peer.name;
+      if (name.empty() && peer.pid != 0) {
+        name =
+            "process " + std::to_string(peer.pid) + (peer.host.empty() ? "" : " of " + peer.host);
+      }
+    }
+    if (IsViewer(name) || std::exchange(found_, true)) return;
+    on_found_({kCodeStateInvalid,
+               (name.empty() ? "a process" : name) + " reads " + topic +
+                   ", and may move by what is played: play in another domain (--domain N), "
+                   "without it (--exclude " +
+                   topic + "), under another name (--remap " + topic + ":=/played" + topic +
+                   "), or with --beside-a-robot"});
+  }
   void Found(const std::string& what) {
     if (std::exchange(found_, true)) return;
     on_found_({kCodeStateInvalid,
@@ -77,8 +130,11 @@ class RobotSearch {
                    "play in another domain (--domain N), or with --beside-a-robot"});
   }
 
+  transport::Node& node_;
+  std::set<std::string> commands_;
   bool found_ = false;
   std::function<void(const Error&)> on_found_;
+  std::map<transport::EndpointId, transport::LoopHandlePtr> readers_;  // of commands
   std::unique_ptr<transport::TopicWatch> watch_;
 };
 
@@ -108,10 +164,16 @@ int RunPlay(const PlayCommandOptions& options) {
   if (!options.beside_a_robot) {
     const auto domain = transport::DomainId({.domain_id = options.where.domain});
     if (!domain) return Fail(domain.error());
-    auto begun = RobotSearch::Begin(*node.value(), domain.value(), [&](const Error& robot) {
-      exit = Fail(robot, 1);
-      loop.Stop();
-    });
+    std::set<std::string> commands;
+    for (const PlayedChannel& channel : source.value()->channels()) {
+      const std::string name = play.remapping.NameOf(channel.topic);
+      if (IsCommand(name, channel.type)) commands.insert("rt" + name);
+    }
+    auto begun = RobotSearch::Begin(*node.value(), domain.value(), std::move(commands),
+                                    [&](const Error& robot) {
+                                      exit = Fail(robot, 1);
+                                      loop.Stop();
+                                    });
     if (!begun) return Fail(begun.error());
     search = std::move(begun).value();
     loop.RunUntil([&] { return exit != 0; }, loop.Now() + kFindRobots);

@@ -85,6 +85,38 @@ bool IsOfMachine(std::string_view topic, std::string_view type) {
          type.starts_with("musher_msgs/msg/EmergencyStop");
 }
 
+bool IsCommand(std::string_view topic, std::string_view type) {
+  constexpr std::string_view kTypes[] = {
+      "geometry_msgs::msg::dds_::Twist_",
+      "geometry_msgs::msg::dds_::TwistStamped_",
+      "ackermann_msgs::msg::dds_::AckermannDrive_",
+      "ackermann_msgs::msg::dds_::AckermannDriveStamped_",
+      "trajectory_msgs::msg::dds_::JointTrajectory_",
+      "trajectory_msgs::msg::dds_::MultiDOFJointTrajectory_",
+      "control_msgs::msg::dds_::JointJog_",
+      "actuator_msgs::msg::dds_::Actuators_",
+      "mavros_msgs::msg::dds_::PositionTarget_",
+      "mavros_msgs::msg::dds_::AttitudeTarget_",
+      "mavros_msgs::msg::dds_::OverrideRCIn_",
+      "protocol::msg::dds_::MotionServoCmd_",
+  };
+  if (std::ranges::find(kTypes, type) != std::end(kTypes)) return true;
+  const std::string_view name = topic.substr(topic.rfind('/') + 1);
+  constexpr std::string_view kNames[] = {"cmd", "command", "commands", "joint_trajectory",
+                                         "goal_pose"};
+  constexpr std::string_view kEnds[] = {"_cmd", "_command", "_commands"};
+  return name.starts_with("cmd_") || std::ranges::find(kNames, name) != std::end(kNames) ||
+         std::ranges::any_of(kEnds, [&](std::string_view end) { return name.ends_with(end); });
+}
+
+bool IsViewer(std::string_view node) {
+  const std::string_view name = node.substr(node.rfind('/') + 1);
+  constexpr std::string_view kBegins[] = {"rviz", "rqt", "foxglove_bridge", "plotjuggler",
+                                          "rosbag2_recorder"};
+  return std::ranges::any_of(kBegins,
+                             [&](std::string_view begin) { return name.starts_with(begin); });
+}
+
 bool IsReportOfRobot(std::string_view type) {
   return type == msg::MachineStatus::kTypeName || type == msg::ActuatorStatus::kTypeName;
 }

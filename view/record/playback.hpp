@@ -48,6 +48,14 @@ class Remapping {
 // actuators. Published again only on request.
 bool IsOfMachine(std::string_view topic, std::string_view type);
 
+// Whether what reads the topic may move something by it, by its type
+// ("geometry_msgs::msg::dds_::Twist_") or the last part of its name: velocities, servo commands,
+// trajectories, goals. Measurements, pictures and transforms are only looked at.
+bool IsCommand(std::string_view topic, std::string_view type);
+
+// Whether a ROS 2 node of that name ("/rviz2") is a tool that shows or records what it reads.
+bool IsViewer(std::string_view node);
+
 // Whether a writer of this type ("musher_msgs::msg::dds_::MachineStatus_") belongs to a robot that
 // runs: to a controller or an actuator.
 bool IsReportOfRobot(std::string_view type);

@@ -4,10 +4,15 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/controller/storage/state_store.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/ota/install.hpp"
 #include "musher/ota/posix_disk.hpp"
 #include "musher/test/integration/ota/root.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/wait.hpp"
+#include "musher/transport/dds/node_thread.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::kill_test {
 
@@ -57,6 +62,36 @@ class Killed : public RobotWithUpgrades {
  private:
   ota::PosixDisk disk_;
   std::optional<ota::Root> opened_;
+};
+
+// A controller of another host that leads the machine, as far as other controllers see it.
+class FarController {
+ public:
+  explicit FarController(const std::string& name_space) {
+    thread_->RunOnLoop([&] {
+      heartbeats_ = transport::MakePublisher<msg::ControllerHeartbeat>(
+                        thread_->node(), transport::ControllerHeartbeatTopic(name_space),
+                        transport::kLatchedQos)
+                        .value();
+      msg::ControllerHeartbeat heartbeat;
+      heartbeat.machine = "dog";
+      heartbeat.epoch = 9;
+      heartbeat.host = "another boot/1";
+      heartbeat.pid = 7;
+      heartbeat.participant = thread_->node().participant().value();
+      heartbeat.period_ns = Duration(std::chrono::seconds(60)).count();
+      EXPECT_TRUE(heartbeats_->Publish(heartbeat));
+    });
+  }
+  ~FarController() {
+    thread_->RunOnLoop([this] { heartbeats_ = nullptr; });
+  }
+  FarController(const FarController&) = delete;
+  FarController& operator=(const FarController&) = delete;
+
+ private:
+  const std::shared_ptr<transport::NodeThread> thread_ = transport::NodeThread::Start({}).value();
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
 };
 
 TEST_F(Killed, InstallerLeavesTheMachineInOtaUntilItIsInstalledAgain) {
@@ -285,6 +320,109 @@ TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
   EXPECT_THAT(second.err, HasSubstr("already leads the machine of " + root_));
   const Ended takeover = Musher({"up", root_, "--detach", "--takeover"});
   EXPECT_EQ(takeover.exit, 0) << takeover.err;
+  EXPECT_EQ(Where(), "Active from a");
+}
+
+// They were ended before the start had looked for a controller of another host, which may lead
+// them. And the version that was to be tried counted as one whose trial had not finished.
+TEST_F(Killed, NoProcessOfTheOtherSlotEndsWhereAControllerOfAnotherHostLeads) {
+  Make("1.1.0", {.policy = "[transport]\nprofile = \"lan\"\n"});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  Process left({"env", "MUSHER_CONFIG=" + root_ + "/slots/a/robot.toml", "sh", "-c",
+                "trap 'echo ended; exit' TERM; echo runs; while :; do sleep 0.1; done"});
+  ASSERT_NE(left.LineWith("runs"), "");
+  {
+    const FarController leads(name_space_);
+    const Ended refused = UpDetached();
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_THAT(refused.err, HasSubstr("process 7 of another host"));
+  }
+  EXPECT_EQ(Versions()["slots"]["b"]["role"], "tried at the next start");
+  left.Signal(SIGKILL);
+  EXPECT_THAT(left.Wait().out, Not(HasSubstr("ended")));
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_EQ(Where(), "Active from b");
+}
+
+// Another start took the lock while the program was loaded, and changed the choice of the slot.
+TEST_F(Killed, AControllerHoldsItsRootWhileItExecutesItsProgramAgain) {
+  const std::string program = folder_ / "musher";
+  std::filesystem::copy_file(BinDir() + "/musher", program);
+  Make("1.1.0", {});
+  const Ended up =
+      RunToEnd({"env", "PATH=" + BinDir() + ":/usr/bin:/bin", program, "up", root_, "--detach"});
+  ASSERT_EQ(up.exit, 0) << up.err;
+  const int controller = Status()["pid"];
+  const std::string loads = folder_ / "loads";
+  const std::string loaded = folder_ / "loaded";
+  // As the kernel names the program of a process once its file is removed.
+  const std::string stand_in = program + " (deleted)";
+  std::ofstream(stand_in) << "#!/bin/sh\ntouch " << loads << "\nuntil [ -e " << loaded
+                          << " ]; do sleep 0.05; done\nexec " << BinDir() << "/musher \"$@\"\n";
+  std::filesystem::permissions(stand_in, std::filesystem::perms(0755));
+  std::filesystem::remove(program);
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_TRUE(AwaitFile(loads));
+  EXPECT_EQ(ota::HolderOf(root_ + "/run.lock"), controller);
+  const Ended second = UpDetached();
+  EXPECT_EQ(second.exit, 2);
+  EXPECT_THAT(second.err, HasSubstr("already leads the machine of " + root_));
+  std::ofstream(loaded) << "";
+  const Ended installed = installer.Wait();
+  EXPECT_EQ(installed.exit, 0) << installed.err;
+  EXPECT_EQ(Where(), "Active from b");
+  EXPECT_EQ(ota::HolderOf(root_ + "/run.lock"), controller);
+}
+
+// The good version was recorded as failed: its start had not begun.
+TEST_F(Killed, AVersionIsTriedAtTheNextStartWhereAnotherControllerHasTakenTheMachine) {
+  Make("1.1.0", {});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  {
+    const auto taken = StateStore::Open(root_ + "/state",
+                                        {"dog", name_space_, transport::TestDomain(), root_, ""});
+    ASSERT_TRUE(taken) << taken.error().message;
+    EXPECT_EQ(UpDetached().exit, 2);
+  }
+  EXPECT_EQ(Versions()["slots"]["b"]["role"], "tried at the next start");
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_EQ(Where(), "Active from b");
+}
+
+TEST_F(Killed, ATakeoverInTheTrialBootContinuesIt) {
+  const std::string go = folder_ / "go";
+  Make("1.1.0", {.set_up = "touch " + (folder_ / "runs") + "; until [ -e " + go +
+                           " ]; do sleep 0.05; done"});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  Process first(Command({"up", root_}));
+  ASSERT_TRUE(AwaitFile(folder_ / "runs"));
+  Process second(Command({"up", root_, "--takeover"}));
+  ASSERT_TRUE(first.AwaitError("the actuators keep running"));
+  std::ofstream(go) << "";
+  EXPECT_NE(second.LineWith("version 1.1.0 in slot b is kept"), "");
+  EXPECT_EQ(Where(), "Active from b");
+  EXPECT_EQ(Versions()["last"]["kept"], true);
+}
+
+// It went on without the lock, from a slot that the installer may yet have written into.
+TEST_F(Killed, AStartBesideAnInstallerThatIsStoppedIsRefused) {
+  Make("1.1.0", {.large_bytes = 64 << 20});
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("copy"), "");
+  installer.Signal(SIGSTOP);
+  for (const auto& words : {std::vector<std::string>{"up", root_, "--detach"},
+                            std::vector<std::string>{"up", root_, "--detach", "--takeover"}}) {
+    const Ended refused = Musher(words);
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_THAT(refused.err,
+                HasSubstr("it is stopped: `kill -CONT " + std::to_string(installer.pid())));
+  }
+  installer.Signal(SIGKILL);
+  installer.Wait();
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0) << up.err;
   EXPECT_EQ(Where(), "Active from a");
 }
 

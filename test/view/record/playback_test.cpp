@@ -53,6 +53,27 @@ TEST(Playback, ARobotWouldObeyTheTopicsOfAMachine) {
   EXPECT_FALSE(IsOfMachine("/image_rgb", "sensor_msgs/msg/Image"));
 }
 
+TEST(Playback, KnowsWhatADriverMovesByFromWhatIsOnlyLookedAt) {
+  EXPECT_TRUE(IsCommand("/dog1/cmd_vel", "std_msgs::msg::dds_::String_"));
+  EXPECT_TRUE(IsCommand("/teleop", "geometry_msgs::msg::dds_::Twist_"));
+  EXPECT_TRUE(IsCommand("/arm/joint_trajectory", "any"));
+  EXPECT_TRUE(IsCommand("/servo_cmd", "any"));
+  EXPECT_TRUE(IsCommand("/position_controller/commands", "any"));
+  for (const char* seen : {"/scan", "/odom", "/tf", "/camera/image_raw", "/joint_states", "/map",
+                           "/clock", "/recommendation"}) {
+    EXPECT_FALSE(IsCommand(seen, "sensor_msgs::msg::dds_::Image_")) << seen;
+  }
+}
+
+TEST(Playback, AToolThatShowsWhatItReadsIsNoDriver) {
+  EXPECT_TRUE(IsViewer("/rviz2"));
+  EXPECT_TRUE(IsViewer("/dog1/foxglove_bridge"));
+  EXPECT_TRUE(IsViewer("/rqt_gui_py_node_12"));
+  EXPECT_FALSE(IsViewer("/base_driver"));
+  EXPECT_FALSE(IsViewer("process 7 of rviz-host"));
+  EXPECT_FALSE(IsViewer(""));
+}
+
 TEST(Playback, ReadsDurationsAndSizesWithTheirUnits) {
   EXPECT_EQ(DurationFrom("90s").value(), std::chrono::seconds(90));
   EXPECT_EQ(DurationFrom("1.5").value(), Milliseconds(1500));

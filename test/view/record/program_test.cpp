@@ -213,9 +213,15 @@ TEST_F(RecordProgram, NothingIsPlayedBesideARobotUnlessAsked) {
     EXPECT_EQ(asked.exit, 0) << asked.err;
     EXPECT_TRUE(receives(1)) << "of the first nothing, of the second one";
   }
-  const auto alone = play({});
-  EXPECT_EQ(alone.exit, 0) << alone.err;
-  EXPECT_TRUE(receives(2));
+  // A driver without a controller moves by what it reads, too.
+  const auto beside_a_driver = play({});
+  EXPECT_EQ(beside_a_driver.exit, 1);
+  EXPECT_THAT(beside_a_driver.err, HasSubstr(" reads /cmd_vel, and may move by what is played"));
+  const auto elsewhere = play({"--remap", "/cmd_vel:=/played/velocities"});
+  EXPECT_EQ(elsewhere.exit, 0) << elsewhere.err;
+  const auto asked = play({"--beside-a-robot"});
+  EXPECT_EQ(asked.exit, 0) << asked.err;
+  EXPECT_TRUE(receives(2)) << "of those that were refused nothing";
 }
 
 TEST_F(RecordProgram, AFullDiskEndsTheRecordingWithASentenceAndAGoodFile) {
