@@ -417,8 +417,15 @@ TEST_F(AGroot2Debugger, ReleasesNothingWhileTheTreeIsPausedOrRests) {
 }
 
 TEST_F(AGroot2Debugger, WhoseRequestWasAnsweredWithAnErrorChangesNothingLater) {
+  std::promise<void> is_busy;
   std::promise<void> busy;
-  std::thread loop([&] { watched_.RunOnLoop([&] { busy.get_future().wait(); }); });
+  std::thread loop([&] {
+    watched_.RunOnLoop([&] {
+      is_busy.set_value();
+      busy.get_future().wait();
+    });
+  });
+  is_busy.get_future().wait();
   const Parts refused = Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
   busy.set_value();
   loop.join();
