@@ -98,6 +98,7 @@ struct SkillGoal {
   std::string action;
   std::string skill;
   transport::GoalId id{};
+  bool accepted = false;  // its server has replied so
   bool released = false;  // its node was halted, or has read the outcome
   int cancels = 0;        // without a reply yet
   int looks = 0;          // for its run, after its server does not know the goal
@@ -113,9 +114,14 @@ struct SkillGoal {
 void Cancel(const std::shared_ptr<SkillGoal>& goal);
 
 // Its actuator has restarted, and may go on with the run, without the goal. A run that has another
-// goal, or none that runs, is not touched. An actuator that does not reply is asked again; one
-// without the service, some times.
+// goal, or none that runs, is not touched, and no run where the goal was not accepted: it is that
+// of another client. An actuator that does not reply is asked again; one without the service, some
+// times.
 void CancelContinuedRun(const std::shared_ptr<SkillGoal>& goal) {
+  if (!goal->accepted) {
+    goal->stopped = true;
+    return;
+  }
   const bool has_service = !goal->servers->look->Servers().empty();
   if (goal->looks++ >= kMostLooks && !goal->seen && !has_service) {
     goal->stopped = true;
@@ -290,11 +296,15 @@ class SkillNodes::Wire {
     transport::GoalEvents<Action> events;
     events.on_accepted = [weak = std::weak_ptr(goal)] {
       const auto own = weak.lock();
-      if (own && own->released) Cancel(own);
+      if (!own) return;
+      own->accepted = true;
+      if (own->released) Cancel(own);
     };
     events.on_feedback = [weak = std::weak_ptr(goal)](const Action::Feedback& feedback) {
       const auto own = weak.lock();
-      if (own) own->progress = ProgressIn(feedback.status).value_or(own->progress);
+      if (!own) return;
+      own->accepted = true;
+      own->progress = ProgressIn(feedback.status).value_or(own->progress);
     };
     events.on_end = [weak = std::weak_ptr(goal)](const auto& outcome) {
       if (const auto own = weak.lock()) TakeOutcome(own, outcome);

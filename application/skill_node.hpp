@@ -29,7 +29,8 @@
 // - A goal is lost when its actuator does not reply within 5 s, or is not connected for 3 s. Its
 //   skill may still run, so it is cancelled as soon as the actuator replies, and counts as one that
 //   is still being cancelled. A run that its actuator continues after a restart has no goal any
-//   more: it is cancelled by its name, unless it has the goal of another client by then.
+//   more: it is cancelled by its name, unless it has the goal of another client by then, or the
+//   node's own goal was never accepted.
 // - All nodes of a SkillNodes share their endpoints: one client for each action of an actuator.
 // - Without topics, as in a fault-injection test, it fails.
 //

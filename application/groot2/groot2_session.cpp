@@ -79,12 +79,9 @@ Result<> Release(const Json& json, tree::NodeId node, tree::Hooks& hooks) {
   const Result<tree::Status> status = StatusFrom(json);
   if (!status) return status.error();
   const bool once = Field<bool>(json, "remove_when_done");
-  // One that comes twice or late would release the next start.
-  if (hooks.Has(node, IsAfter(json)) && !hooks.IsHeld(node, IsAfter(json))) {
-    return Refused("the node is not held");
-  }
-  return hooks.Release(node, status.value(), once, IsAfter(json)) ? Ok()
-                                                                  : Result<>(Refused(kNoNode));
+  if (!hooks.Has(node, IsAfter(json))) return Refused(kNoNode);
+  if (hooks.Release(node, status.value(), once, IsAfter(json))) return Ok();
+  return Refused("the node is not held");
 }
 
 // By a request R or U.

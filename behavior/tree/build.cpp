@@ -362,12 +362,12 @@ Node* Builder::MakeRegistered(const Element& element, std::string_view id,
   std::unique_ptr<Node> made = Call(registered, setup, element, id);
   if (made == nullptr) return nullptr;
   CheckAttributes(element, setup);
-  const Substitution* substitute =
-      factory_.has_substitutes() && element.children.empty()
-          ? factory_.Substituted(tree_->infos_[node_id].name, tree_->infos_[node_id].id,
-                                 PlainPath(node_id), TreePath(node_id))
-          : nullptr;
-  if (substitute != nullptr) substituted_.insert(substitute);
+  const Substitution* substitute = nullptr;
+  if (factory_.has_substitutes() && element.children.empty()) {
+    leaves_.push_back({tree_->infos_[node_id].name, tree_->infos_[node_id].id, PlainPath(node_id),
+                       TreePath(node_id)});
+    substitute = factory_.Substituted(leaves_.back());
+  }
   if (substitute != nullptr && substitute->node.empty()) {
     made = MakeTestNode(setup, substitute->config);
     tree_->infos_[node_id].takes_time =
@@ -496,7 +496,7 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
     const auto& used = builder.used();
     if (std::ranges::find(used, other->id) == used.end()) builder.Make(*other, 0, nullptr);
   }
-  builder.WarnOfSubstitutions();
+  builder.CheckSubstitutions();
   if (builder.failed()) {
     tree = nullptr;
     given.Restore();

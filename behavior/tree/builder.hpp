@@ -34,8 +34,8 @@ class Builder {
   // The diagnostics by place, each once.
   std::vector<Diagnostic> Take() &&;
   const std::vector<std::string>& used() const { return used_; }  // ids of trees
-  // At the end, when all trees were made: substitutions that no node matches.
-  void WarnOfSubstitutions();
+  // At the end, when all trees were made: substitutions that match no leaf.
+  void CheckSubstitutions();
 
   // An input that neither the element nor its model sets: one warning for each class of nodes.
   void NoteUnset(const Element& element, const std::string& port);
@@ -118,7 +118,7 @@ class Builder {
   std::map<std::string, Unset, std::less<>> unset_;
   std::vector<std::string> inside_;  // the trees around the present node
   std::vector<std::string> used_;
-  std::set<const Substitution*> substituted_;
+  std::vector<LeafNames> leaves_;  // where there are substitutions
   std::vector<const Attribute*> used_attributes_;
   struct FirstUse {
     const Type* type = nullptr;

@@ -140,15 +140,15 @@ std::vector<std::string> Factory::Names() const {
   return names;
 }
 
-const Substitution* Factory::Substituted(std::string_view name, std::string_view id,
-                                         std::string_view path, std::string_view tree_path) const {
-  for (const Substitution& each : substitutes_) {
-    if (each.pattern == id || Matches(each.pattern, name) || Matches(each.pattern, path) ||
-        Matches(each.pattern, tree_path)) {
-      return &each;
-    }
-  }
-  return nullptr;
+bool Substitution::Matches(const LeafNames& leaf) const {
+  return pattern == leaf.id || tree::Matches(pattern, leaf.name) ||
+         tree::Matches(pattern, leaf.path) || tree::Matches(pattern, leaf.tree_path);
+}
+
+const Substitution* Factory::Substituted(const LeafNames& leaf) const {
+  const auto found =
+      std::ranges::find_if(substitutes_, [&](const auto& each) { return each.Matches(leaf); });
+  return found == substitutes_.end() ? nullptr : &*found;
 }
 
 std::vector<PortModel> Factory::PortsOf(std::string_view name) const {

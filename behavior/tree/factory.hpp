@@ -38,11 +38,23 @@ struct TestNodeConfig {
   LeafFunction result_of{};  // its status in place of `result`; RUNNING: it is called again
 };
 
+// What a rule may name of a leaf. `path`: of all nodes above it, `tree_path` of the subtrees only,
+// as BehaviorTree.CPP has it.
+struct LeafNames {
+  std::string name;
+  std::string id;  // of its class
+  std::string path;
+  std::string tree_path;
+};
+
 // What takes the place of the nodes whose name or path matches.
 struct Substitution {
   std::string pattern;
   TestNodeConfig config{};
   std::string node{};  // the name of a node; empty: a test node of `config`
+
+  bool has_wildcard() const { return pattern.find('*') != std::string::npos; }
+  bool Matches(const LeafNames& leaf) const;
 };
 
 // What is known of a node beside its ports, for people and editors: "author", "Ada".
@@ -105,12 +117,9 @@ class Factory {
   const Enums& enums() const { return *enums_; }
   std::shared_ptr<const Enums> shared_enums() const { return enums_; }
   bool has_substitutes() const { return !substitutes_.empty(); }
-  // The first one that matches; null: there is none.
   const std::vector<Substitution>& substitutions() const { return substitutes_; }
-  // Null: none. `path`: of all nodes above the leaf, `tree_path` of the subtrees only, as
-  // BehaviorTree.CPP has it.
-  const Substitution* Substituted(std::string_view name, std::string_view id, std::string_view path,
-                                  std::string_view tree_path) const;
+  // The first one that matches; null: there is none.
+  const Substitution* Substituted(const LeafNames& leaf) const;
   // The ports of a node.
   std::vector<PortModel> PortsOf(std::string_view name) const;
 

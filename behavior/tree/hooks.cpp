@@ -9,12 +9,11 @@ void Hooks::Set(const Hook& hook) {
 }
 
 bool Hooks::Release(NodeId node, Status instead, bool once, bool after) {
-  const auto found = hooks_.find({node, after});
-  if (found == hooks_.end()) return false;
-  State& state = found->second;
+  if (!IsHeld(node, after)) return false;
+  State& state = hooks_.at({node, after});
   state.hook.instead = instead;
   state.hook.once |= once;
-  state.released = state.hook.holds;
+  state.released = true;
   return true;
 }
 
@@ -37,6 +36,13 @@ bool Hooks::Acts(NodeId node, bool after) const {
   return state.hook.holds ? IsHeld(node, after) && !state.released : state.replaced_in == ticks_;
 }
 
+void Hooks::EndHolds() {
+  for (auto& [at, state] : hooks_) {
+    state.held_in = 0;
+    state.released = false;
+  }
+}
+
 void Hooks::DisableAll() {
   for (auto& [at, state] : hooks_) state.hook.enabled = false;
 }
@@ -47,9 +53,9 @@ Hooks::State* Hooks::Find(NodeId node, bool after) {
 }
 
 bool Hooks::Holds(State& state) {
-  if (std::exchange(state.released, false)) return false;
   // Ticks without it in between: its branch was halted, and it is reached again.
   const bool arrives = state.held_in + 1 < ticks_;
+  if (std::exchange(state.released, false) && !arrives) return false;
   state.held_in = ticks_;
   if (arrives && on_reached_) on_reached_(state.hook.node);
   return true;

@@ -47,12 +47,12 @@ class Hooks {
   void Set(const Hook& hook);
   // False: there is none.
   bool Remove(NodeId node, bool after = false) { return hooks_.erase({node, after}) > 0; }
-  // Lets a held node go on; if the node is not held yet, its next start or end. False: there is
-  // none.
+  // Lets a held node go on with the next tick, if that still reaches it. False: its hook does not
+  // hold it, so that a release that comes late or twice does not let its next start through.
   bool Release(NodeId node, Status instead, bool once, bool after = false);
   bool Has(NodeId node, bool after = false) const { return hooks_.contains({node, after}); }
   bool IsEnabled(NodeId node, bool after = false) const;
-  // Whether the node was held in the last tick.
+  // Whether the node was held in the last tick, and its branch was not halted since.
   bool IsHeld(NodeId node, bool after = false) const;
   // Whether its hook held the node in the last tick, and it was not released since, or replaced it.
   bool Acts(NodeId node, bool after = false) const;
@@ -65,8 +65,9 @@ class Hooks {
     for (const auto& [at, state] : hooks_) look(state.hook);
   }
 
-  // For the tree: a further tick.
+  // For the tree: a further tick; its end or halt, after which no node is held.
   void BeginTick() { ++ticks_; }
+  void EndHolds();
   // For a node: SKIPPED: it is ticked; RUNNING: it is held; else its result.
   Status Before(NodeId node, bool running);
   // For a node that has completed. RUNNING: it is held; else its result.

@@ -101,6 +101,7 @@ void Tree::EndRun() {
   begins_ = true;
   ++tick_.number;
   ++tick_.run;
+  if (const auto hooks = hooks_.lock()) hooks->EndHolds();
 }
 
 Result<Status> Tree::TickOnce(Time now) {

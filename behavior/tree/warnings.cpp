@@ -144,12 +144,24 @@ void Builder::WarnOfUnset() {
   }
 }
 
-// The test would run the robot's own node.
-void Builder::WarnOfSubstitutions() {
+// The test would run the robot's own node. A pattern may be for another tree.
+void Builder::CheckSubstitutions() {
+  if (!unknown_.empty()) return;  // leaves are missing
+  std::vector<std::string> names;
+  for (const LeafNames& leaf : leaves_) {
+    names.insert(names.end(), {leaf.name, leaf.id, leaf.path, leaf.tree_path});
+  }
   for (const Substitution& each : factory_.substitutions()) {
-    if (substituted_.contains(&each)) continue;
-    Report({}, Severity::kWarning,
-           "no leaf has the name or path '" + each.pattern + "', which has a substitution");
+    if (std::ranges::any_of(leaves_, [&](const auto& leaf) { return each.Matches(leaf); }))
+      continue;
+    if (each.has_wildcard()) {
+      Report({}, Severity::kWarning,
+             "no leaf has a name or path like '" + each.pattern + "', which has a substitution");
+    } else {
+      Report({}, Severity::kError,
+             "no leaf has the name, class or path '" + each.pattern +
+                 "', which has a substitution" + DidYouMean(each.pattern, names));
+    }
   }
 }
 

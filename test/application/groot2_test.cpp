@@ -388,9 +388,44 @@ TEST_F(AGroot2Debugger, ReleasesANodeOnceWhereItsRequestComesTwice) {
   EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "its next start is held";
 }
 
+TEST_F(AGroot2Debugger, ReleasesNothingWhileTheTreeIsPausedOrRests) {
+  Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
+  Activate();
+  harness_.Tick(watched_, 2);
+  ASSERT_TRUE(harness_.controller().Switch("LowPower").done());
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", false)}).at(1),
+            "the node is not held");
+  ASSERT_TRUE(harness_.controller().Switch("Active").done());
+  harness_.Tick(watched_, 2);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "its next start is held";
+
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", false)}).size(), 1U);
+  const auto rest = [](Watched& self) {
+    self.Halt();
+    return 0;
+  };
+  const auto go_on = [](Watched& self) {
+    self.Restart();
+    return 0;
+  };
+  watched_.Of(rest);
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", false)}).at(1),
+            "the node is not held");
+  watched_.Of(go_on);
+  harness_.Tick(watched_, 2);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "nor is it released by the one before the halt";
+}
+
 TEST_F(AGroot2Debugger, WhoseRequestWasAnsweredWithAnErrorChangesNothingLater) {
+  std::promise<void> is_busy;
   std::promise<void> busy;
-  std::thread loop([&] { watched_.RunOnLoop([&] { busy.get_future().wait(); }); });
+  std::thread loop([&] {
+    watched_.RunOnLoop([&] {
+      is_busy.set_value();
+      busy.get_future().wait();
+    });
+  });
+  is_busy.get_future().wait();
   const Parts refused = Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
   busy.set_value();
   loop.join();
@@ -456,6 +491,7 @@ TEST_F(AGroot2DebuggerThatIsLost, LosesItsHooksAlsoWhereAnotherClientIsThere) {
   std::string hooks;
   EXPECT_TRUE(testing::Until(
       [&] {
+        Ask(other_, {Header('I'), own});  // it may be lost in between, on a busy computer
         hooks = Ask(other_, {Header('D')}).at(1);
         return nlohmann::json::parse(hooks).size() == 1;
       },

@@ -247,6 +247,20 @@ TEST_F(RunSkill, DoesNotCancelTheRunOfAnotherClientAfterARestart) {
   EXPECT_THAT(restarted.log, IsEmpty());
 }
 
+TEST_F(RunSkill, DoesNotCancelAContinuedRunWhereItsOwnGoalWasNeverAccepted) {
+  auto robot = std::make_unique<FakeRobot>(network_.MakeNode("robot"));
+  Make(kWait);
+  Run(0.5);
+  network_.Pause(robot->node());  // it does not receive the goal
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(6);
+  EXPECT_EQ(Tick(), Status::kFailure);
+  network_.Crash(robot->node());
+  FakeRobot restarted(network_.MakeNode("robot"), {.continues = "wait"});
+  Run(6);
+  EXPECT_THAT(restarted.log, IsEmpty()) << "the run is another client's";
+}
+
 TEST_F(RunSkill, SharesOneClientWithTheOtherNodesThatRunSkillsOfAnActuator) {
   FakeRobot robot(network_.MakeNode("robot"));
   const auto feedback = transport::MakePublisher<msg::SkillExecution::FeedbackMessage>(

@@ -91,8 +91,9 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
        .on_lost =
            [this] {
              Log(LogLevel::kWarning,
-                 "Groot2 is lost, and its hooks held or replaced a node: halted");
+                 "Groot2 is lost, and it had hooks: halted until musher-meilin start");
              Halt();
+             mission_.Stand();
              OnPause();
            }},
       [this] { return view(); }, factory());

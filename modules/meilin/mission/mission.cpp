@@ -122,7 +122,7 @@ void Mission::BeforeTick(Time now) {
   board_->pose_last_update_s.Set(at.count());
   const bool outside = pose->IsFresh(now, settings_.pose_timeout_s) && !PlaceOf(*pose, settings_);
   if (autostart_ && !begun_ && outside && SavedProgress().empty()) {
-    autostart_ = !Start(kFullRegion, now).ok();
+    static_cast<void>(Start(kFullRegion, now));  // else with the next tick
   }
 }
 
@@ -167,10 +167,14 @@ void Mission::Fail(const std::string& otherwise) {
   progress_.last_end = std::string(kMissionFailed) + ": " + error;
 }
 
-void Mission::OnPause() {
+void Mission::RefuseLateStart(const char* why) {
   if (auto late = std::exchange(late_start_, std::nullopt)) {
-    late->done(Error{kCodeStateInvalid, "the robot left Active before the match could begin"});
+    late->done(Error{kCodeStateInvalid, why});
   }
+}
+
+void Mission::OnPause() {
+  RefuseLateStart("the robot left Active before the match could begin");
   if (!board_ || !IsRunning()) return;
   // Halted during a climb, or on the way off the edge behind a segment that has failed.
   if (board_->segment_open.Get() && !board_->last_error.Get().empty()) {
@@ -185,6 +189,14 @@ void Mission::OnPause() {
   std::vector<Segment> segments = {board_->current_segment.Get()};
   while (auto next = queue->Pop()) segments.push_back(*std::move(next));
   queue->Replace(std::move(segments), queue->plan_id());
+}
+
+void Mission::Stand() {
+  RefuseLateStart("its debugger was lost before the match could begin");
+  const bool ran = IsRunning();
+  OnPause();
+  begun_ = false;
+  if (ran && !failed_) board_->SetState(kWaitingStart);
 }
 
 // --- the start ---
@@ -377,7 +389,7 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
   board_->last_error.Set("");
   board_->SetState(kWaitingPlan);
   begun_ = restart_ = true;
-  ended_ = failed_ = stop_ = false;
+  autostart_ = ended_ = failed_ = stop_ = false;
   return region.empty() ? "goes on with " + goes_on : "begins with the region " + region;
 }
 

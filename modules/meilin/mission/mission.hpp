@@ -67,6 +67,9 @@ class Mission {
   void AfterTick(tree::Status status, const std::string& fault, Time now);
   // The tree is halted.
   void OnPause();
+  // The tree is halted and rests, because what a person has watched it by is lost. Nothing moves
+  // until Start(), also not by a new plan; it goes on with what it had.
+  void Stand();
 
   // The word of a person. The text says what begins; an error why nothing does.
   Result<std::string> Start(const std::string& region, Time now);
@@ -148,6 +151,7 @@ class Mission {
   void Accept(std::vector<Segment> segments, const std::string& plan_id);
   void Fail(const std::string& otherwise);
   void NoteProgress();
+  void RefuseLateStart(const char* why);
 
   struct LateStart {
     std::string region;
@@ -158,7 +162,7 @@ class Mission {
   Robot& robot_;
   const Settings& settings_;
   const MatchConfig match_;
-  bool autostart_;  // until it was used
+  bool autostart_;  // until the first start
   std::optional<MissionBoard> board_;
   tree::Board* root_ = nullptr;
   PlanForms forms_;

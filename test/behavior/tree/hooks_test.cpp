@@ -58,7 +58,41 @@ TEST_F(Hooked, AHeldNodeIsNotHaltedWithItsBranch) {
   EXPECT_EQ(Take(), "") << "it has not been started";
   EXPECT_EQ(tree->status(), Status::kIdle);
   EXPECT_EQ(Run(2), "RR a^ ") << "and is held again";
-  EXPECT_THAT(reached, ElementsAre(kB)) << "as if it had been without a halt in between";
+  EXPECT_THAT(reached, ElementsAre(kB, kB)) << "and reported again";
+}
+
+TEST_F(Hooked, ANodeIsReleasedOnlyWhileItIsHeld) {
+  MakeSequence("R");
+  Set({.node = kB});
+  EXPECT_FALSE(hooks->Release(kB, Status::kSkipped, false)) << "it is not reached yet";
+  Run(2);
+  ASSERT_TRUE(tree->Halt(At(100)));
+  EXPECT_FALSE(hooks->Release(kB, Status::kSkipped, false)) << "its branch was halted";
+  Take();
+  EXPECT_EQ(Run(2), "RR a^ ") << "its next start is held";
+}
+
+TEST_F(Hooked, AReleaseDoesNotOutlastAHaltOfTheTree) {
+  MakeSequence("R");
+  Set({.node = kB});
+  Run(2);
+  EXPECT_TRUE(hooks->Release(kB, Status::kSkipped, false));
+  ASSERT_TRUE(tree->Halt(At(100)));
+  Take();
+  EXPECT_EQ(Run(2), "RR a^ ") << "its next start is held";
+}
+
+TEST_F(Hooked, AReleaseDoesNotOutlastItsBranch) {
+  Make(
+      "<KeepRunningUntilFailure><ForceSuccess><Timeout msec=\"25\">"
+      "<Say name=\"a\" does=\"R\"/></Timeout></ForceSuccess></KeepRunningUntilFailure>");
+  constexpr NodeId kHeld = 3;
+  Set({.node = kHeld});
+  EXPECT_EQ(Run(3), "RRR ");
+  EXPECT_TRUE(hooks->Release(kHeld, Status::kSkipped, false));
+  EXPECT_EQ(Run(1), "R ") << "the time was over first, and the tree goes on";
+  EXPECT_FALSE(hooks->Release(kHeld, Status::kSkipped, false));
+  EXPECT_EQ(Run(2), "RR ") << "its next start is held";
 }
 
 TEST_F(Hooked, ANodeThatRunsIsNotHeldAndIsHaltedAsAlways) {

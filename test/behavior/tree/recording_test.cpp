@@ -112,6 +112,13 @@ TEST_F(Recorded, HasTheTreeItsChangesAndItsEntries) {
                           HasSubstr("\nstate 0 ticking RUNNING 1772366405000000 #")));
 }
 
+TEST_F(Recorded, HasWholeNumbersAsWholeNumbers) {
+  Begin(R"(<root BTCPP_format="4"><BehaviorTree ID="Large">
+    <Script code="steps := 100000"/></BehaviorTree></root>)");
+  TickOnce();
+  EXPECT_THAT(text, HasSubstr("\" steps number 100000 #"));
+}
+
 TEST_F(Recorded, ShowsHowLongANodeRanUntilACrash) {
   text.clear();
   recorder->Head("patrol");

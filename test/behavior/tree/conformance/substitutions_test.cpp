@@ -70,17 +70,15 @@ TEST_F(Substitutions, FindLeavesAsBehaviorTreeCppDoesByTheirIdAndByThePathOfThei
   ASSERT_EQ(Added("{\"SubstitutionRules\": {\"Move\": \"AlwaysSuccess\", "
                   "\"arm/*\": \"AlwaysSuccess\", \"arm/hand/close\": \"AlwaysFailure\"}}"),
             "");
-  const auto by_id = MakeTree(Main("<Move name=\"there\" goal=\"3\"/>"), factory);
-  EXPECT_EQ(by_id->info(0).id, "Move");
-  EXPECT_EQ(Ticks(*by_id, 1), "S") << "its name is not that of its class";
   const auto tree = MakeTree(
       "<root BTCPP_format=\"4\" main_tree_to_execute=\"Main\"><BehaviorTree ID=\"Main\">"
-      "<Sequence><SubTree ID=\"Arm\" name=\"arm\"/>"
+      "<Sequence><Move name=\"there\" goal=\"3\"/><SubTree ID=\"Arm\" name=\"arm\"/>"
       "</Sequence></BehaviorTree><BehaviorTree ID=\"Arm\"><Sequence>"
       "<SubTree ID=\"Hand\" name=\"hand\"/></Sequence></BehaviorTree>"
       "<BehaviorTree ID=\"Hand\"><Inverter><Teleport name=\"close\" goal=\"1\"/></Inverter>"
       "</BehaviorTree></root>",
       factory);
+  EXPECT_EQ(tree->info(1).id, "Move") << "its name is not that of its class";
   EXPECT_EQ(Ticks(*tree, 1), "F") << "the first rule that matches, in their order";
 }
 TEST_F(Substitutions, AreCheckedWithThePortsOfTheOtherNode) {
@@ -90,20 +88,39 @@ TEST_F(Substitutions, AreCheckedWithThePortsOfTheOtherNode) {
                              HasSubstr("t.xml:3:1: note: a substitution makes it the node "
                                        "'SetBlackboard'")));
 }
-TEST_F(Substitutions, ThatNoLeafMatchesAreAWarning) {
-  ASSERT_EQ(Added("{\"SubstitutionRules\": {\"Moev\": \"AlwaysSuccess\"}}"), "");
+TEST_F(Substitutions, OfANameOrPathThatNoLeafHasAreAnError) {
+  ASSERT_EQ(Added("{\"SubstitutionRules\": {\"Moev\": \"AlwaysSuccess\", "
+                  "\"Main/their\": \"AlwaysSuccess\"}}"),
+            "");
+  EXPECT_EQ(Findings(Main("<Move name=\"there\" goal=\"3\"/>"), factory),
+            "t.xml:1:1: error: no leaf has the name, class or path 'Main/their', which has a "
+            "substitution; did you mean 'Main/there'?\n"
+            "t.xml:1:1: error: no leaf has the name, class or path 'Moev', which has a "
+            "substitution; did you mean 'Move'?\n");
+}
+TEST_F(Substitutions, OfAPatternThatNoLeafMatchesAreAWarning) {
+  ASSERT_EQ(Added("{\"SubstitutionRules\": {\"Moev*\": \"AlwaysSuccess\"}}"), "");
   EXPECT_EQ(Findings(Main("<Move goal=\"3\"/>"), factory),
-            "t.xml:1:1: warning: no leaf has the name or path 'Moev', which has a substitution\n");
+            "t.xml:1:1: warning: no leaf has a name or path like 'Moev*', which has a "
+            "substitution\n");
+}
+TEST_F(Substitutions, WhoseLeavesAnEarlierOneHasTakenAreNoError) {
+  ASSERT_EQ(Added("{\"SubstitutionRules\": {\"Move\": \"AlwaysSuccess\", "
+                  "\"Main/there\": \"AlwaysFailure\", \"*re\": \"AlwaysFailure\"}}"),
+            "");
+  EXPECT_EQ(Findings(Main("<Move name=\"there\" goal=\"3\"/>"), factory), "");
 }
 TEST_F(Substitutions, ReplaceLeavesOnly) {
-  factory.Substitute("Sequence", {.result = Status::kFailure});
-  factory.Substitute("Part", {.result = Status::kFailure});
-  const auto tree = MakeTree(
+  constexpr const char* kParts =
       "<root BTCPP_format=\"4\" main_tree_to_execute=\"Main\"><BehaviorTree ID=\"Main\">"
       "<Sequence><SubTree ID=\"Part\"/></Sequence></BehaviorTree>"
-      "<BehaviorTree ID=\"Part\"><AlwaysSuccess/></BehaviorTree></root>",
-      factory);
-  EXPECT_EQ(Ticks(*tree, 1), "S");
+      "<BehaviorTree ID=\"Part\"><AlwaysSuccess/></BehaviorTree></root>";
+  factory.Substitute("*Sequence", {.result = Status::kFailure});
+  factory.Substitute("*Part", {.result = Status::kFailure});
+  EXPECT_EQ(Ticks(*MakeTree(kParts, factory), 1), "S");
+  factory.Substitute("Part", {.result = Status::kFailure});
+  EXPECT_THAT(Findings(kParts, factory),
+              HasSubstr("error: no leaf has the name, class or path 'Part'"));
 }
 TEST_F(Substitutions, HaveAScriptOfATestNodeCheckedInItsTree) {
   ASSERT_EQ(Added("{\"TestNodeConfigs\": {\"A\": {\"post_script\": \"n :=\"}}, "

@@ -133,6 +133,12 @@ struct Match {
     mission.OnPause();
     if (mission.TakeStop()) rests = true;
   }
+  void LoseDebugger() {
+    static_cast<void>(tree->Halt(robot.Now()));
+    rests = true;
+    mission.Stand();
+    Follow();
+  }
 
   bool Offer(const std::vector<PlanStep>& steps, std::int64_t written_ns = 0) {
     return mission.OfferPlan(ToActionSequence(steps), robot.Now(), written_ns);

@@ -223,6 +223,69 @@ TEST(MeilinMission, APauseDuringAClimbEndsIt) {
   EXPECT_THAT(match.mission.last_error(),
               StartsWith("segment 1 of 1, move (1, 0): Move was halted during a climb"));
 }
+TEST(AMissionWhoseDebuggerIsLost, StandsAndGoesOnFromTheHaltedSegmentOnCommand) {
+  Match match("meilin_stage.xml");
+  match.robot.decide = [](const FakeGoal&) {
+    return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
+  };
+  ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0), MoveStep(0, 2, 0)}));
+  match.RunFor(0.2);
+  match.LoseDebugger();
+  EXPECT_EQ(match.mission.state(), "WAITING_START");
+  match.RunFor(2);
+  EXPECT_EQ(match.robot.Running(), 0U);
+  EXPECT_EQ(match.mission.GoesOnWith(), "plan mf_action_seq_1 at segment 1 of 2, move (0, 1)");
+  EXPECT_THAT(match.mission.CanStart(match.robot.Now()), Contains(""));
+  match.Begun("").Run(20);
+  EXPECT_EQ(match.mission.state(), "MISSION_SUCCESS");
+  EXPECT_THAT(match.robot.Texts(),
+              ::testing::ElementsAre("move 1.20 2.40 0", "move 1.20 2.40 0", "move 1.20 3.60 0"));
+}
+TEST(AMissionWhoseDebuggerIsLost, DoesNotBeginWithANewPlanAfterAClimbThatWasHalted) {
+  Match match("meilin_stage.xml");
+  match.robot.decide = [](const FakeGoal&) {
+    return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
+  };
+  ASSERT_TRUE(match.Offer({MoveStep(1, 0, 400)}));
+  match.RunFor(0.2);
+  match.LoseDebugger();
+  EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_FALSE(match.mission.WantsPlan()) << "a plan that is handed out once is not for it";
+  const std::size_t goals = match.robot.goals.size();
+  const auto report = [&match] {
+    match.robot.fix = PoseFix{1.2, 1.2, 0, match.robot.Now()};
+    match.robot.legs = Wheels{{20, 20, 20, 20}, match.robot.Now()};
+  };
+  report();
+  EXPECT_TRUE(match.Offer({MoveStep(0, 1, 0)}));
+  match.Follow();
+  match.RunFor(0.5);
+  EXPECT_EQ(match.robot.goals.size(), goals);
+  report();
+  match.Begun("").RunFor(0.5);
+  EXPECT_EQ(match.robot.Texts().back(), "move 1.20 2.40 0");
+}
+TEST(AMissionWhoseDebuggerIsLost, RefusesAStartThatWaitsForThePose) {
+  Match match(Match::Waiting{}, "meilin_stage.xml");
+  std::string reply;
+  match.mission.StartSoon("full", match.robot.Now(), [&reply](const Result<std::string>& begun) {
+    reply = begun ? begun.value() : begun.error().message;
+  });
+  match.Tick();
+  match.LoseDebugger();
+  EXPECT_EQ(reply, "its debugger was lost before the match could begin");
+  match.RunFor(3);
+  EXPECT_FALSE(match.mission.begun());
+}
+TEST(ARestartedMission, BeginsByItselfOnceAlsoWhereAPersonHasStartedAndResetIt) {
+  Match match(Match::Waiting{}, "full_match.xml", MatchOf("match_blue.json"), Side::kBlue, true);
+  match.robot.fix = PoseFix{1.2, 1.2, 0, match.robot.Now()};
+  match.Begun("meilin").RunFor(0.1);
+  match.robot.fix = PoseFix{0.3, 0, 0, match.robot.Now()};
+  match.Reset();
+  match.Tick();
+  EXPECT_FALSE(match.mission.begun());
+}
 // As where a server ends its goal for an emergency stop before the mission knows of it.
 TEST(MeilinMission, APauseOnTheWayOffAnEdgeAfterAFailedClimbEndsIt) {
   Match match("meilin_stage.xml");
