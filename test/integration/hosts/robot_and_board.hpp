@@ -47,7 +47,8 @@ class BoardRoot {
     const char* kept = std::getenv("MUSHER_BOARD_ROOT");
     path_ = kept != nullptr ? kept : folder_ / "root";
     kept_ = kept != nullptr;
-    const std::string libraries = "ldd " + BinDir() + "/musher-exec | awk '/=> \\// {print $3}'";
+    const std::string libraries =
+        "ldd " + BinDir() + "/musher-exec " + BinDir() + "/musher | awk '/=> \\// {print $3}'";
     const Ended made = RunToEnd(
         {"sh", "-c",
          "set -e; . /etc/os-release; root=" + path_ + "; [ -e $root/etc/ssh ] || " +
