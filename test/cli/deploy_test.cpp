@@ -206,6 +206,21 @@ TEST_F(Deployed, FilesThatAreMissingHereAreNamed) {
   EXPECT_THAT(ran.err, HasSubstr("actuator.eyes: bin/eyes is neither in "));
 }
 
+TEST_F(Deployed, KeysAreThoseOfTheActuatorsOfAHost) {
+  Write("robot.toml", ReadFile(folder_ / "robot.toml") + "[security]\nkeys = \"keys\"\n");
+  const Ran keys = RunProgram({"keys", "init", folder_ / "robot.toml"});
+  ASSERT_EQ(keys.exit, 0) << keys.err;
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  const fs::path key = Slot("vision") + "/keys/eyes.key";
+  EXPECT_EQ(ReadFile(key), ReadFile(folder_ / "keys/eyes.key"));
+  EXPECT_EQ(fs::status(key).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_TRUE(fs::exists(Slot("vision") + "/keys/identity_ca.cert"));
+  for (const char* of_others : {"ears.key", "controller.key", "operator.key", "ca"}) {
+    EXPECT_FALSE(fs::exists(Slot("vision") + "/keys/" + of_others)) << of_others;
+  }
+}
+
 TEST_F(Deployed, FilesAreNotSignedWithAKeyThatOthersMayRead) {
   fs::permissions(folder_ / "dog.key", fs::perms::others_read, fs::perm_options::add);
   const Ran ran = Deploy("1.0.0");
