@@ -147,6 +147,12 @@ class RobotAndBoard : public MachineFixture {
                                  root_->Key(), "-l", "root", kBoardAddress, "--"});
     return robot_->Do(std::move(words));
   }
+  // Whether its kernel keeps limits of memory, as the board says itself.
+  bool KeepsMemory() const {
+    return OnBoard({"grep -qsw memory /sys/fs/cgroup/cgroup.controllers || "
+                    "grep -q 'cgroup rw,.*memory' /proc/mounts"})
+               .exit == 0;
+  }
   std::string Property(const std::string& name) const {
     std::string value = OnBoard({"systemctl", "show", "--value", "-p", name, kUnit}).out;
     while (value.ends_with('\n')) value.pop_back();
