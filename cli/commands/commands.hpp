@@ -52,6 +52,7 @@ class Grammar;
   group("Install and upgrade")              \
   command(AddKeys)                          \
   command(AddOta)                           \
+  command(AddDeploy)                        \
   command(AddCompletion)
 // clang-format on
 

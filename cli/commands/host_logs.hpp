@@ -3,6 +3,9 @@
 //
 // Threads: any; blocks.
 
+#include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,19 +25,30 @@ struct HostLog {
 // nullopt: this host runs it, or the controller starts none.
 std::optional<HostLog> HostLogOf(const MachineFiles& files, const std::string& actuator);
 
+// Up to where the journal of a host was read.
+struct JournalPosition {
+  std::string cursor;           // of its last entry before that; empty: not known
+  std::set<std::string> shown;  // cursors of the lines that were read, also after it
+};
+
 struct ReadHostLogs {
   std::vector<std::vector<LogEntry>> entries;  // of each log
-  std::vector<std::string> troubles;           // of hosts that have not answered
+  std::vector<std::string> troubles;           // why lines of a host are missing
+  std::map<const HostConfig*, JournalPosition> positions;
 };
-// The newest `lines` of each, 0: all, by our clock. `since_ns`: 0, or since 1970.
-ReadHostLogs ReadLogsOf(const std::vector<HostLog>& logs, std::int64_t since_ns, std::size_t lines);
+// The newest `lines` of each, 0: all, by our clock. `since_ns`: 0, or since 1970. Of a host that
+// is slower than `within`, the newest that have arrived.
+ReadHostLogs ReadLogsOf(const std::vector<HostLog>& logs, std::int64_t since_ns, std::size_t lines,
+                        Duration within = Milliseconds(10'000));
 
-// The script that prints new lines of these logs of one host.
-std::string FollowScript(const std::vector<HostLog>& logs);
+// The script that prints the lines of these logs of one host from this cursor on, with the entry
+// that it names; empty: new ones.
+std::string FollowScript(const std::vector<HostLog>& logs, const std::string& cursor);
 // A line of that script; nullopt: it is of none of them.
 struct JournalLine {
   std::string unit;
   WrittenLine line;  // by the clock of that host
+  std::string cursor = {};
 };
 std::optional<JournalLine> ParseJournalLine(const std::string& json);
 

@@ -45,6 +45,7 @@ struct LogsOptions {
 };
 
 constexpr unsigned kDefaultLines = 50;
+constexpr Duration kFollowAgain = Milliseconds(2'000);
 
 // A log that is shown.
 struct ShownLog {
@@ -84,8 +85,10 @@ class LogPrinter {
 // Prints what is appended to the logs until Ctrl-C.
 class LogFollower {
  public:
+  // `positions`: of the other hosts, from where their lines follow.
   LogFollower(const std::vector<ShownLog>& logs, const std::vector<HostLog>& host_logs,
-              LogPrinter& printer, Console& console)
+              std::map<const HostConfig*, JournalPosition> positions, LogPrinter& printer,
+              Console& console)
       : printer_(printer),
         console_(console),
         signals_(TakeEndSignals()),
@@ -97,8 +100,13 @@ class LogFollower {
     }
     WatchFiles();
     for (const HostLog& log : host_logs) {
-      if (!FindHost(log.host)) Follow(log.host, host_logs);
-      if (HostTail* tail = FindHost(log.host)) tail->lines.emplace(log.unit, log.actuator);
+      HostTail& tail = TailOf(log.host);
+      tail.logs.push_back(log);
+      tail.lines.emplace(log.unit, log.actuator);
+    }
+    for (const auto& tail : host_tails_) {
+      tail->position = std::move(positions[tail->host]);
+      Follow(*tail);
     }
   }
 
@@ -122,47 +130,61 @@ class LogFollower {
     LogLines lines;
   };
 
-  // The logs of one host.
+  // The logs of one host. A connection that ends is made again, and goes on where it was.
   struct HostTail {
     const HostConfig* host;
-    HostScript script;
+    std::vector<HostLog> logs = {};
+    JournalPosition position = {};
+    std::optional<HostScript> script = {};
     std::map<std::string, LogLines> lines = {};  // by unit
+    std::string reported = {};                   // the trouble
     transport::LoopHandlePtr watch = nullptr;
+    transport::LoopHandlePtr again = nullptr;
   };
 
-  HostTail* FindHost(const HostConfig* host) {
+  HostTail& TailOf(const HostConfig* host) {
     const auto found = std::find_if(host_tails_.begin(), host_tails_.end(),
                                     [&](const auto& tail) { return tail->host == host; });
-    return found == host_tails_.end() ? nullptr : found->get();
+    if (found != host_tails_.end()) return **found;
+    return *host_tails_.emplace_back(std::make_unique<HostTail>(HostTail{host}));
   }
 
-  void Follow(const HostConfig* host, const std::vector<HostLog>& logs) {
-    std::vector<HostLog> there;
-    std::copy_if(logs.begin(), logs.end(), std::back_inserter(there),
-                 [&](const HostLog& log) { return log.host == host; });
-    auto script = HostScript::Start(*host, FollowScript(there));
-    if (!script) return console_.PrintError(script.error().message);
-    auto& tail = host_tails_.emplace_back(
-        std::make_unique<HostTail>(HostTail{host, std::move(script).value()}));
-    tail->watch = loop_.WhenReadable(tail->script.output(), [this, &one = *tail] { OnLines(one); });
+  void Follow(HostTail& tail) {
+    auto script = HostScript::Start(*tail.host, FollowScript(tail.logs, tail.position.cursor));
+    if (!script) return FollowAgain(tail, script.error().message);
+    tail.script.emplace(std::move(script).value());
+    tail.watch = loop_.WhenReadable(tail.script->output(), [this, &tail] { OnLines(tail); });
+  }
+
+  void FollowAgain(HostTail& tail, const std::string& why) {
+    if (std::exchange(tail.reported, why) != why) {
+      console_.PrintError(why + "; its lines follow once it is reached again");
+    }
+    tail.again = loop_.At(loop_.Now() + kFollowAgain, [this, &tail] { Follow(tail); });
   }
 
   void OnLines(HostTail& tail) {
-    const bool more = tail.script.Read();
+    const bool more = tail.script->Read();
     std::vector<LogEntry> entries;
-    for (const std::string& text : tail.script.TakeLines()) {
+    for (const std::string& text : tail.script->TakeLines()) {
       auto line = ParseJournalLine(text);
       const auto reader = line ? tail.lines.find(line->unit) : tail.lines.end();
       if (reader == tail.lines.end()) continue;
-      line->line.written_ns -= tail.script.clock_offset_ns().value_or(0);
+      tail.reported.clear();
+      const bool again = !line->cursor.empty() && (line->cursor == tail.position.cursor ||
+                                                   tail.position.shown.contains(line->cursor));
+      if (again) continue;
+      tail.position.cursor = line->cursor;
+      line->line.written_ns -= tail.script->clock_offset_ns().value_or(0);
       entries.push_back(reader->second.Take(line->line));
     }
     printer_.Print(entries);
     if (more) return;
     tail.watch = nullptr;
-    const std::string trouble = tail.script.Trouble();
-    console_.PrintError(trouble.empty() ? "host " + tail.host->name + ": its journal has ended"
-                                        : trouble);
+    const std::string trouble = tail.script->Trouble();
+    tail.script.reset();
+    FollowAgain(tail,
+                trouble.empty() ? "host " + tail.host->name + ": its journal has ended" : trouble);
   }
 
   // Adds nothing where a file is watched already.
@@ -285,7 +307,7 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
   printer.Print(entries);
   const bool nothing = logs.empty() && !there.troubles.empty() && entries.empty();
   if (!options.follow) return nothing ? ExitCode::kNotDone : ExitCode::kDone;
-  return LogFollower(logs, host_logs, printer, console).Run();
+  return LogFollower(logs, host_logs, std::move(there.positions), printer, console).Run();
 }
 
 }  // namespace

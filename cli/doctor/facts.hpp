@@ -126,6 +126,9 @@ struct OtherHostFacts {
   std::string musher = {};                 // the version of `musher` there; empty: there is none
   std::int64_t free_bytes = -1;            // of its root; -1: not known
   bool root = false;                       // the login is root
+  int cgroups = 0;                         // their version, 1 or 2; 0: not known
+  std::vector<std::string> keeps = {};     // of "memory", "cpu", "quota" (of CPU time)
+  bool autogroups = false;                 // the kernel weighs sessions, not processes
   std::vector<std::string> missing = {};   // "eyes: /opt/eyes is not there"
   std::vector<std::string> no_users = {};  // that an actuator is to run as
   std::vector<std::string> foreign = {};   // units of these names, of another machine

@@ -1,6 +1,7 @@
 #include "musher/cli/doctor/host_reach.hpp"
 
 #include <charconv>
+#include <sstream>
 
 #include "musher/base/version.hpp"
 #include "musher/base/words.hpp"
@@ -21,6 +22,28 @@ echo "systemd $(systemctl --version 2>/dev/null | sed -n '1s/^systemd \([0-9]*\)
 set -- $(df -Pk / | tail -n 1)
 echo "free $4"
 echo "user $(id -u)"
+cd /sys/fs/cgroup
+if [ -e cgroup.controllers ]; then
+  keeps=$(cat cgroup.controllers)
+  case " $keeps " in *' cpu '*) keeps="$keeps quota";; esac
+  # A kernel may have the weight alone; it shows in a group that has the controller.
+  for weight in */cpu.weight; do
+    [ -e "$weight" ] && ! [ -e "${weight%weight}max" ] && keeps="${keeps%quota}"
+  done
+  echo "cgroups 2 $keeps"
+elif [ -d . ]; then
+  keeps=
+  # In a container they may be there and read-only.
+  mounted=$(sed -n 's/^[^ ]* [^ ]* cgroup rw,\([^ ]*\).*/,\1,/p' /proc/mounts)
+  case $mounted in *,memory,*) keeps=memory;; esac
+  case $mounted in *,cpu,*)
+    keeps="$keeps cpu"
+    [ -e cpu/cpu.cfs_quota_us ] && keeps="$keeps quota";;
+  esac
+  echo "cgroups 1 $keeps"
+fi
+cd /
+echo "autogroups $(cat /proc/sys/kernel/sched_autogroup_enabled 2>/dev/null)"
 command -v musher >/dev/null && echo "version $(musher --version)"
 kind() { od -An -tx1 -j18 -N2 "$1" 2>/dev/null; }
 is_elf() { [ "$(od -An -tx1 -N4 "$1" 2>/dev/null)" = ' 7f 45 4c 46' ]; }
@@ -78,6 +101,14 @@ void TakeHostLines(const std::vector<std::string>& lines, const std::string& mac
     }
     if (key == "user") facts.root = value == "0";
     if (key == "version") facts.musher = value.substr(value.rfind(' ') + 1);
+    if (key == "cgroups") {
+      facts.cgroups = static_cast<int>(NumberIn(value, 0));
+      std::istringstream words(value);
+      std::string word;
+      words >> word;
+      while (words >> word) facts.keeps.push_back(word);
+    }
+    if (key == "autogroups") facts.autogroups = value == "1";
     if (key == "missing") facts.missing.push_back(value);
     if (key == "nouser") facts.no_users.push_back(value);
     if (key == "unit" && IsForeign(value, machine_id)) {

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <vector>
 
 #include "musher/base/joined.hpp"
 #include "musher/cli/doctor/checks.hpp"
@@ -18,6 +21,61 @@ std::string ClockText(Duration ahead) {
   const std::string side = seconds < 0 ? "behind" : "ahead";
   if (size < 1) return fmt::format("its clock is {:.0f} ms {}", size * 1000, side);
   return fmt::format("its clock is {:.1f} s {}", size, side);
+}
+
+// The actuators of the host with such a limit.
+template <typename Has>
+std::vector<std::string> Limited(const DoctorFacts& facts, const OtherHostFacts& host, Has has) {
+  std::vector<std::string> names;
+  if (!facts.config) return names;
+  for (const ActuatorConfig& actuator : facts.config->actuators) {
+    if (actuator.host == host.name && has(actuator.limits)) names.push_back(actuator.name);
+  }
+  return names;
+}
+
+struct Unkept {
+  CheckStatus health = CheckStatus::kOk;
+  std::string reason;
+  std::string fix;
+};
+
+// A limit of the config that the kernel of the host does not keep.
+std::optional<Unkept> UnkeptLimit(const DoctorFacts& facts, const OtherHostFacts& host) {
+  if (host.cgroups == 0) return std::nullopt;
+  const auto keeps = [&](std::string_view what) {
+    return std::find(host.keeps.begin(), host.keeps.end(), what) != host.keeps.end();
+  };
+  const auto of = [](const char* key, const std::vector<std::string>& names) {
+    return fmt::format("its kernel does not keep `{}` of {}: ", key, Joined(names));
+  };
+  const auto memory =
+      Limited(facts, host, [](const ProcessLimits& limits) { return limits.memory_max_bytes; });
+  if (!memory.empty() && !keeps("memory")) {
+    return Unkept{CheckStatus::kError,
+                  of("memory_max_mb", memory) + "its cgroups have no memory controller",
+                  "boot it with cgroup_enable=memory, or remove the key"};
+  }
+  const auto cpus = Limited(facts, host, [](const ProcessLimits& limits) { return limits.cpus; });
+  if (!cpus.empty() && !keeps("quota")) {
+    return Unkept{CheckStatus::kError,
+                  of("cpus", cpus) + (keeps("cpu") ? "it was built without CONFIG_CFS_BANDWIDTH"
+                                                   : "its cgroups have no cpu controller"),
+                  "boot a kernel that has it, or remove the key"};
+  }
+  if (!memory.empty() && host.cgroups == 1) {
+    return Unkept{CheckStatus::kWarning,
+                  "it has cgroups of version 1: " + Joined(memory) +
+                      " is ended above its `memory_max_mb`, but the fault is shown as a kill",
+                  "boot it with systemd.unified_cgroup_hierarchy=1"};
+  }
+  const auto nice = Limited(facts, host, [](const ProcessLimits& limits) { return limits.nice; });
+  if (!nice.empty() && !keeps("cpu") && host.autogroups) {
+    return Unkept{CheckStatus::kWarning,
+                  of("nice", nice) + "it has autogroups, and its cgroups have no cpu controller",
+                  "ssh " + host.login + " sysctl kernel.sched_autogroup_enabled=0"};
+  }
+  return std::nullopt;
 }
 
 DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
@@ -51,6 +109,10 @@ DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
     return fault(CheckStatus::kError, on + fmt::format("it has no user {}", Joined(host.no_users)),
                  fmt::format("{} useradd --system {}", ssh, host.no_users.front()));
   }
+  const auto unkept = UnkeptLimit(facts, host);
+  if (unkept && unkept->health == CheckStatus::kError) {
+    return fault(unkept->health, on + unkept->reason, unkept->fix);
+  }
   if (!host.foreign.empty()) {
     return fault(CheckStatus::kError,
                  on + fmt::format("it runs {} already, for another machine of this name",
@@ -64,6 +126,7 @@ DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
                  on + fmt::format("its disk has {} MiB left", host.free_bytes >> 20),
                  fmt::format("{} journalctl --vacuum-size=100M", ssh));
   }
+  if (unkept) return fault(unkept->health, on + unkept->reason, unkept->fix);
   if (!host.musher.empty() && !facts.version.empty() && host.musher != facts.version) {
     return fault(
         CheckStatus::kWarning,

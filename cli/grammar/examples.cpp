@@ -48,6 +48,7 @@ constexpr auto kExamples = std::to_array<Example>({
     {"play", "musher play run.mcap"},
     {"keys", "musher keys init robot.toml"},
     {"ota", "musher ota install release-2"},
+    {"deploy", "musher deploy robot.toml --version 1.4.0 --key robot.key"},
     {"completion", "musher completion bash"},
 });
 

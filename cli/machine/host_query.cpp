@@ -128,8 +128,9 @@ std::vector<std::string> HostScript::TakeLines() {
 }
 
 std::string HostScript::Late(Duration within) const {
-  const std::string why =
-      "no answer within " + std::to_string(ToMilliseconds(within) / 1000) + " s";
+  const std::string why = (begun_ ? "its answer was not whole within " : "no answer within ") +
+                          std::to_string(ToMilliseconds(within) / 1000) + " s";
+  if (begun_) return "host " + host_.name + " (" + host_.Login() + "): " + why;
   return "host " + host_.name + " (" + host_.Login() +
          "): " + SshTroubleOf(why, host_.Login()).text;
 }
@@ -176,7 +177,9 @@ std::vector<HostAnswer> QueryHosts(const std::vector<HostQuery>& queries, Durati
     }
   }
   for (std::size_t i = 0; i < scripts.size(); ++i) {
-    if (scripts[i]) answers[i].trouble = scripts[i]->Late(within);
+    if (!scripts[i]) continue;
+    answers[i] = {scripts[i]->TakeLines(), scripts[i]->clock_offset_ns(), scripts[i]->Late(within),
+                  scripts[i]->begun()};
   }
   return answers;
 }

@@ -35,6 +35,8 @@ class HostScript {
   std::optional<std::int64_t> clock_offset_ns() const { return offset_ns_; }
   // "host vision (root@10.0.0.2): …": why it has not run to its end; after Read() returned false.
   std::string Trouble();
+  // It has printed something.
+  bool begun() const { return begun_; }
   // The sentence for a script that has not ended in time.
   std::string Late(Duration within) const;
 
@@ -54,9 +56,10 @@ class HostScript {
 };
 
 struct HostAnswer {
-  std::vector<std::string> lines;
+  std::vector<std::string> lines;  // also those that had arrived before a trouble
   std::optional<std::int64_t> clock_offset_ns = {};
   std::string trouble = {};  // "host vision (root@10.0.0.2): …; …"; empty: it has answered
+  bool cut = false;          // the trouble is that its script has not ended in time
 };
 
 struct HostQuery {

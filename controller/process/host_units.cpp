@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <set>
@@ -197,6 +198,13 @@ void AppendCommand(sd_bus_message* message, const std::vector<std::string>& argv
   CloseProperty(message);
 }
 
+// Of a unit, as the kernel weighs a process: a step of nice is a quarter more or less.
+std::uint64_t CpuWeight(int nice) {
+  constexpr double kOfNiceZero = 100;
+  const double weight = std::round(kOfNiceZero * std::pow(1.25, -nice));
+  return static_cast<std::uint64_t>(std::clamp(weight, 1.0, 10'000.0));
+}
+
 void AppendLimits(sd_bus_message* message, const ProcessLimits& limits) {
   constexpr std::uint64_t kSecondUs = 1'000'000;
   if (limits.memory_max_bytes) {
@@ -210,7 +218,11 @@ void AppendLimits(sd_bus_message* message, const ProcessLimits& limits) {
     const auto quota = static_cast<std::uint64_t>(*limits.cpus * static_cast<double>(kSecondUs));
     sd_bus_message_append(message, "(sv)", "CPUQuotaPerSecUSec", "t", quota);
   }
-  if (limits.nice) sd_bus_message_append(message, "(sv)", "Nice", "i", *limits.nice);
+  if (limits.nice) {
+    sd_bus_message_append(message, "(sv)", "Nice", "i", *limits.nice);
+    // Nice counts among the processes of one session or unit only, where the kernel weighs those.
+    sd_bus_message_append(message, "(sv)", "CPUWeight", "t", CpuWeight(*limits.nice));
+  }
   if (limits.realtime_priority) {
     sd_bus_message_append(message, "(sv)", "CPUSchedulingPolicy", "i", SCHED_FIFO);
     sd_bus_message_append(message, "(sv)", "CPUSchedulingPriority", "i", *limits.realtime_priority);

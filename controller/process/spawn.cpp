@@ -5,6 +5,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <array>
+#include <charconv>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -30,11 +32,24 @@ void WriteMark(char* const* environment) {
   }
 }
 
+// In the child, which is a session of its own: a kernel with autogroups weighs those, and the
+// niceness only among the processes of one. Without them there is no such file.
+void WriteAutogroup(int nice) {
+  const int file = open("/proc/self/autogroup", O_WRONLY | O_CLOEXEC);
+  if (file < 0) return;
+  std::array<char, 8> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), nice).ptr;
+  [[maybe_unused]] const ssize_t count =
+      write(file, text.data(), static_cast<std::size_t>(end - text.data()));
+  close(file);
+}
+
 // In the child.
 const char* KeepLimits(std::optional<int> nice, std::optional<int> realtime_priority) {
   if (nice && setpriority(PRIO_PROCESS, 0, *nice) != 0) {
     return "set its `nice`, which takes root, or LimitNICE= in the unit of the controller";
   }
+  if (nice) WriteAutogroup(*nice);
   if (!realtime_priority) return nullptr;
   sched_param priority{};
   priority.sched_priority = *realtime_priority;

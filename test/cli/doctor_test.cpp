@@ -577,10 +577,87 @@ TEST(DoctorOfAnotherHost, NamesEachFaultWithItsHostAndWhatToDo) {
   EXPECT_EQ(CheckVision(off).health, CheckStatus::kError);
 }
 
+TEST(DoctorOfAnotherHost, NamesTheLimitsThatItsKernelDoesNotKeep) {
+  struct Kernel {
+    int cgroups;
+    std::vector<std::string> keeps;
+    bool autogroups;
+    ProcessLimits limits;
+    CheckStatus health;
+    const char* reason;
+    const char* fix;
+  };
+  ProcessLimits memory;
+  memory.memory_max_bytes = 64 << 20;
+  ProcessLimits cpus;
+  cpus.cpus = 0.5;
+  ProcessLimits nice;
+  nice.nice = 5;
+  const Kernel kernels[] = {
+      {2,
+       {"cpu", "quota"},
+       false,
+       memory,
+       CheckStatus::kError,
+       "does not keep `memory_max_mb` of eyes: its cgroups have no memory controller",
+       "cgroup_enable=memory"},
+      {2,
+       {"memory"},
+       false,
+       cpus,
+       CheckStatus::kError,
+       "does not keep `cpus` of eyes: its cgroups have no cpu controller",
+       "remove the key"},
+      {1,
+       {"memory", "cpu"},
+       false,
+       cpus,
+       CheckStatus::kError,
+       "without CONFIG_CFS_BANDWIDTH",
+       "remove the key"},
+      {1,
+       {"memory"},
+       false,
+       memory,
+       CheckStatus::kWarning,
+       "cgroups of version 1: eyes is ended",
+       "systemd.unified_cgroup_hierarchy=1"},
+      {2,
+       {"memory"},
+       true,
+       nice,
+       CheckStatus::kWarning,
+       "does not keep `nice` of eyes",
+       "ssh root@10.0.0.2 sysctl kernel.sched_autogroup_enabled=0"},
+      {2, {"cpu"}, true, nice, CheckStatus::kOk, "", ""},
+      {2, {"memory"}, false, nice, CheckStatus::kOk, "", ""},
+      {0, {}, true, memory, CheckStatus::kOk, "", ""},
+      {2, {}, true, ProcessLimits(), CheckStatus::kOk, "", ""},
+  };
+  for (const Kernel& kernel : kernels) {
+    OtherHostFacts host = Vision();
+    host.cgroups = kernel.cgroups;
+    host.keeps = kernel.keeps;
+    host.autogroups = kernel.autogroups;
+    DoctorFacts facts = Healthy();
+    ActuatorConfig eyes;
+    eyes.name = "eyes";
+    eyes.host = "vision";
+    eyes.limits = kernel.limits;
+    facts.config.emplace().actuators.push_back(eyes);
+    facts.hosts = {host};
+    const DoctorCheck check = Check(facts, "host vision");
+    EXPECT_EQ(check.health, kernel.health) << check.reason;
+    EXPECT_THAT(check.reason, HasSubstr(kernel.reason));
+    EXPECT_THAT(check.fix, HasSubstr(kernel.fix));
+  }
+}
+
 TEST(DoctorOfAnotherHost, ReadsWhatItsScriptPrints) {
   OtherHostFacts host;
   TakeHostLines({"arch aarch64", "init systemd", "systemd 252", "free 1024", "user 0",
-                 "version musher 1.2.3", "missing eyes: program not found there: x", "nouser robot",
+                 "cgroups 2 cpuset memory", "autogroups 1", "version musher 1.2.3",
+                 "missing eyes: program not found there: x", "nouser robot",
                  "unit musher-dog-eyes.service MUSHER_MACHINE_ID=theirs",
                  "unit musher-dog-ears.service A=b MUSHER_MACHINE_ID=ours"},
                 "ours", host);
@@ -588,6 +665,9 @@ TEST(DoctorOfAnotherHost, ReadsWhatItsScriptPrints) {
   EXPECT_EQ(host.systemd, 252);
   EXPECT_EQ(host.free_bytes, 1 << 20);
   EXPECT_TRUE(host.root);
+  EXPECT_EQ(host.cgroups, 2);
+  EXPECT_EQ(host.keeps, (std::vector<std::string>{"cpuset", "memory"}));
+  EXPECT_TRUE(host.autogroups);
   EXPECT_EQ(host.musher, "1.2.3");
   EXPECT_EQ(host.missing, std::vector<std::string>{"eyes: program not found there: x"});
   EXPECT_EQ(host.no_users, std::vector<std::string>{"robot"});

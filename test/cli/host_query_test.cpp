@@ -76,6 +76,69 @@ TEST_F(OtherHosts, ThatHangAreNamedAndTheOthersAnswer) {
   EXPECT_THAT(answers[1].lines, ElementsAre("two"));
 }
 
+TEST_F(OtherHosts, ThatAreSlowKeepWhatHasArrived) {
+  Ssh("exec sh -s");
+  const auto answers =
+      QueryHosts({{&vision_, "echo one\nexec sleep 1000\n"}}, std::chrono::seconds(2));
+  EXPECT_THAT(answers[0].lines, ElementsAre("one"));
+  EXPECT_THAT(answers[0].trouble, HasSubstr("its answer was not whole within 2 s"));
+  EXPECT_TRUE(answers[0].clock_offset_ns);
+}
+
+class JournalOfOtherHosts : public OtherHosts {
+ protected:
+  // What runs there in the place of journalctl.
+  void Journal(const std::string& text) const {
+    Ssh("exec sh -s");
+    const std::string file = folder_ / "journalctl";
+    std::ofstream(file) << "#!/bin/sh\n"
+                        << "line() { echo '{\"__CURSOR\":\"'$1'\",\"_SYSTEMD_UNIT\":"
+                           "\"musher-dog-eyes.service\",\"MESSAGE\":\"'$2'\"}'; }\n"
+                        << text << "\n";
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  static std::vector<std::string> Texts(const std::vector<LogEntry>& entries) {
+    std::vector<std::string> texts;
+    for (const LogEntry& entry : entries) texts.push_back(entry.text);
+    return texts;
+  }
+
+  const HostLog eyes_{"eyes", &vision_, "musher-dog-eyes.service"};
+};
+
+TEST_F(JournalOfOtherHosts, IsReadFromItsEnd) {
+  Journal("case \"$*\" in *' -r -n 50 '*) line c2 second; line c1 first;; *) line c2;; esac");
+  const ReadHostLogs read = ReadLogsOf({eyes_}, 0, 50);
+  EXPECT_THAT(read.troubles, IsEmpty());
+  EXPECT_THAT(Texts(read.entries.at(0)), ElementsAre("first", "second"));
+  const JournalPosition& position = read.positions.at(&vision_);
+  EXPECT_EQ(position.cursor, "c2");
+  EXPECT_THAT(position.shown, ElementsAre("c1", "c2"));
+}
+
+TEST_F(JournalOfOtherHosts, ThatIsSlowIsShownAsFarAsItHasArrived) {
+  Journal("line c2 second; line c1 first; case \"$*\" in *' -u '*) exec sleep 1000;; esac");
+  const ReadHostLogs read = ReadLogsOf({eyes_}, 0, 50, std::chrono::seconds(2));
+  EXPECT_THAT(Texts(read.entries.at(0)), ElementsAre("first", "second"));
+  EXPECT_THAT(read.troubles,
+              ElementsAre(AllOf(HasSubstr("host vision (root@10.0.0.2): its answer was not whole "
+                                          "within 2 s: the older lines of its logs are missing"),
+                                HasSubstr("--since"))));
+}
+
+TEST_F(JournalOfOtherHosts, ThatTheUserMayNotReadSaysSo) {
+  Ssh("echo musher-clock 0; echo musher-denied robot");
+  const ReadHostLogs read = ReadLogsOf({eyes_}, 0, 50);
+  EXPECT_THAT(read.troubles, ElementsAre(AllOf(HasSubstr("user robot may not read its journal"),
+                                               HasSubstr("`usermod -aG systemd-journal robot`"))));
+}
+
+TEST_F(JournalOfOtherHosts, IsFollowedFromWhereItWasRead) {
+  EXPECT_THAT(FollowScript({eyes_}, "s=1;i=2"),
+              HasSubstr(" -f --no-tail --cursor='s=1;i=2' -u musher-dog-eyes.service"));
+  EXPECT_THAT(FollowScript({eyes_}, ""), HasSubstr(" -f -n 0 -u musher-dog-eyes.service"));
+}
+
 TEST_F(OtherHosts, WithoutSshSaysWhatToInstall) {
   setenv("PATH", folder_.path().c_str(), 1);
   const auto answers = QueryHosts({{&vision_, "echo\n"}}, std::chrono::seconds(20));

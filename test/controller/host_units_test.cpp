@@ -317,10 +317,11 @@ TEST_F(UnitOfAnotherHost, HasTheLimitsOfTheConfig) {
   Open();
   Start();
   AwaitCall("StartTransientUnit");
-  EXPECT_THAT(Calls(), AllOf(HasSubstr("MemoryMax 67108864\nMemorySwapMax 0\n"),
-                             HasSubstr("CPUQuotaPerSecUSec 500000\n"), HasSubstr("Nice -5\n"),
-                             HasSubstr("CPUSchedulingPolicy 1\nCPUSchedulingPriority 40\n"),
-                             HasSubstr("User robot\n")));
+  EXPECT_THAT(Calls(),
+              AllOf(HasSubstr("MemoryMax 67108864\nMemorySwapMax 0\n"),
+                    HasSubstr("CPUQuotaPerSecUSec 500000\n"), HasSubstr("Nice -5\nCPUWeight 305\n"),
+                    HasSubstr("CPUSchedulingPolicy 1\nCPUSchedulingPriority 40\n"),
+                    HasSubstr("User robot\n")));
 }
 
 TEST_F(UnitOfAnotherHost, EndedByItsLimitOfMemoryNamesThat) {

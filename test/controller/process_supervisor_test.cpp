@@ -100,6 +100,15 @@ TEST_F(Supervisor, GivesAProcessItsNiceness) {
   EXPECT_EQ(WaitForLine(), "7");
 }
 
+// Its niceness alone has no effect there: each process of the controller is a session of its own.
+TEST_F(Supervisor, GivesTheSessionOfAProcessItsNicenessWhereTheKernelWeighsSessions) {
+  if (!std::filesystem::exists("/proc/self/autogroup")) GTEST_SKIP() << "no autogroups here";
+  ProcessSpec spec = Script("cat /proc/self/autogroup > $PIPE");
+  spec.limits.nice = 7;
+  MustStart(spec);
+  EXPECT_THAT(WaitForLine(), ::testing::EndsWith(" nice 7"));
+}
+
 TEST_F(Supervisor, GivesAProcessItsRealtimePriority) {
   sched_param priority{};
   priority.sched_priority = 3;

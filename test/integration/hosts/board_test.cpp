@@ -229,6 +229,160 @@ TEST_F(Board, ShowsItsLogAndWhatItsProcessUses) {
   Heal();
 }
 
+TEST_F(Board, WhoseJournalTheUserMayNotReadSaysSo) {
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  OnBoard({"useradd", "-m", "looker"});
+  ASSERT_EQ(OnBoard({"cp -r /root/.ssh /home/looker/; chown -R looker /home/looker/.ssh"}).exit, 0);
+  Replace("user = \"root\"", "user = \"looker\"");
+  const Ended logs = robot_->Run({"logs", "eyes", "--config", config_});
+  EXPECT_EQ(logs.exit, 1);
+  EXPECT_THAT(logs.err, HasSubstr("host board (looker@10.77.3.2): user looker may not read its "
+                                  "journal: lines are missing; permit it there by `usermod -aG "
+                                  "systemd-journal looker`"));
+  ASSERT_EQ(OnBoard({"usermod", "-aG", "systemd-journal", "looker"}).exit, 0);
+  const Ended permitted = robot_->Run({"logs", "eyes", "--config", config_});
+  EXPECT_EQ(permitted.exit, 0);
+  EXPECT_THAT(permitted.err, Not(HasSubstr("may not read")));
+}
+
+// The numbers of the lines "count N" in a log.
+std::vector<int> Counts(const std::string& log) {
+  std::vector<int> counts;
+  const std::string word = "count ";
+  for (std::size_t at = log.find(word); at != std::string::npos; at = log.find(word, at + 1)) {
+    counts.push_back(std::atoi(log.c_str() + at + word.size()));
+  }
+  return counts;
+}
+
+TEST_F(Board, LosesNoLineOfALogThatIsFollowedOverACutLink) {
+  std::ofstream(folder_ / "eyes.toml")
+      << "[state.SetUp]\nstart = [\"sh\", \"-c\", \"i=0; while :; do i=$((i + 1)); echo count "
+         "$i; sleep 0.05; done\"]\n";
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  const std::string log = folder_ / "followed";
+  const Process follow(robot_->Here({"sh", "-c",
+                                     "exec " + BinDir() + "/musher logs -f -n 5 eyes --config " +
+                                         config_ + " > " + log + " 2>&1"}));
+  const auto newest = [&] {
+    const std::vector<int> counts = Counts(ReadFile(log));
+    return counts.empty() ? 0 : counts.back();
+  };
+  ASSERT_TRUE(Until([&] { return newest() > 0; }));
+  const int shown = newest();
+  ASSERT_TRUE(Until([&] { return newest() > shown + 20; })) << ReadFile(log);
+  Cut();
+  ASSERT_TRUE(Until([&] { return ReadFile(log).find("its lines follow") != std::string::npos; },
+                    std::chrono::seconds(30)))
+      << ReadFile(log);
+  const int before = newest();
+  Heal();
+  ASSERT_TRUE(Until([&] { return newest() > before + 100; }, std::chrono::seconds(60)))
+      << ReadFile(log);
+  const std::vector<int> counts = Counts(ReadFile(log));
+  for (std::size_t i = 1; i < counts.size(); ++i) ASSERT_EQ(counts[i], counts[i - 1] + 1);
+}
+
+// What its kernel keeps, is asked of the board itself.
+TEST_F(Board, WhoseKernelDoesNotKeepALimitIsNamedByCheck) {
+  const bool keeps =
+      OnBoard({"grep", "-qs", "memory", "/sys/fs/cgroup/cgroup.controllers"}).exit == 0;
+  const bool old = OnBoard({"grep", "-q", "'cgroup rw,.*memory'", "/proc/mounts"}).exit == 0;
+  Replace("host = \"board\"\n", "host = \"board\"\nmemory_max_mb = 512\n");
+  const Ended check = robot_->Run({"check", "--hosts", config_});
+  EXPECT_EQ(check.exit, keeps || old ? 0 : 2) << check.out;
+  if (keeps) return;
+  EXPECT_THAT(check.out, HasSubstr(old ? "it has cgroups of version 1: eyes is ended above"
+                                       : "its kernel does not keep `memory_max_mb` of eyes: its "
+                                         "cgroups have no memory controller"));
+}
+
+// A version of eyes for `musher deploy`.
+class DeployedBoard : public RobotAndBoard {
+ protected:
+  void SetUp() override {
+    RobotAndBoard::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    ASSERT_EQ(OnBoard({"rm -rf /opt/robot /opt/robot.*; ln -sf " + BinDir() +
+                       "/musher /usr/local/bin/musher"})
+                  .exit,
+              0);
+    Replace(BinDir() + "/musher-exec\", \"" + (folder_ / "eyes") + ".toml\"]\n",
+            "/opt/robot/current/bin/eyes\", \"eyes.toml\"]\ncwd = \"/opt/robot/current\"\nenv = { "
+            "MUSHER_CONFIG = \"/opt/robot/current/robot.toml\" }\n");
+    ASSERT_EQ(robot_->Run({"ota", "keygen", folder_ / "robot"}).exit, 0);
+  }
+  void MakeVersion(const std::string& text) const {
+    std::filesystem::create_directories(folder_ / "bin");
+    const std::string file = folder_ / "bin/eyes";
+    std::ofstream(file) << "#!/bin/sh\necho " << text << "\nexec " << BinDir()
+                        << "/musher-exec \"$@\"\n";
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  Ended Deploy(const std::string& version) const {
+    return robot_->Run({"deploy", config_, "--version", version, "--key", folder_ / "robot.key"});
+  }
+  std::string Current() const {
+    return OnBoard({"readlink", "-f", "/opt/robot/current/bin/eyes"}).out;
+  }
+};
+
+TEST_F(DeployedBoard, RunsTheVersionThatWasCopiedToIt) {
+  MakeVersion("the first version");
+  const Ended first = Deploy("1.0.0");
+  ASSERT_EQ(first.exit, 0) << first.err;
+  EXPECT_EQ(Current(), "/opt/robot/slots/a/bin/eyes\n");
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  EXPECT_THAT(robot_->Run({"logs", "eyes"}).out, HasSubstr("the first version"));
+
+  MakeVersion("the second version");
+  const pid_t before = PidOfEyes();
+  const Ended second = Deploy("1.1.0");
+  ASSERT_EQ(second.exit, 0) << second.err;
+  EXPECT_EQ(Current(), "/opt/robot/slots/b/bin/eyes\n");
+  EXPECT_EQ(Property("MainPID"), std::to_string(before));
+  EXPECT_EQ(robot_->Run({"restart", "eyes"}).exit, 0);
+  ASSERT_TRUE(AwaitActive());
+  EXPECT_THAT(robot_->Run({"logs", "eyes"}).out, HasSubstr("the second version"));
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
+}
+
+TEST_F(DeployedBoard, WithoutSpaceOrOutOfReachKeepsItsVersion) {
+  MakeVersion("the first version");
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  const std::string before = Current();
+  ASSERT_EQ(OnBoard({"mkdir /opt/small && mount -t tmpfs -o "
+                     "size=5m tmpfs /opt/small"})
+                .exit,
+            0);
+  std::string toml = ReadFile(config_);
+  for (std::size_t at = 0; (at = toml.find("/opt/robot", at)) != std::string::npos;) {
+    toml.replace(at, 10, "/opt/small/robot");
+    at += 16;
+  }
+  const std::string small = folder_ / "small.toml";
+  std::ofstream(small) << toml;
+  std::ofstream(folder_ / "eyes.toml") << "# " << std::string(1 << 20, 'x') << "\n";
+  const Ended full =
+      robot_->Run({"deploy", small, "--version", "1.1.0", "--key", folder_ / "robot.key"});
+  EXPECT_EQ(full.exit, 1);
+  EXPECT_THAT(full.err, AllOf(HasSubstr("host board (root@10.77.3.2): it needs 7 MiB for "
+                                        "/opt/small/robot, there are 5"),
+                              HasSubstr("version 1.1.0 is on no host")));
+  EXPECT_EQ(OnBoard({"ls", "/opt/small"}).out, "");
+  OnBoard({"umount /opt/small; rm -rf /opt/small"});
+
+  Cut();
+  const Time begin = std::chrono::steady_clock::now();
+  const Ended cut = Deploy("1.1.0");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  EXPECT_EQ(cut.exit, 1);
+  EXPECT_THAT(cut.err, HasSubstr("host board (root@10.77.3.2): "));
+  Heal();
+  ASSERT_TRUE(AwaitBoard());
+  EXPECT_EQ(Current(), before);
+}
+
 TEST_F(Board, IsLookedAtByDoctorAndByCheck) {
   const Ended well = robot_->Run({"check", "--hosts", config_});
   EXPECT_EQ(well.exit, 0) << well.out;

@@ -47,7 +47,8 @@ class BoardRoot {
     const char* kept = std::getenv("MUSHER_BOARD_ROOT");
     path_ = kept != nullptr ? kept : folder_ / "root";
     kept_ = kept != nullptr;
-    const std::string libraries = "ldd " + BinDir() + "/musher-exec | awk '/=> \\// {print $3}'";
+    const std::string libraries =
+        "ldd " + BinDir() + "/musher-exec " + BinDir() + "/musher | awk '/=> \\// {print $3}'";
     const Ended made = RunToEnd(
         {"sh", "-c",
          "set -e; . /etc/os-release; root=" + path_ + "; [ -e $root/etc/ssh ] || " +
@@ -145,6 +146,12 @@ class RobotAndBoard : public MachineFixture {
                                  "-o", "UserKnownHostsFile=" + root_->KnownHosts(), "-i",
                                  root_->Key(), "-l", "root", kBoardAddress, "--"});
     return robot_->Do(std::move(words));
+  }
+  // Whether its kernel keeps limits of memory, as the board says itself.
+  bool KeepsMemory() const {
+    return OnBoard({"grep -qsw memory /sys/fs/cgroup/cgroup.controllers || "
+                    "grep -q 'cgroup rw,.*memory' /proc/mounts"})
+               .exit == 0;
   }
   std::string Property(const std::string& name) const {
     std::string value = OnBoard({"systemctl", "show", "--value", "-p", name, kUnit}).out;

@@ -39,7 +39,13 @@ TEST_F(TwoComputers, AreOneRobotAsTheReadmeSays) {
   const std::filesystem::path example = SourceDir() + "/examples/two_computers";
   const TempFolder reader;
   for (const auto& file : std::filesystem::directory_iterator(example)) {
-    std::ofstream(reader / file.path().filename().string()) << WithAddress(ReadFile(file.path()));
+    std::string text = WithAddress(ReadFile(file.path()));
+    // `check --hosts` refuses a limit that the board does not keep.
+    const std::size_t limit = text.find("\nmemory_max_mb");
+    if (limit != std::string::npos && !KeepsMemory()) {
+      text.erase(limit, text.find('\n', limit + 1) - limit);
+    }
+    std::ofstream(reader / file.path().filename().string()) << text;
   }
   ASSERT_EQ(OnBoard({"ln", "-sf", BinDir() + "/musher-exec", "/usr/local/bin/musher-exec"}).exit,
             0);

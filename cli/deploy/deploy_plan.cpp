@@ -1,0 +1,190 @@
+#include "musher/cli/deploy/deploy_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "musher/base/joined.hpp"
+#include "musher/ota/manifest.hpp"
+#include "musher/transport/security/key_folder.hpp"
+
+namespace musher::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kCurrentLink = "/current";
+
+// A path in a slot that a word names.
+struct SlotPath {
+  std::string root;
+  std::string path;  // empty: the slot itself
+};
+
+std::optional<SlotPath> SlotPathIn(const std::string& word) {
+  const std::size_t begin = word.find('/');
+  if (begin == std::string::npos) return std::nullopt;
+  const std::string text = fs::path(word.substr(begin)).lexically_normal().string();
+  for (std::size_t at = text.find(kCurrentLink); at != std::string::npos;
+       at = text.find(kCurrentLink, at + 1)) {
+    const std::size_t end = at + kCurrentLink.size();
+    if (at == 0 || (end < text.size() && text[end] != '/')) continue;
+    return SlotPath{text.substr(0, at), end + 1 < text.size() ? text.substr(end + 1) : ""};
+  }
+  return std::nullopt;
+}
+
+class Planner {
+ public:
+  Planner(const MachineConfig& config, std::string from) : config_(config), from_(std::move(from)) {
+    folder_ = fs::absolute(config.file).lexically_normal().parent_path();
+  }
+
+  Result<DeployPlan> Run() {
+    for (const HostConfig& host : config_.hosts) {
+      host_ = HostFiles{&host, "", {}, {}};
+      for (const ActuatorConfig& actuator : config_.actuators) {
+        if (actuator.host == host.name) Take(actuator);
+      }
+      if (!host_.root.empty()) plan_.hosts.push_back(std::move(host_));
+    }
+    if (!errors_.empty()) return Error{kCodeParametersInvalid, errors_};
+    if (!plan_.hosts.empty()) return plan_;
+    return Error{kCodeParametersInvalid,
+                 config_.file +
+                     ": no actuator of another host is started from an upgrade root; name its "
+                     "program as ROOT/current/PROGRAM, such as /opt/robot/current/bin/eyes"};
+  }
+
+ private:
+  void Take(const ActuatorConfig& actuator) {
+    bool in_root = false;
+    bool has_config = false;
+    const auto take = [&](const std::string& word, bool is_config) {
+      const auto named = SlotPathIn(word);
+      if (!named || !TakeRoot(actuator, named->root)) return;
+      in_root = true;
+      has_config |= is_config;
+      if (named->path.empty()) return;
+      is_config ? Put(actuator, named->path, config_.file) : Find(actuator, named->path, true);
+    };
+    for (const std::string& word : actuator.command) take(word, false);
+    for (const auto& [name, value] : actuator.env) take(value, name == "MUSHER_CONFIG");
+    const auto cwd = SlotPathIn(actuator.cwd);
+    if (cwd && TakeRoot(actuator, cwd->root)) {
+      in_root = true;
+      for (std::size_t i = 0; i < actuator.command.size(); ++i) {
+        const std::string& word = actuator.command[i];
+        const bool in_path = i == 0 && word.find('/') == std::string::npos;
+        if (word.empty() || word.front() == '/' || word.front() == '-' || in_path) continue;
+        // A word may be a path, or not.
+        Find(actuator, (fs::path(cwd->path) / word).lexically_normal().string(), i == 0);
+      }
+    }
+    if (!in_root) return;
+    host_.actuators.push_back(actuator.name);
+    if (!has_config) {
+      plan_.notes.push_back(fmt::format(
+          "{} reads the config at {} on host {}, where it is not copied to; env.MUSHER_CONFIG = "
+          "\"{}/current/{}\" names it in the slot",
+          actuator.name, fs::absolute(config_.file).lexically_normal().string(), actuator.host,
+          host_.root, fs::path(config_.file).filename().string()));
+    }
+    TakeKeys(actuator);
+  }
+
+  bool TakeRoot(const ActuatorConfig& actuator, const std::string& root) {
+    if (host_.root.empty()) host_.root = root;
+    if (host_.root == root) return true;
+    Refuse(actuator,
+           fmt::format("it is in {}, and others of host {} are in {}; a host has one root", root,
+                       actuator.host, host_.root));
+    return false;
+  }
+
+  void Find(const ActuatorConfig& actuator, const std::string& path, bool needed) {
+    std::error_code error;
+    const fs::path own = fs::path(from_) / actuator.host / path;
+    const fs::path common = fs::path(from_) / path;
+    const fs::path found = fs::exists(own, error) ? own : common;
+    if (!fs::exists(found, error)) {
+      if (needed) {
+        Refuse(actuator, fmt::format("{} is neither in {} nor in {}", path,
+                                     (fs::path(from_) / actuator.host).string(), from_));
+      }
+      return;
+    }
+    if (!fs::is_directory(found, error)) return Put(actuator, path, found.string());
+    for (auto at = fs::recursive_directory_iterator(found, error);
+         !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+      if (!at->is_regular_file(error)) continue;
+      Put(actuator, (path / at->path().lexically_relative(found)).lexically_normal().string(),
+          at->path().string());
+    }
+    if (error) Refuse(actuator, found.string() + ": " + error.message());
+  }
+
+  void TakeKeys(const ActuatorConfig& actuator) {
+    if (config_.keys.empty()) return;
+    const fs::path inside = fs::path(config_.keys).lexically_relative(folder_);
+    if (inside.empty() || *inside.begin() == "..") {
+      return Refuse(actuator, "its keys are in " + config_.keys + ", which is not below " +
+                                  folder_.string() + ": they have no place in a slot");
+    }
+    const transport::keys::KeyFolder keys(config_.keys);
+    for (const std::string& file : {keys.IdentityCa(), keys.PermissionsCa(), keys.Governance(),
+                                    keys.Revocations(), keys.Certificate(actuator.name),
+                                    keys.Permissions(actuator.name), keys.Key(actuator.name)}) {
+      std::error_code error;
+      if (!fs::exists(file, error)) {
+        if (file != keys.Revocations()) Refuse(actuator, file + " is missing; see `musher keys`");
+        continue;
+      }
+      Put(actuator, (inside / fs::path(file).filename()).string(), file);
+    }
+  }
+
+  void Put(const ActuatorConfig& actuator, const std::string& path, const std::string& source) {
+    if (const auto fault = ota::PathFault(path)) return Refuse(actuator, path + ": " + *fault);
+    host_.files[path] = source;
+  }
+
+  void Refuse(const ActuatorConfig& actuator, const std::string& what) {
+    errors_ += (errors_.empty() ? "" : "\n") + ("actuator." + actuator.name) + ": " + what;
+  }
+
+  const MachineConfig& config_;
+  std::string from_;
+  fs::path folder_;
+  HostFiles host_;
+  DeployPlan plan_;
+  std::string errors_;
+};
+
+}  // namespace
+
+Result<DeployPlan> PlanDeployment(const MachineConfig& config, const std::string& from) {
+  return Planner(config, from).Run();
+}
+
+std::string ProcessorOf(const std::string& file) {
+  constexpr std::size_t kMachine = 18;
+  std::array<char, kMachine + 2> begin{};
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(begin.data(), begin.size())) return {};
+  if (std::string_view(begin.data(), 4) !=
+      "\x7f"
+      "ELF") {
+    return {};
+  }
+  return fmt::format("{:02x} {:02x}", static_cast<unsigned char>(begin[kMachine]),
+                     static_cast<unsigned char>(begin[kMachine + 1]));
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,38 @@
+#pragma once
+// Copies a version to all hosts of a plan and switches them to it: all of them, or none.
+//
+//   look ─▶ send ─▶ stage ─▶ switch ─▶ done
+//     │       │       │         └──▶ undo, where one has failed
+//     └───────┴───────┴──▶ end, every host runs what it ran
+//
+// Each step is taken on all hosts before the next one. Every wait has an end.
+//
+// Threads: any; blocks.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "musher/cli/deploy/deploy_plan.hpp"
+#include "musher/ota/install.hpp"
+
+namespace musher::cli {
+
+struct DeployOptions {
+  std::string robot;  // name in the bundles
+  ota::Version version;
+  std::string private_pem;
+  std::string public_pem;  // for a host without a root
+  std::string created;
+  ota::InstallOptions install;
+};
+
+struct DeployOutcome {
+  std::vector<std::string> troubles;  // each with its host; empty: all hosts have the version
+  bool unknown = false;               // one may have it, with troubles
+};
+// `progress` is called with each step.
+DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,
+                     const std::function<void(const std::string&)>& progress);
+
+}  // namespace musher::cli

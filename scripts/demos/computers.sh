@@ -1,0 +1,275 @@
+# shellcheck shell=bash
+# shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
+# Sourced by scripts/demo: a robot of three computers. The controller runs on `brain`, a namespace of this
+# computer; `motion` and `vision` are roots of Debian that boot with their own systemd and sshd in containers.
+# A switch joins them. MUSHER_BOARD_ROOT=FOLDER keeps the root of Debian, which takes half a minute to make.
+
+[[ $(id -u) == 0 ]] || { echo "demo: computers needs root: it boots two containers and makes networks" >&2; exit 2; }
+for program in systemd-nspawn mmdebstrap ssh ssh-keygen; do
+  command -v "$program" > /dev/null ||
+    { echo "demo: computers needs $program; install it: apt-get install systemd-container mmdebstrap openssh-client" >&2; exit 2; }
+done
+
+[[ $keep == no ]] || { echo "demo: computers ends what it has booted: --keep is for the other shows" >&2; exit 2; }
+
+debian=${MUSHER_BOARD_ROOT:-$scratch/root}
+machine=$scratch/machine config=$scratch/machine/robot.toml
+journal=$scratch/machine/state/journal.sqlite
+picture=$pictures/robot-computers.svg
+unset XDG_STATE_HOME
+mkdir "$machine"
+declare -A address=([brain]=10.77.9.1 [motion]=10.77.9.2 [vision]=10.77.9.3)
+declare -A modules=([brain]="planner voice lamp" [motion]="legs arms neck hands" [vision]="eyes depth map faces")
+declare -A network nspawn
+
+# --- the computers --------------------------------------------------------------------------------
+
+make_debian() {
+  local library
+  # shellcheck disable=SC1091
+  [[ -e $debian/etc/ssh ]] || mmdebstrap --quiet --variant=apt \
+    --include=systemd,systemd-sysv,dbus,openssh-server,iproute2 "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$debian" || return
+  for library in $(ldd "$bin/musher-exec" | awk '/=> \// { print $3 }'); do
+    [[ -e $debian$library ]] || cp --parents -L "$library" "$debian" || return
+  done
+  ssh-keygen -q -t ed25519 -N '' -f "$machine/key" && mkdir -p "$debian/root/.ssh" && chmod 700 "$debian/root/.ssh" &&
+    cp "$machine/key.pub" "$debian/root/.ssh/authorized_keys" &&
+    sed "s/^/${address[motion]},${address[vision]} /" "$debian/etc/ssh/ssh_host_ed25519_key.pub" > "$machine/known_hosts"
+}
+
+# holder: a process that has a network of its own; its number goes to `held`.
+holder() {
+  MUSHER_DEMO=$scratch unshare --net "$@" tail -f /dev/null > /dev/null 2>&1 &
+  held=$!
+  disown
+  while [[ $(readlink "/proc/$held/ns/net") == "$(readlink /proc/self/ns/net)" ]]; do sleep 0.05; done
+}
+in_network() {
+  nsenter --target "$1" --net -- "${@:2}"
+}
+
+make_networks() {
+  local host
+  holder
+  network[switch]=$held
+  in_network "$held" ip link add wires type bridge && in_network "$held" ip link set wires up
+  for host in brain motion vision; do
+    if [[ $host == brain ]]; then
+      holder --pid --fork --kill-child --mount-proc
+      read -r brain _ < <(until grep . "/proc/$held/task/$held/children"; do sleep 0.05; done)
+      network[brain]=$brain
+    else
+      holder
+      network[$host]=$held
+    fi
+    in_network "${network[switch]}" ip link add "$host" type veth peer name eth0 netns "${network[$host]}" &&
+      in_network "${network[switch]}" ip link set "$host" master wires up &&
+      in_network "${network[$host]}" ip link set lo up &&
+      in_network "${network[$host]}" ip address add "${address[$host]}/24" dev eth0 &&
+      in_network "${network[$host]}" ip link set eth0 up || return
+  done
+}
+
+# boot HOST
+boot() {
+  systemd-nspawn --quiet --directory="$debian" --volatile=overlay --boot --register=no --keep-unit \
+    --machine="$1" --network-namespace-path="/proc/${network[$1]}/ns/net" --bind-ro="$machine" --bind-ro="$bin" \
+    < /dev/null > "$scratch/$1.console" 2>&1 &
+  nspawn[$1]=$!
+}
+# power_off HOST: as if its power was cut.
+power_off() {
+  local pid=${nspawn[$1]:-}
+  [[ -n $pid ]] || return 0
+  # shellcheck disable=SC2046
+  kill -KILL $(cat "/proc/$pid/task/$pid/children") 2> /dev/null
+  wait "$pid" 2> /dev/null
+  nspawn[$1]=''
+}
+# on HOST COMMAND...
+on() {
+  in_network "$brain" ssh -xT -o BatchMode=yes -o ConnectTimeout=2 -o UserKnownHostsFile="$machine/known_hosts" \
+    -i "$machine/key" -l root "${address[$1]}" -- "${@:2}" 2> /dev/null
+}
+await_host() {
+  local _
+  for _ in {1..60}; do
+    on "$1" true && return
+    sleep 0.5
+  done
+}
+
+clean_computers() {
+  power_off motion
+  power_off vision
+  clean_up
+}
+trap clean_computers EXIT
+
+# The commands of this demo run on the brain.
+musher() {
+  nsenter --target "$brain" --net --pid --mount --root --wd -- "$bin/musher" "$@"
+}
+
+make_config() {
+  local host module all=()
+  for host in brain motion vision; do
+    for module in ${modules[$host]}; do all+=("\"$module\""); done
+  done
+  {
+    printf '[controller]\nname = "robot"\nactuators = [%s]\n' "$(IFS=,; echo "${all[*]}")"
+    printf 'states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]\ndefault_time = 2000\nstate_dir = "state"\n'
+    printf '[transport]\nprofile = "lan"\ninterfaces = ["eth0"]\n'
+    for host in motion vision; do
+      printf '[host.%s]\naddress = "%s"\nuser = "root"\nkey = "key"\nknown_hosts = "known_hosts"\n' "$host" "${address[$host]}"
+    done
+    for host in brain motion vision; do
+      for module in ${modules[$host]}; do
+        echo '[state.LowPower]' > "$machine/$module.toml"
+        echo 'run = ["true"]' >> "$machine/$module.toml"
+        printf '[actuator.%s]\nstates = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]\n' "$module"
+        printf 'times = [20000, 5000, 5000, 5000, 5000]\ncommand = ["%s/musher-exec", "%s/%s.toml"]\n' "$bin" "$machine" "$module"
+        [[ $host == brain ]] || printf 'host = "%s"\n' "$host"
+        [[ $module != planner ]] || printf 'critical = true\non_lost = "LowPower"\n'
+        [[ $module != faces || $limited == no ]] || printf 'memory_max_mb = 64\n'
+      done
+    done
+  } > "$config"
+  # What eats memory in LowPower, where its limit is kept.
+  [[ $limited == no ]] || echo 'run = ["sh", "-c", "tail -c 200M /dev/zero | tail"]' |
+    cat <(echo '[state.LowPower]') - > "$machine/faces.toml"
+}
+
+# --- the steps ------------------------------------------------------------------------------------
+
+pid_of() {
+  status ".actuators.$1.pid"
+}
+# await_long FILTER: up to a minute.
+await_long() {
+  local _
+  for _ in {1..6}; do
+    await "$1"
+    [[ $(status "$1") == true ]] && return
+  done
+}
+all_active() {
+  await_long '.state == "Active" and ([.actuators[] | select(.state == "Active" and .degraded == false)] | length == 11)'
+  expect "actuators in Active" 11 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+}
+units_on() {
+  on "$1" "systemctl list-units --no-legend --state=running 'musher-*'" | wc -l
+}
+
+start_up() {
+  step "Two computers boot; the third starts the modules of all"
+  make_debian > "$scratch/debian.log" 2>&1
+  expect "a root of Debian is made: exit code" 0 $?
+  make_networks
+  expect "three networks are joined: exit code" 0 $?
+  boot motion
+  boot vision
+  await_host motion
+  await_host vision
+  limited=$(on vision grep -qw memory /sys/fs/cgroup/cgroup.controllers && echo yes || echo no)
+  make_config
+  say "\$ musher check --hosts robot.toml"
+  musher check --hosts "$config" > "$scratch/check.log" 2>&1
+  expect "exit code of check" 0 $?
+  say "\$ musher up --detach robot.toml"
+  musher_up "$config" > "$scratch/up.log" 2>&1
+  expect "exit code of up" 0 $?
+  all_active
+  expect "units on motion" 4 "$(units_on motion)"
+  expect "units on vision" 4 "$(units_on vision)"
+}
+
+kill_one() {
+  step "A module of another computer is killed, and started again"
+  local before after killed seen
+  before=$(pid_of eyes)
+  say "\$ ssh vision kill -KILL $before    # eyes"
+  killed=$(on vision "date +%s%N; kill -KILL $before")
+  await_long ".actuators.eyes.pid != $before and .actuators.eyes.state == \"Active\""
+  after=$(pid_of eyes)
+  expect "it has another process" yes "$([[ $after != "$before" && $after != null ]] && echo yes)"
+  seen=$(history_of "[.[] | select(.message == \"eyes's process $before ended: killed by SIGKILL\")][0].time")
+  at_most "until the controller knew" 200 "$((($(date -d "$seen" +%s%N) - killed) / 1000000))" ms
+  all_active
+}
+
+eat_memory() {
+  step "A module needs more memory than its limit"
+  if [[ $limited == no ]]; then
+    say "left out: the containers of this computer have no memory controller in cgroups of version 2"
+    return
+  fi
+  musher_set LowPower
+  await_long '.actuators.faces.restarts >= 1'
+  expect "it is named" yes "$(history_of '[.[].message | select(test("out of memory: its limit .memory_max_mb = 64"))] | length > 0' | sed 's/true/yes/')"
+  printf '[state.LowPower]\nrun = ["true"]\n' > "$machine/faces.toml"
+  musher_set Active
+  all_active
+}
+
+cut_link() {
+  step "A cable is pulled and plugged in again: what runs there runs on"
+  local before
+  before=$(pid_of map)
+  say "the link of vision is cut"
+  in_network "${network[switch]}" ip link set vision down
+  local _
+  for _ in {1..200}; do
+    [[ $(history_of '[.[].message | select(test("What runs there runs on"))] | length > 0') == true ]] && break
+    sleep 0.1
+  done
+  expect "the machine goes on in" Active "$(status .state)"
+  in_network "${network[switch]}" ip link set vision up
+  say "the link is back"
+  all_active
+  expect "the process of map" "$before" "$(pid_of map)"
+  expect "starts of map" 1 "$(history_of '[.[].message | select(test("^map started on host"))] | length')"
+}
+
+reboot_host() {
+  step "A computer loses its power and boots again: its modules are started, and driven to Active"
+  power_off motion
+  boot motion
+  await_host motion
+  local _
+  for _ in {1..300}; do
+    [[ $(history_of '[.[].message | select(test("^legs started on host"))] | length') == 2 ]] && break
+    sleep 0.2
+  done
+  all_active
+  expect "the history names the reboot" yes \
+    "$(history_of '[.[].message | select(test("motion is reached, and has been booted again"))] | length > 0' | sed 's/true/yes/')"
+}
+
+switch_off() {
+  step "The machine is torn down on all computers"
+  say "\$ musher down"
+  musher down > "$scratch/down.log" 2>&1
+  expect "exit code of down" 0 $?
+  expect "units that are left on motion" 0 "$(on motion "systemctl list-units --all --no-legend 'musher-*'" | wc -l)"
+  expect "units that are left on vision" 0 "$(on vision "systemctl list-units --all --no-legend 'musher-*'" | wc -l)"
+}
+
+draw() {
+  step "The picture: what ran where"
+  musher history --json --lines 0 --journal "$journal" 2> /dev/null |
+    python3 "$root/scripts/demos/host_timeline" "$picture" \
+      "brain=${modules[brain]// /,}" "motion=${modules[motion]// /,}" "vision=${modules[vision]// /,}"
+  expect "exit code" 0 $?
+  say "$picture"
+}
+
+run_demo() {
+  start_up
+  kill_one
+  eat_memory
+  cut_link
+  reboot_host
+  switch_off
+  draw
+}

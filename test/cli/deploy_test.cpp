@@ -1,0 +1,250 @@
+// `musher deploy` to two hosts that are folders here, with a script in the place of ssh. With a
+// real one it is tested in test/integration/hosts.
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <tuple>
+
+#include "musher/base/files.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/test/cli/program.hpp"
+#include "musher/test/support/paths.hpp"
+#include "musher/test/support/temp_folder.hpp"
+
+namespace musher::cli::deploy_test {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+namespace fs = std::filesystem;
+
+class Deployed : public ::testing::Test {
+ protected:
+  Deployed() {
+    if (!SupportsHosts()) return;
+    setenv("PATH", (folder_.path() + ":" + BinDir() + ":" + path_).c_str(), 1);
+    Ssh("");
+    Write("from/bin/eyes", "#!/bin/sh\necho 1\n");
+    Write("from/bin/ears", "#!/bin/sh\necho 1\n");
+    Write("from/eyes.toml", "run = 1\n");
+    Write("from/not_named", "x");
+    std::string text =
+        "[controller]\nname = \"dog\"\nactuators = [\"eyes\", \"ears\"]\nstates = [\"SetUp\", "
+        "\"TearDown\", \"Active\"]\ndefault_time = 1000\n[transport]\nprofile = \"lan\"\n";
+    for (const auto& [host, address, actuator] :
+         {std::tuple("vision", "10.0.0.2", "eyes"), std::tuple("payload", "10.0.0.3", "ears")}) {
+      fs::create_directory(folder_ / host);
+      text += std::string("[host.") + host + "]\naddress = \"" + address + "\"\n[actuator." +
+              actuator + "]\nhost = \"" + host +
+              "\"\nstates = [\"SetUp\", \"TearDown\", \"Active\"]\ntimes = [1000, 1000, "
+              "1000]\ncommand = [\"" +
+              Slot(host) + "/bin/" + actuator + "\", \"eyes.toml\"]\ncwd = \"" + Slot(host) +
+              "\"\nenv = { MUSHER_CONFIG = \"" + Slot(host) + "/robot.toml\" }\n";
+    }
+    Write("robot.toml", text);
+    EXPECT_EQ(RunProgram({"ota", "keygen", folder_ / "dog"}).exit, 0);
+  }
+  ~Deployed() override { setenv("PATH", path_.c_str(), 1); }
+  void SetUp() override {
+    if (!SupportsHosts()) GTEST_SKIP() << "built without hosts";
+  }
+
+  std::string Root(const std::string& host) const { return (folder_ / host) + "/robot"; }
+  std::string Slot(const std::string& host) const { return Root(host) + "/current"; }
+  void Write(const std::string& path, const std::string& text) const {
+    const fs::path file = folder_ / path;
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << text;
+    fs::permissions(file, fs::perms::owner_all);
+  }
+  // What runs in the place of ssh before the command; $address is that of the host.
+  void Ssh(const std::string& text) const {
+    Write("ssh", "#!/bin/sh\nwhile [ \"$1\" != -- ]; do shift; done\naddress=$2; shift 2\n" + text +
+                     "\nexec sh -c \"$*\"\n");
+  }
+  // A program of this name, on the host of this address alone.
+  void OnHost(const std::string& address, const std::string& name, const std::string& text) const {
+    Write("there/" + name, "#!/bin/sh\n" + text + "\n");
+    Ssh("[ $address != " + address + " ] || PATH=" + (folder_ / "there") + ":$PATH");
+  }
+  Ran Deploy(const std::string& version) const {
+    return RunProgram({"deploy", folder_ / "robot.toml", "--version", version, "--key",
+                       folder_ / "dog.key", "--from", folder_ / "from"});
+  }
+  // Of both hosts.
+  void ExpectText(const std::string& text) const {
+    EXPECT_EQ(ReadFile(Slot("vision") + "/bin/eyes"), text);
+    EXPECT_EQ(ReadFile(Slot("payload") + "/bin/ears"), text);
+  }
+  void Change(const std::string& text) const {
+    Write("from/bin/eyes", text);
+    Write("from/bin/ears", text);
+  }
+
+  const std::string path_ = getenv("PATH");
+  const TempFolder folder_;
+};
+
+TEST_F(Deployed, FilesAreAVersionInASlotOfEachHost) {
+  const Ran first = Deploy("1.0.0");
+  ASSERT_EQ(first.exit, 0) << first.err;
+  EXPECT_THAT(first.out,
+              AllOf(HasSubstr("vision: version 1.0.0 in " + Root("vision") + ", 3 files"),
+                    HasSubstr("musher restart eyes ears")));
+  ExpectText("#!/bin/sh\necho 1\n");
+  EXPECT_EQ(ReadFile(Slot("vision") + "/eyes.toml"), "run = 1\n");
+  EXPECT_EQ(ReadFile(Slot("vision") + "/robot.toml"), ReadFile(folder_ / "robot.toml"));
+  EXPECT_FALSE(fs::exists(Slot("vision") + "/bin/ears"));  // of the other host
+  EXPECT_FALSE(fs::exists(Slot("vision") + "/not_named"));
+  EXPECT_FALSE(fs::exists(Root("vision") + ".incoming"));
+  EXPECT_EQ(RunProgram({"ota", "status", "--root", Root("vision")}).exit, 0);
+
+  const std::string before = fs::read_symlink(Slot("vision"));
+  Change("#!/bin/sh\necho 2\n");
+  const Ran second = Deploy("1.1.0");
+  ASSERT_EQ(second.exit, 0) << second.err;
+  ExpectText("#!/bin/sh\necho 2\n");
+  EXPECT_NE(fs::read_symlink(Slot("vision")), before);
+  // What was started from the version before may still read it.
+  EXPECT_EQ(ReadFile(Root("vision") + "/" + before + "/bin/eyes"), "#!/bin/sh\necho 1\n");
+}
+
+TEST_F(Deployed, FilesOfOneHostGoBeforeThoseOfAll) {
+  Write("from/payload/bin/ears", "of the payload");
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  EXPECT_EQ(ReadFile(Slot("payload") + "/bin/ears"), "of the payload");
+}
+
+TEST_F(Deployed, VersionIsOnNoHostIfOneOfThemDoesNotFit) {
+  struct Misfit {
+    const char* program;  // of the payload
+    const char* text;
+    const char* reason;
+  };
+  const Misfit misfits[] = {
+      {"musher", "echo musher 0.0.1", "it has musher 0.0.1, this program is"},
+      {"df", "echo; echo disk 100 99 1 99% /", "it needs 5 MiB for "},
+      {"od", "echo ' b7 00'", "bin/ears is built for another processor than this host's"},
+  };
+  fs::copy_file("/bin/true", folder_ / "from/bin/ears", fs::copy_options::overwrite_existing);
+  for (const Misfit& misfit : misfits) {
+    OnHost("10.0.0.3", misfit.program, misfit.text);
+    const Ran ran = Deploy("1.0.0");
+    EXPECT_EQ(ran.exit, 1);
+    EXPECT_THAT(ran.err, AllOf(HasSubstr("host payload (10.0.0.3): "), HasSubstr(misfit.reason),
+                               HasSubstr("version 1.0.0 is on no host")));
+    EXPECT_FALSE(fs::exists(Root("vision")));
+    EXPECT_FALSE(fs::exists(Root("payload")));
+    fs::remove((folder_ / "there/") + misfit.program);
+  }
+}
+
+TEST_F(Deployed, VersionThatIsNotNewerIsRefusedBeforeAnyHostIsSwitched) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  const Ran ran = Deploy("1.0.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("host vision (10.0.0.2): it is the same version"),
+                             HasSubstr("host payload (10.0.0.3): it is the same version")));
+  ExpectText("#!/bin/sh\necho 1\n");
+}
+
+TEST_F(Deployed, HostsAreSwitchedBackIfOneOfThemIsNotSwitched) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  OnHost("10.0.0.3", "musher",
+         "case \"$*\" in *'--step switch'*) echo 'musher: the disk is read-only'; exit 1;; "
+         "esac\nexec " +
+             BinDir() + "/musher \"$@\"");
+  const Ran ran = Deploy("1.1.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("host payload (10.0.0.3): the disk is read-only"),
+                             HasSubstr("version 1.1.0 is on no host")));
+  ExpectText("#!/bin/sh\necho 1\n");
+  // Also without a version before it.
+  for (const char* host : {"vision", "payload"}) fs::remove_all(Root(host));
+  EXPECT_EQ(Deploy("1.1.0").exit, 1);
+  EXPECT_FALSE(fs::exists(Root("vision")));
+  Ssh("");
+  ASSERT_EQ(Deploy("1.1.0").exit, 0);
+  ExpectText("#!/bin/sh\necho 2\n");
+}
+
+TEST_F(Deployed, HostThatIsLostWhileItIsSwitchedIsNamedWithWhatToDo) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  // It is switched, and is not reached any more.
+  OnHost("10.0.0.3", "musher",
+         BinDir() + "/musher \"$@\" || exit\ncase \"$*\" in *'--step switch'*) touch " +
+             (folder_ / "lost") + "; kill -9 $PPID;; esac");
+  Ssh("[ $address != 10.0.0.3 ] || { PATH=" + (folder_ / "there") + ":$PATH; [ ! -e " +
+      (folder_ / "lost") + " ] || { echo 'connect: No route to host' >&2; exit 255; }; }");
+  const Ran ran = Deploy("1.1.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(
+      ran.err,
+      AllOf(HasSubstr("host payload (10.0.0.3): connect: No route to host"),
+            HasSubstr("it may run version 1.1.0 now"), HasSubstr("version 1.1.0 may be on a host"),
+            HasSubstr("musher deploy --step undo --root " + Root("payload") + " --version 1.1.0")));
+  EXPECT_EQ(ReadFile(Slot("vision") + "/bin/eyes"), "#!/bin/sh\necho 1\n");
+  EXPECT_EQ(
+      RunProgram({"deploy", "--step", "undo", "--root", Root("payload"), "--version", "1.1.0"})
+          .exit,
+      0);
+  ExpectText("#!/bin/sh\necho 1\n");
+}
+
+TEST_F(Deployed, FilesThatAreMissingHereAreNamed) {
+  fs::remove(folder_ / "from/bin/eyes");
+  const Ran ran = Deploy("1.0.0");
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("actuator.eyes: bin/eyes is neither in "));
+}
+
+TEST_F(Deployed, KeysAreThoseOfTheActuatorsOfAHost) {
+  Write("robot.toml", ReadFile(folder_ / "robot.toml") + "[security]\nkeys = \"keys\"\n");
+  const Ran keys = RunProgram({"keys", "init", folder_ / "robot.toml"});
+  ASSERT_EQ(keys.exit, 0) << keys.err;
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  const fs::path key = Slot("vision") + "/keys/eyes.key";
+  EXPECT_EQ(ReadFile(key), ReadFile(folder_ / "keys/eyes.key"));
+  EXPECT_EQ(fs::status(key).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_TRUE(fs::exists(Slot("vision") + "/keys/identity_ca.cert"));
+  for (const char* of_others : {"ears.key", "controller.key", "operator.key", "ca"}) {
+    EXPECT_FALSE(fs::exists(Slot("vision") + "/keys/" + of_others)) << of_others;
+  }
+}
+
+TEST_F(Deployed, FilesAreNotSignedWithAKeyThatOthersMayRead) {
+  fs::permissions(folder_ / "dog.key", fs::perms::others_read, fs::perm_options::add);
+  const Ran ran = Deploy("1.0.0");
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("chmod 600 "));
+}
+
+TEST_F(Deployed, FolderThatIsNoRootIsNotTouched) {
+  Write("vision/robot/notes", "mine");
+  const Ran ran = Deploy("1.0.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, HasSubstr("is not an upgrade root and not empty: move it away"));
+  EXPECT_EQ(ReadFile(Root("vision") + "/notes"), "mine");
+  EXPECT_FALSE(fs::exists(Root("payload")));
+}
+
+TEST(Deploy, NeedsAnActuatorThatIsStartedFromARoot) {
+  if (!SupportsHosts()) GTEST_SKIP() << "built without hosts";
+  const TempFolder folder;
+  ASSERT_EQ(RunProgram({"ota", "keygen", folder / "dog"}).exit, 0);
+  const Ran ran = RunProgram({"deploy", SourceDir() + "/test/golden/configs/good/hosts_limits.toml",
+                              "--version", "1.0.0", "--key", folder / "dog.key"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("such as /opt/robot/current/bin/eyes"));
+}
+
+}  // namespace musher::cli::deploy_test
