@@ -58,7 +58,8 @@ std::string ChangeText(const Why& why, bool colour) {
   const std::string number =
       went.switch_number == 0 ? "" : fmt::format(" (switch {})", went.switch_number);
   return Paint(LocalText(went.wall_ns), Style::kDim, colour) + "  the machine went to " +
-         Paint(Printable(why.state), StyleOfState(why.state), colour) + number + '\n' +
+         Paint(Printable(why.state), StyleOfState(why.state), colour) + number +
+         (went.code == kCodeOk ? "" : ": " + Sentence(went.message, went.code, colour)) + '\n' +
          Causes(why.change, colour);
 }
 

@@ -87,6 +87,16 @@ TEST_F(Explaining, AHangIsTheFailureAndItsBacktraceIsFolded) {
                                             "[3 lines in `musher history`]\n"));
 }
 
+// Such a switch is the change and the failure: its reason was left out.
+TEST_F(Explaining, AChangeThatLeftAnActuatorBehindHasItsReason) {
+  Add(0, "switch to LowPower requested");
+  Add(1, "switch 3 is done-degraded: legs: no brake", kTimeout, "LowPower");
+  EXPECT_EQ(Text(),
+            "1970-01-01 00:00:00.002  the machine went to LowPower: switch 3 is done-degraded: "
+            "legs: no brake (107 Robot: Timeout)\n"
+            "1970-01-01 00:00:00.001    because switch to LowPower requested\n");
+}
+
 // The newest 1000 entries are read first.
 TEST_F(Explaining, OlderEntriesAreNeededUntilTheChangeTheFailureAndTheirCausesAreRead) {
   Add(0, "legs crashed", kTimeout);
