@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 
 #include "musher/base/code.hpp"
@@ -57,9 +58,14 @@ std::string ChangeText(const Why& why, bool colour) {
   const msg::HistoryEntry& went = why.change.entries.front();
   const std::string number =
       went.switch_number == 0 ? "" : fmt::format(" (switch {})", went.switch_number);
+  // A switch that left an actuator behind, which no cause below names.
+  const bool is_reason =
+      went.code != kCodeOk &&
+      std::none_of(std::next(why.change.entries.begin()), why.change.entries.end(),
+                   [](const msg::HistoryEntry& entry) { return entry.code != kCodeOk; });
   return Paint(LocalText(went.wall_ns), Style::kDim, colour) + "  the machine went to " +
          Paint(Printable(why.state), StyleOfState(why.state), colour) + number +
-         (went.code == kCodeOk ? "" : ": " + Sentence(went.message, went.code, colour)) + '\n' +
+         (is_reason ? ": " + Sentence(went.message, went.code, colour) : "") + '\n' +
          Causes(why.change, colour);
 }
 
