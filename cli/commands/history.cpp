@@ -35,8 +35,8 @@ struct HistoryOptions {
   std::string event;     // empty: all
   std::string journal;   // empty: query the controller; without one, that of its machine
   std::string level = "info";
-  bool boot = false;      // only since the host has booted
-  unsigned lines = 1000;  // 0: no limit
+  bool boot = false;              // only since the host has booted
+  std::optional<unsigned> lines;  // 0: no limit
   bool csv = false;
   bool follow = false;             // then print new entries
   std::optional<std::string> why;  // explain this state instead; empty: the current one
@@ -45,6 +45,7 @@ struct HistoryOptions {
 using Entries = msg::GetHistory::Response;
 
 constexpr unsigned kAll = UINT32_MAX;
+constexpr unsigned kLines = 1000;
 constexpr const char* kErrorLevel = "error";
 constexpr Duration kFollowPeriod = Milliseconds(300);
 
@@ -114,6 +115,16 @@ struct Selection {
       return entry.wall_ns <= until && (actuator.empty() || entry.actuator == actuator) &&
              (event.empty() || of_entry == event) && (!failures_only || entry.code != kCodeOk);
     });
+    KeepNewest(history);
+  }
+  // A chain of causes passes through entries of all actuators and levels.
+  void ApplyTimeAndLimit(Entries& history) const {
+    KeepOnly(history, [this](const auto& entry, const auto&) { return entry.wall_ns <= until; });
+    KeepNewest(history);
+  }
+
+ private:
+  void KeepNewest(Entries& history) const {
     const std::size_t count = history.entries.size();
     std::size_t left_out = limit == 0 || count <= limit ? 0 : count - limit;
     KeepOnly(history, [&](const auto&, const auto&) { return left_out == 0 || left_out-- == 0; });
@@ -125,7 +136,7 @@ Result<Selection> Select(const HistoryOptions& options) {
   selection.actuator = options.actuator;
   selection.event = options.event;
   selection.failures_only = options.level == kErrorLevel;
-  selection.limit = options.lines;
+  selection.limit = options.lines.value_or(options.why ? 0 : kLines);
   if (!options.since.empty()) {
     const auto since = ParseSince(options.since, WallNow());
     if (!since) return since.error();
@@ -174,17 +185,45 @@ ExitCode Follow(Link& link, Selection selection, std::uint64_t last, std::int64_
   return ExitCode::kDone;
 }
 
-ExitCode Explain(const Entries& history, const State& state, Console& console) {
-  const auto why = FindWhy(history, state);
-  if (!why) return console.Fail({ExitCode::kNotDone, why.error()});
-  console.Print(console.mode().json ? WhyJson(why.value())
-                                    : WhyText(why.value(), console.mode().colour));
+WhyWanted WantedWhy(const HistoryOptions& options) {
+  return {State(*options.why), options.actuator, options.level == kErrorLevel};
+}
+
+ExitCode Explain(const Entries& history, const WhyWanted& wanted, Console& console) {
+  const auto found = FindWhy(history, wanted);
+  if (!found) return console.Fail({ExitCode::kNotDone, found.error()});
+  const Why& why = found.value();
+  if (why.change.entries.empty() && !wanted.failure_only) {
+    console.Note("the machine's last change of state is before these entries");
+  }
+  const bool shows_failure =
+      !why.failure.entries.empty() ||
+      std::ranges::any_of(why.change.entries, [&wanted](const msg::HistoryEntry& entry) {
+        return entry.code != kCodeOk && entry.actuator == wanted.actuator;
+      });
+  if (!shows_failure && (wanted.failure_only || !wanted.actuator.empty())) {
+    console.Note("these entries contain no failure" +
+                 (wanted.actuator.empty() ? "" : " of " + wanted.actuator));
+  }
+  console.Print(console.mode().json ? WhyJson(why) : WhyText(why, console.mode().colour));
   return ExitCode::kDone;
 }
 
-// The journal on disk of a machine of this host that no controller leads; else `failure`.
-std::variant<Entries, Failure> FromDisk(const Failure& failure, const Selection& wanted,
-                                        const GlobalOptions& global, Console& console) {
+// Where entries are read: from a controller, or from a file without one.
+struct Source {
+  std::unique_ptr<Link> link;
+  std::string journal;
+
+  std::variant<Entries, Failure> Read(std::int64_t since, unsigned limit) const {
+    return link ? FromController(*link, since, limit) : FromFile(journal, since, limit);
+  }
+};
+
+// Reads the journal on disk of a machine of this host that no controller leads, which is `source`
+// then; else `failure`.
+std::variant<Entries, Failure> FromDisk(const Failure& failure, std::int64_t since, unsigned limit,
+                                        const GlobalOptions& global, Console& console,
+                                        Source& source) {
   const auto found = FindMachineFiles("", global);
   const auto* files = std::get_if<MachineFiles>(&found);
   if (files == nullptr || files->led) return failure;
@@ -194,7 +233,8 @@ std::variant<Entries, Failure> FromDisk(const Failure& failure, const Selection&
   const std::string journal = files->state_dir + "/journal.sqlite";
   if (!std::filesystem::exists(journal)) return failure;
   console.Note("no controller leads " + files->name + " now; reading " + journal);
-  auto read = FromFile(journal, wanted.since, wanted.ReadLimit());
+  source = {nullptr, journal};
+  auto read = source.Read(since, limit);
   const auto* entries = std::get_if<Entries>(&read);
   if (entries != nullptr && EndsWithoutRecord(*entries)) {
     console.Note("the last controller ended without a record: it was killed, or the power failed");
@@ -216,37 +256,55 @@ std::string UnknownActuator(const std::string& name, const Entries& history,
   return known.contains(name) ? "" : NoSuch("actuator", name, {known.begin(), known.end()});
 }
 
+// What explains a state is mostly among the newest entries; all are read only where it is not.
+std::variant<Entries, Failure> ReadWanted(const HistoryOptions& options, const Selection& wanted,
+                                          const GlobalOptions& global, Console& console,
+                                          Source& source) {
+  const bool newest_first = options.why && !options.lines && options.until.empty();
+  const unsigned limit = newest_first ? kLines : wanted.ReadLimit();
+  auto read = source.Read(wanted.since, limit);
+  const auto* missing = std::get_if<Failure>(&read);
+  if (missing != nullptr && missing->exit == ExitCode::kNoController && !options.follow) {
+    read = FromDisk(*missing, wanted.since, limit, global, console, source);
+  }
+  const auto* newest = std::get_if<Entries>(&read);
+  const bool is_cut = newest_first && newest != nullptr && newest->entries.size() >= limit;
+  if (!is_cut || !NeedsOlderEntries(*newest, WantedWhy(options))) return read;
+  return source.Read(wanted.since, kAll);
+}
+
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console) {
   const auto selection = Select(options);
   if (!selection) return console.Fail(selection.error());
   const Selection& wanted = selection.value();
-  std::unique_ptr<Link> link;
-  if (options.journal.empty()) {
-    link = Link::OpenForCalls(global, &console);
+  if (options.why && !options.why->empty() && (!options.actuator.empty() || wanted.failures_only)) {
+    return console.Fail({kCodeParametersInvalid, "--why " + *options.why +
+                                                     " shows no failure, which --actuator and "
+                                                     "--level choose: leave STATE or them out"});
   }
-  auto read = link ? FromController(*link, wanted.since, wanted.ReadLimit())
-                   : FromFile(options.journal, wanted.since, wanted.ReadLimit());
-  const auto* missing = std::get_if<Failure>(&read);
-  if (missing != nullptr && missing->exit == ExitCode::kNoController && !options.follow) {
-    read = FromDisk(*missing, wanted, global, console);
-  }
+  Source source{nullptr, options.journal};
+  if (options.journal.empty()) source.link = Link::OpenForCalls(global, &console);
+  auto read = ReadWanted(options, wanted, global, console, source);
   if (const auto* failure = std::get_if<Failure>(&read)) return console.Fail(*failure);
   auto& history = std::get<Entries>(read);
   if (!history.error.empty()) console.PrintError(history.error);
   const std::uint64_t last = history.entries.empty() ? 0 : history.entries.back().id;
   const std::int64_t since =
       history.entries.empty() ? wanted.since : history.entries.back().wall_ns;
-  if (options.why) return Explain(history, State(*options.why), console);
   if (!options.actuator.empty()) {
     const std::string unknown = UnknownActuator(options.actuator, history, global);
     if (!unknown.empty()) {
       return console.Fail({ExitCode::kUsage, {kCodeParametersInvalid, unknown}});
     }
   }
+  if (options.why) {
+    wanted.ApplyTimeAndLimit(history);
+    return Explain(history, WantedWhy(options), console);
+  }
   wanted.Apply(history);
   Show(history, options.csv, true, console);
   if (!options.follow) return ExitCode::kDone;
-  return Follow(*link, wanted, last, since, options.csv, console);
+  return Follow(*source.link, wanted, last, since, options.csv, console);
 }
 
 std::vector<std::string> Events() {
@@ -276,9 +334,8 @@ void AddHistory(Grammar& grammar) {
       .Offer(app.add_option("--actuator", options.actuator, "Only events of this one"),
              Names::kActuators)
       ->type_name("NAME");
-  grammar.Suggest(app.add_option("--event", options.event, "Only events of this name"), Events())
-      ->check(EventError)
-      ->type_name("EVENT");
+  auto* event = app.add_option("--event", options.event, "Only events of this name");
+  grammar.Suggest(event, Events())->check(EventError)->type_name("EVENT");
   grammar.OneOf(app.add_option("--level", options.level, "`error`: only failures"),
                 {"info", kErrorLevel});
   app.add_flag("--boot", options.boot, "Only since this host has booted");
@@ -286,7 +343,7 @@ void AddHistory(Grammar& grammar) {
                  "Number of newest matching entries; default 1000, 0: all")
       ->check(CLI::Range(0U, 1'000'000U).description(""))
       ->type_name("N");
-  app.add_flag("--csv", options.csv, "Print CSV (RFC 4180)");
+  auto* csv = app.add_flag("--csv", options.csv, "Print CSV (RFC 4180)");
   auto* journal = grammar
                       .Offer(app.add_option("--journal", options.journal,
                                             "Read this file instead of calling a controller"),
@@ -297,10 +354,13 @@ void AddHistory(Grammar& grammar) {
   grammar
       .Offer(app.add_option("--why", options.why,
                             "Why the machine is in its current state, and what\n"
-                            "failed last; or why it last went to STATE"),
+                            "failed last, with --actuator of it, with --level\n"
+                            "error that alone; or why it last went to STATE"),
              Names::kStates)
       ->expected(0, 1)
       ->excludes(follow)
+      ->excludes(event)
+      ->excludes(csv)
       ->type_name("[STATE]");
 }
 

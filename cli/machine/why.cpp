@@ -48,6 +48,23 @@ void BeginAtHang(CauseChain& chain, const msg::GetHistory::Response& history) {
   }
 }
 
+// A request that was refused has a code, but it changes nothing: what failed is why it was refused.
+bool IsRefusedRequest(const std::string& event) {
+  return event == "switch_refused" || event == "switch_superseded" || event == "policy_refused" ||
+         event == "policy_switch_refused";
+}
+
+NewestFirst NewestFailure(const msg::GetHistory::Response& history, const std::string& actuator) {
+  const NewestFirst end = history.entries.rend();
+  NewestFirst refused = end;
+  for (NewestFirst entry = history.entries.rbegin(); entry != end; ++entry) {
+    if (entry->code == kCodeOk || (!actuator.empty() && entry->actuator != actuator)) continue;
+    if (!IsRefusedRequest(EventOf(history, entry))) return entry;
+    if (refused == end) refused = entry;
+  }
+  return refused;
+}
+
 bool Contains(const CauseChain& chain, const msg::HistoryEntry& entry) {
   return std::find(chain.entries.begin(), chain.entries.end(), entry) != chain.entries.end();
 }
@@ -63,23 +80,39 @@ bool EndsWithoutRecord(const msg::GetHistory::Response& history) {
   return last != history.events.rend() && *last == "controller_started";
 }
 
-Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state) {
-  const std::vector<msg::HistoryEntry>& entries = history.entries;
-  const auto newest = std::find_if(entries.rbegin(), entries.rend(), [&](const auto& entry) {
-    return state.empty() ? !entry.state.empty() : entry.state == state;
-  });
-  const auto failed = std::find_if(entries.rbegin(), entries.rend(),
-                                   [](const auto& entry) { return entry.code != kCodeOk; });
-  if (newest == entries.rend()) {
-    return Error{kCodeFailed, state.empty() ? "these entries contain no state change of the machine"
-                                            : "these entries contain no change to " + state};
+Result<Why> FindWhy(const msg::GetHistory::Response& history, const WhyWanted& wanted) {
+  const NewestFirst end = history.entries.rend();
+  const State& state = wanted.state;
+  const NewestFirst newest =
+      std::find_if(history.entries.rbegin(), end, [&](const msg::HistoryEntry& entry) {
+        return state.empty() ? !entry.state.empty() : entry.state == state;
+      });
+  if (newest == end && !state.empty()) {
+    return Error{kCodeFailed, "these entries contain no change to " + state};
   }
-  Why why{State(newest->state), ChainFrom(history, newest), {}, history.error};
-  if (state.empty() && failed != entries.rend() && !Contains(why.change, *failed)) {
+  Why why{{}, {}, {}, history.error};
+  if (newest != end && !wanted.failure_only) {
+    why.state = State(newest->state);
+    why.change = ChainFrom(history, newest);
+  }
+  why.change.complete = why.change.complete && newest != end;
+  const NewestFirst failed = state.empty() ? NewestFailure(history, wanted.actuator) : end;
+  if (failed != end && !Contains(why.change, *failed)) {
     why.failure = ChainFrom(history, failed);
     BeginAtHang(why.failure, history);
   }
+  if (newest == end && failed == end) {
+    return Error{kCodeFailed, "these entries contain no state change of the machine"};
+  }
   return why;
+}
+
+bool NeedsOlderEntries(const msg::GetHistory::Response& history, const WhyWanted& wanted) {
+  const auto why = FindWhy(history, wanted);
+  if (!why || !why.value().change.complete || !why.value().failure.complete) return true;
+  if (!wanted.state.empty()) return false;
+  const NewestFirst failed = NewestFailure(history, wanted.actuator);
+  return failed == history.entries.rend() || IsRefusedRequest(EventOf(history, failed));
 }
 
 }  // namespace musher::cli

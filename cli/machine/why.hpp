@@ -19,15 +19,25 @@ struct CauseChain {
 };
 
 struct Why {
-  State state;
-  CauseChain change;   // to `state`
+  State state;         // empty: `change` is
+  CauseChain change;   // to `state`; empty: not wanted, or before the entries
   CauseChain failure;  // the newest failure, if `change` does not contain it; else empty
   std::string damage;  // what is missing among the entries; empty: nothing
 };
 
-// Why `state` was last entered; empty: why the machine is in its current state, and the newest
-// failure. Fails if the entries of `history` do not contain the change.
-Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state);
+// What to explain.
+struct WhyWanted {
+  State state{};              // why it was last entered; empty: the current one, and the failure
+  std::string actuator{};     // the newest failure of this one; empty: of any
+  bool failure_only = false;  // without the change of state
+};
+
+// The newest failure is a refused request only if nothing else failed. Fails if the entries of
+// `history` contain neither the change nor a failure, or not the change to the state that is named.
+Result<Why> FindWhy(const msg::GetHistory::Response& history, const WhyWanted& wanted);
+
+// Whether entries before those of `history` may change that answer.
+bool NeedsOlderEntries(const msg::GetHistory::Response& history, const WhyWanted& wanted);
 
 // Whether the controller that recorded the last entries was neither stopped nor replaced.
 bool EndsWithoutRecord(const msg::GetHistory::Response& history);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 
 #include "musher/base/code.hpp"
@@ -52,6 +53,30 @@ std::string Causes(const CauseChain& chain, bool colour) {
   return text + std::string(23, ' ') + "    because of an event before these entries\n";
 }
 
+std::string ChangeText(const Why& why, bool colour) {
+  if (why.change.entries.empty()) return "";
+  const msg::HistoryEntry& went = why.change.entries.front();
+  const std::string number =
+      went.switch_number == 0 ? "" : fmt::format(" (switch {})", went.switch_number);
+  // A switch that left an actuator behind, which no cause below names.
+  const bool is_reason =
+      went.code != kCodeOk &&
+      std::none_of(std::next(why.change.entries.begin()), why.change.entries.end(),
+                   [](const msg::HistoryEntry& entry) { return entry.code != kCodeOk; });
+  return Paint(LocalText(went.wall_ns), Style::kDim, colour) + "  the machine went to " +
+         Paint(Printable(why.state), StyleOfState(why.state), colour) + number +
+         (is_reason ? ": " + Sentence(went.message, went.code, colour) : "") + '\n' +
+         Causes(why.change, colour);
+}
+
+std::string FailureText(const CauseChain& failure, bool colour) {
+  if (failure.entries.empty()) return "";
+  const msg::HistoryEntry& failed = failure.entries.front();
+  return Paint(LocalText(failed.wall_ns), Style::kDim, colour) +
+         "  last failure: " + Sentence(failed.message, failed.code, colour) + Folded(failed.data) +
+         '\n' + Causes(failure, colour);
+}
+
 }  // namespace
 
 std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour) {
@@ -74,19 +99,12 @@ std::string HistoryCsv(const std::vector<msg::HistoryEntry>& entries, bool head)
 }
 
 std::string WhyText(const Why& why, bool colour) {
-  const msg::HistoryEntry& went = why.change.entries.front();
-  const std::string number =
-      went.switch_number == 0 ? "" : fmt::format(" (switch {})", went.switch_number);
-  const std::string change = Paint(LocalText(went.wall_ns), Style::kDim, colour) +
-                             "  the machine went to " +
-                             Paint(Printable(why.state), StyleOfState(why.state), colour) + number +
-                             '\n' + Causes(why.change, colour);
-  if (why.failure.entries.empty()) return change;
-  const msg::HistoryEntry& failed = why.failure.entries.front();
-  const std::string failure = Paint(LocalText(failed.wall_ns), Style::kDim, colour) +
-                              "  last failure: " + Sentence(failed.message, failed.code, colour) +
-                              Folded(failed.data) + '\n' + Causes(why.failure, colour);
-  return failed.wall_ns > went.wall_ns ? failure + change : change + failure;
+  const std::string change = ChangeText(why, colour);
+  const std::string failure = FailureText(why.failure, colour);
+  const bool failure_first = why.change.entries.empty() || (!why.failure.entries.empty() &&
+                                                            why.failure.entries.front().wall_ns >
+                                                                why.change.entries.front().wall_ns);
+  return failure_first ? failure + change : change + failure;
 }
 
 std::string ProgressText(const Progress& progress, bool colour) {

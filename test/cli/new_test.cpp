@@ -197,4 +197,18 @@ TEST_F(NewCommand, IsOneJsonDocument) {
       HasSubstr(R"("files":[".gitignore","README.md","base.toml","lights.toml","robot.toml"])"));
 }
 
+TEST_F(MakeProjectTest, ARobotGetsItsKeysAndIsUsedWithThem) {
+  const std::string made = folder_ / "rover";
+  ASSERT_EQ(RunProgram({"new", "robot", "rover", "--folder", made}).exit, 0);
+  const std::string config = made + "/robot.toml";
+  const Ran keys = RunProgram({"keys", "init", config});
+  EXPECT_EQ(keys.exit, 0) << keys.err;
+  EXPECT_THAT(keys.err, HasSubstr("now add to " + config + " the table [security]"));
+  std::ofstream(config, std::ios::app) << "\n[security]\nkeys = \"keys\"\n";
+  const Ran check = RunProgram({"check", config});
+  EXPECT_EQ(check.exit, 0) << check.out << check.err;
+  const std::string identities = RunProgram({"keys", "list", "--keys", made + "/keys"}).out;
+  EXPECT_THAT(identities, ::testing::AllOf(HasSubstr("controller"), HasSubstr("operator")));
+}
+
 }  // namespace musher::cli::new_test

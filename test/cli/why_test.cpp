@@ -30,7 +30,7 @@ class Explaining : public ::testing::Test {
                                 code, message, cause, state, data});
   }
   std::string Text(const State& state = State("")) const {
-    return WhyText(FindWhy(history_, state).value(), false);
+    return WhyText(FindWhy(history_, {state}).value(), false);
   }
 
   msg::GetHistory::Response history_;
@@ -64,7 +64,7 @@ TEST_F(Explaining, AStateNamesTheFailureBeforeItLast) {
 TEST_F(Explaining, AFailureThatIsTheCauseOfTheStateIsNamedOnce) {
   Add(0, "legs crashed", kTimeout);
   Add(1, "falling back to Protected", 0, "Protected");
-  EXPECT_THAT(FindWhy(history_, State("")).value().failure.entries, IsEmpty());
+  EXPECT_THAT(FindWhy(history_, {}).value().failure.entries, IsEmpty());
 }
 
 TEST_F(Explaining, AStateThatWasNamedLeavesOtherFailuresOut) {
@@ -85,6 +85,29 @@ TEST_F(Explaining, AHangIsTheFailureAndItsBacktraceIsFolded) {
   EXPECT_THAT(Text(), ::testing::StartsWith("1970-01-01 00:00:00.002  last failure: legs hung "
                                             "(107 Robot: Timeout)  "
                                             "[3 lines in `musher history`]\n"));
+}
+
+// Such a switch is the change and the failure: its reason was left out.
+TEST_F(Explaining, AChangeThatLeftAnActuatorBehindHasItsReason) {
+  Add(0, "switch to LowPower requested");
+  Add(1, "switch 3 is done-degraded: legs: no brake", kTimeout, "LowPower");
+  EXPECT_EQ(Text(),
+            "1970-01-01 00:00:00.002  the machine went to LowPower: switch 3 is done-degraded: "
+            "legs: no brake (107 Robot: Timeout)\n"
+            "1970-01-01 00:00:00.001    because switch to LowPower requested\n");
+}
+
+// The newest 1000 entries are read first.
+TEST_F(Explaining, OlderEntriesAreNeededUntilTheChangeTheFailureAndTheirCausesAreRead) {
+  Add(0, "legs crashed", kTimeout);
+  EXPECT_TRUE(NeedsOlderEntries(history_, {})) << "no change of state";
+  Add(0, "the machine is Active", 0, "Active");
+  EXPECT_FALSE(NeedsOlderEntries(history_, {}));
+  EXPECT_TRUE(NeedsOlderEntries(history_, {.actuator = "legs"})) << "no failure of legs";
+  EXPECT_TRUE(NeedsOlderEntries(history_, {State("OTA")}));
+  EXPECT_FALSE(NeedsOlderEntries(history_, {State("Active")}));
+  history_.entries.front().cause = 77;
+  EXPECT_TRUE(NeedsOlderEntries(history_, {})) << "no cause of the failure";
 }
 
 TEST(History, EndsWithoutARecordWhereItsControllerWasKilled) {

@@ -61,7 +61,7 @@ void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
       if (const auto history = Take<msg::GetHistory::Response>(bytes)) {
         RequireJson(HistoryJson(*history));
         RequirePrintable(HistoryText(history->entries, false));
-        if (const auto why = FindWhy(*history, "Active")) {
+        if (const auto why = FindWhy(*history, {State("Active")})) {
           RequireJson(WhyJson(why.value()));
           RequirePrintable(WhyText(why.value(), false));
         }

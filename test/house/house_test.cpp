@@ -239,6 +239,10 @@ TEST(House, EveryPageIsInTheContentsOfTheSite) {
   EXPECT_THAT(PagesOutsideTheContents(Tree()), IsEmpty());
 }
 
+TEST(House, EveryDrawingFitsAPrintedPage) {
+  EXPECT_THAT(DrawingsThatFitNoPage(Tree()), IsEmpty());
+}
+
 TEST(House, TheChinesePagesHaveTheCodeAndTheHeadingsOfTheEnglishOnes) {
   EXPECT_THAT(DifferingBlocks(File("README.md"), "", File("README.zh.md")), IsEmpty());
   EXPECT_THAT(DifferingHeadings(File("README.md"), File("README.zh.md")), IsEmpty());

@@ -161,4 +161,21 @@ std::vector<std::string> HeadersWithoutThreads(const std::vector<SourceFile>& tr
   return wrong;
 }
 
+std::vector<std::string> DrawingsThatFitNoPage(const std::vector<SourceFile>& tree) {
+  static const std::regex size("<svg width=\"([0-9]+)pt\" height=\"([0-9]+)pt\"");
+  constexpr int kShort = 595 - 2 * 36;
+  constexpr int kLong = 842 - 2 * 36;
+  std::vector<std::string> wrong;
+  for (const SourceFile& file : tree) {
+    std::smatch match;
+    if (!file.In("docs/") || !file.Is(".svg") || !std::regex_search(file.text, match, size))
+      continue;
+    const auto [shorter, longer] = std::minmax({std::stoi(match[1]), std::stoi(match[2])});
+    if (shorter <= kShort && longer <= kLong) continue;
+    wrong.push_back(file.path + " fits no page: " + match[1].str() + " x " + match[2].str() +
+                    " pt; give its graph a size of at most 7.2 and 10.6 inches");
+  }
+  return wrong;
+}
+
 }  // namespace musher::house

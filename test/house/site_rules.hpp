@@ -22,4 +22,8 @@ std::vector<std::string> DifferingHeadings(const SourceFile& original,
 // whose comment at the top has no "Threads:".
 std::vector<std::string> HeadersWithoutThreads(const std::vector<SourceFile>& tree);
 
+// Drawings of Graphviz in docs/ that fit no printed page: A4, upright or not, with margins of
+// 36 pt.
+std::vector<std::string> DrawingsThatFitNoPage(const std::vector<SourceFile>& tree);
+
 }  // namespace musher::house

@@ -71,4 +71,16 @@ TEST(SiteRules, ReportAHeaderWithoutThreads) {
   EXPECT_THAT(HeadersWithoutThreads({}), ElementsAre("no page of docs/api shows a header"));
 }
 
+TEST(SiteRules, ReportADrawingThatFitsNoPage) {
+  const std::vector<SourceFile> tree = {
+      {"docs/images/fits.svg", "<svg width=\"523pt\" height=\"770pt\"\n viewBox"},
+      {"docs/images/lies.svg", "<svg width=\"770pt\" height=\"523pt\"\n viewBox"},
+      {"docs/images/wide.svg", "<svg width=\"524pt\" height=\"600pt\"\n viewBox"},
+      {"docs/images/long.svg", "<svg width=\"10pt\" height=\"771pt\"\n viewBox"},
+      {"docs/images/screen.svg", "<svg width=\"2000\" height=\"2000\">"}};
+  EXPECT_THAT(DrawingsThatFitNoPage(tree),
+              ElementsAre(HasSubstr("docs/images/wide.svg fits no page: 524 x 600 pt"),
+                          HasSubstr("docs/images/long.svg fits no page: 10 x 771 pt")));
+}
+
 }  // namespace musher::house::site_rules_test

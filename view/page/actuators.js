@@ -84,7 +84,7 @@ function detailRow(ctx, a, columns) {
       ]),
       h('p', {class: 'buttons'}, actButton(ctx, t('restart'), () => restart(ctx, a),
         {label: t('restart.title', {name: a.name})}),
-        h('a', {class: 'button', href: `#timeline/why/${encodeURIComponent(a.name)}`}, t('wrong.why'))),
+        h('a', {class: 'button', href: `#timeline/why/${encodeURIComponent(a.name)}`}, t('why'))),
       lookHint(ctx), tailPart(ctx, a.name))));
 }
 
@@ -95,7 +95,7 @@ function row(ctx, a) {
   const process = ctx.state.processes[a.name];
   const label = name => ({'data-label': name});
   return [h('tr', {key: a.name, class: `actuator ${healthOf(a)[1]}`},
-    h('th', {scope: 'row'}, h('button', {type: 'button', class: 'opener', 'aria-expanded': String(open),
+    h('th', {scope: 'row'}, h('button', {class: 'opener', 'aria-expanded': String(open),
       id: `actuator-${a.name}`,
       onclick: () => {
         ctx.ui.openActuator = open ? '' : a.name;

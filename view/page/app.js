@@ -8,7 +8,7 @@ import {language, languageTag, otherLanguage, setLanguage, t} from './i18n.js';
 import {releaseButton, stopButton} from './estop.js';
 import {loginDialog, logout} from './login.js';
 import {batteryBar, commands, docsLink, levelShape, plainText, stateChip, stoppedChip} from './parts.js';
-import {apply, freshness, initialState, mayAct, mayStop, recentFaults, statusOf} from './store.js';
+import {acknowledgement, apply, freshness, initialState, mayAct, mayStop, recentFaults, statusOf} from './store.js';
 import * as actuators from './actuators.js';
 import * as application from './application.js';
 import * as cameras from './cameras.js';
@@ -16,13 +16,13 @@ import * as log from './log.js';
 import * as machine from './machine.js';
 import * as timeline from './timeline.js';
 
-const ACKNOWLEDGED = 'musher.acknowledged_ms';
+const ACKNOWLEDGED = 'musher.acknowledged';
 
-function storedNumber(key) {
+function stored(key) {
   try {
-    return Number(localStorage.getItem(key)) || 0;
+    return JSON.parse(localStorage.getItem(key)) ?? {};
   } catch {
-    return 0;
+    return {};
   }
 }
 
@@ -32,7 +32,7 @@ const ctx = {
   state: initialState(),
   now: Date.now(),
   route: {name: 'robot', rest: []},
-  ui: {said: [], alarm: '', acknowledged_ms: storedNumber(ACKNOWLEDGED)},  // what is chosen and open; each view has its own keys
+  ui: {said: [], alarm: '', acknowledged: stored(ACKNOWLEDGED)},  // what is chosen and open; each view has its own keys
   redraw,
   say(text) {
     ctx.ui.said = [...ctx.ui.said.slice(-4), {text: plainText(text), key: ctx.now + Math.random()}];
@@ -42,11 +42,11 @@ const ctx = {
     ctx.ui.alarm = text;
     redraw();
   },
-  // Faults up to this time of the robot have been seen.
-  acknowledge(ms) {
-    ctx.ui.acknowledged_ms = ms;
+  // A person has seen the faults up to now.
+  acknowledge() {
+    Object.assign(ctx.ui.acknowledged, acknowledgement(ctx.state));
     try {
-      localStorage.setItem(ACKNOWLEDGED, ms);
+      localStorage.setItem(ACKNOWLEDGED, JSON.stringify(ctx.ui.acknowledged));
     } catch {
       // They come back with the next visit.
     }
@@ -99,7 +99,7 @@ function toggleLanguage() {
   redraw();
 }
 
-const faultCount = () => recentFaults(ctx.state, ctx.now, ctx.ui.acknowledged_ms).length;
+const faultCount = () => recentFaults(ctx.state, ctx.now, ctx.ui.acknowledged).length;
 
 function headerPart(fresh) {
   const status = statusOf(ctx.state);
@@ -113,7 +113,7 @@ function headerPart(fresh) {
         faultCount() > 0 ? h('a', {class: 'count faults', href: '#robot',
           'aria-label': t('faults.past', {count: faultCount()})}, `! ${faultCount()}`) : null,
         h('span', {class: `link ${fresh}`}, h('i', {'aria-hidden': 'true'}), t(`link.${fresh}`))),
-      h('button', {type: 'button', class: 'language', onclick: toggleLanguage,
+      h('button', {class: 'language', onclick: toggleLanguage,
         'aria-label': t('language.label'),
         lang: language() === 'en' ? 'zh-CN' : 'en'}, t('language')),
       stopButton(ctx)),
@@ -135,12 +135,12 @@ function oldBanner() {
     h('p', null, t('banner.old', {age: silent}), ' ',
     ctx.state.link === 'connecting' ? t('banner.old.trying') : rest > 0
       ? t('banner.old.retry', {time: `${rest} s`}) : null),
-  ctx.state.link === 'closed' ? h('button', {type: 'button', class: 'button small',
+  ctx.state.link === 'closed' ? h('button', {class: 'button small',
     onclick: () => connection.retryNow()},
     t('banner.old.now')) : null);
 }
 
-const loginButton = () => h('button', {type: 'button', class: 'button small',
+const loginButton = () => h('button', {class: 'button small',
   onclick: () => loginDialog(document.getElementById('dialogs'))}, t('login'));
 
 function banners(fresh) {
@@ -148,7 +148,7 @@ function banners(fresh) {
   return [
     ctx.ui.alarm ? h('div', {class: 'banner bad', key: 'alarm', role: 'alert'}, levelShape('bad'),
       h('p', null, commands(ctx.ui.alarm)),
-      h('button', {type: 'button', class: 'button small', onclick: () => ctx.alarm('')}, t('close'))) : null,
+      h('button', {class: 'button small', onclick: () => ctx.alarm('')}, t('close'))) : null,
     status?.emergency_stop ? h('div', {class: 'banner bad', key: 'stop', role: 'alert'}, levelShape('bad'),
       h('p', null, h('b', null, t('stop.engaged')), ' ',
       commands(t('stop.by', {by: status.emergency_stop_by || '?', reason: status.emergency_stop_reason})),
@@ -165,8 +165,8 @@ function banners(fresh) {
     ctx.state.hello && mayAct(ctx.state)
       ? h('div', {class: 'banner plain', key: 'act'}, h('p', null,
         t('look.as', {who: ctx.state.hello.who || '?'})),
-        h('button', {type: 'button', class: 'link-button', onclick: () => logout(ctx, false)}, t('logout')),
-        h('button', {type: 'button', class: 'link-button', onclick: () => logout(ctx, true)}, t('logout.all')))
+        h('button', {class: 'link-button', onclick: () => logout(ctx, false)}, t('logout')),
+        h('button', {class: 'link-button', onclick: () => logout(ctx, true)}, t('logout.all')))
       : null,
   ];
 }

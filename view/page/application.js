@@ -130,7 +130,7 @@ function chartPart(ctx, whole, present) {
   };
   return [graph(ctx, joined(chart), present),
     whole.states.length > MOST_STATES ? h('p', {class: 'buttons', key: `fold ${whole.name}`},
-      h('button', {type: 'button', class: 'button small', onclick: toggle, 'aria-pressed': String(folded === 0)},
+      h('button', {class: 'button small', onclick: toggle, 'aria-pressed': String(folded === 0)},
         folded > 0 ? t('app.whole', {count: whole.states.length}) : t('app.near'))) : null,
     arrowList(whole)];
 }

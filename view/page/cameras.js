@@ -9,8 +9,8 @@ import {robotNow, statusOf} from './store.js';
 const TYPES = new Set(['sensor_msgs/msg/Image', 'sensor_msgs/msg/CompressedImage']);
 const RETRY_MS = 1000;
 
-// The front cameras first: a picture in colour, then the others.
-const rank = name => (/front|rgb|color|colour/.test(name) ? 0 : /rear|back|depth/.test(name) ? 2 : 1);
+// The front cameras first, pictures in colour before others; depths and the back last.
+const rank = name => 4 * /rear|back|depth/.test(name) + 2 * !/front/.test(name) + !/rgb|colou?r/.test(name);
 export const camerasOf = topics => topics.filter(topic => TYPES.has(topic.type) && topic.publishers > 0)
   .map(topic => topic.name).sort((a, b) => rank(a) - rank(b) || (a < b ? -1 : 1));
 
@@ -69,7 +69,7 @@ function cameraCard(ctx, topic, hidden) {
     stop(ctx, topic);
     ctx.redraw();
   };
-  const button = h('button', {type: 'button', class: 'button small', onclick: toggle,
+  const button = h('button', {class: 'button small', onclick: toggle,
     'aria-label': `${t(hidden.has(topic) ? 'cameras.show' : 'cameras.hide')} ${topic}`},
     t(hidden.has(topic) ? 'cameras.show' : 'cameras.hide'));
   if (hidden.has(topic)) return card(topic, {key: topic, aside: button});

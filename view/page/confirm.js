@@ -19,8 +19,8 @@ export function confirmDialog(parent, {title, text, yes, no}) {
       ref: element => (dialog = element)},
     h('h2', {id: 'confirm-title'}, title), h('p', {id: 'confirm-text'}, text),
     h('p', {class: 'buttons'},
-      h('button', {type: 'button', class: 'button', onclick: () => end(false)}, no),
-      h('button', {type: 'button', class: 'button danger', onclick: () => end(true)}, yes)))]);
+      h('button', {class: 'button', onclick: () => end(false)}, no),
+      h('button', {class: 'button danger', onclick: () => end(true)}, yes)))]);
     dialog.showModal();
   });
 }

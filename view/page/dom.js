@@ -11,7 +11,7 @@ export function h(tag, props, ...children) {
   const kept = children.flat(Infinity).filter(c => c !== null && c !== undefined && c !== false && c !== '');
   return {
     tag,
-    props: props ?? {},
+    props: tag === 'button' ? {type: tag, ...props} : props ?? {},
     key: props?.key,
     children: kept.map(c => (typeof c === 'object' ? c : {tag: '#text', text: String(c)})),
   };

@@ -45,14 +45,14 @@ async function release(ctx) {
 
 export function releaseButton(ctx) {
   const allowed = mayAct(ctx.state);
-  return h('button', {key: 'release', type: 'button', class: 'button small release', disabled: !allowed,
+  return h('button', {key: 'release', class: 'button small release', disabled: !allowed,
     'aria-label': t('stop.release.label'), 'aria-describedby': allowed ? null : 'look-how',
     onclick: () => release(ctx)}, t('stop.release'));
 }
 
 export function stopButton(ctx) {
   const may = mayStop(ctx.state);
-  return h('button', {key: 'stop', type: 'button', class: 'stop', disabled: !may,
+  return h('button', {key: 'stop', class: 'stop', disabled: !may,
     'aria-describedby': may ? null : 'look-how', title: may ? null
       : plainText(t('stop.login', {how: t('look.how')})),
     'aria-label': t('stop'), onclick: () => engage(ctx)},

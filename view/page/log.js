@@ -69,7 +69,7 @@ function chooser(names, chosen) {
   return h('details', {class: 'log-chooser'},
     h('summary', null, `${t('log.of')} ${chosen.map(shown).join(', ')}`),
     h('div', {class: 'filters', role: 'group', 'aria-label': t('log.of')}, names.map(name =>
-      h('button', {key: name, type: 'button', class: 'button small', 'aria-pressed': String(chosen.includes(name)),
+      h('button', {key: name, class: 'button small', 'aria-pressed': String(chosen.includes(name)),
         onclick: () => toggle(name)}, shown(name)))));
 }
 
@@ -109,7 +109,7 @@ export function view(ctx) {
   chooser(names, chosen), filters(ctx),
   logs.filter(log => log.error).map(log => h('p', {key: log.name, class: 'quiet'},
     commands(`${log.name}: ${t('log.none', {why: log.error})}`))),
-  older.length ? h('button', {type: 'button', class: 'button small', onclick: () => older.forEach(log =>
+  older.length ? h('button', {class: 'button small', onclick: () => older.forEach(log =>
     read(ctx, log, Math.max(0, log.from - PART_BYTES * 4)))}, t('log.older')) : null,
   size === 0 && !loading && !logs.some(log => log.error) ? h('p', {class: 'quiet'}, t('log.empty'))
     : h('pre', {class: 'log', tabindex: '0', lang: 'en', role: 'group', 'aria-labelledby': 'log-title',

@@ -37,7 +37,7 @@ export function loginDialog(parent) {
         size: 9, 'aria-describedby': 'login-how login-error', ref: element => (input = element)})),
     h('p', {id: 'login-error', class: 'tone-bad', role: 'alert'}, commands(ui.error)),
     h('p', {class: 'buttons'},
-      h('button', {type: 'button', class: 'button', onclick: () => dialog.close()}, t('cancel')),
+      h('button', {class: 'button', onclick: () => dialog.close()}, t('cancel')),
       h('button', {type: 'submit', class: 'button primary', disabled: ui.busy}, t('login')))));
   redraw();
   dialog.showModal();

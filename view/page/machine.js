@@ -40,7 +40,7 @@ function summaryOfActuators(status) {
 function adviceButton(ctx, problem) {
   const target = {set_again: statusOf(ctx.state).state, self_check: 'SelfCheck'}[problem.advice];
   if (!target) return null;
-  return h('p', {class: 'buttons'}, h('button', {type: 'button', class: 'button small',
+  return h('p', {class: 'buttons'}, h('button', {class: 'button small',
     onclick: () => requestPlan(ctx, target, '')},
   problem.advice === 'set_again' ? t('switch.again', {state: target}) : t('switch.go', {state: target})));
 }
@@ -58,19 +58,19 @@ function problemItem(ctx, problem) {
         actuator ? h('a', {href: `#actuators/${encodeURIComponent(problem.name)}`}, t('wrong.see')) : null,
         actuator || problem.id === 'stop' || problem.id === 'start'
           ? h('a', {href: `#timeline/why/${actuator ? encodeURIComponent(problem.name) : ''}`,
-            'aria-label': `${t('wrong.why')} ${t(problem.what, {name: problem.name})}`}, t('wrong.why'))
+            'aria-label': `${t('why')} ${t(problem.what, {name: problem.name})}`}, t('why'))
               : null)));
 }
 
 // What went wrong in the last minutes stays until a person has seen it, also when all is well again.
 function faultList(ctx, below) {
-  const faults = recentFaults(ctx.state, ctx.now, ctx.ui.acknowledged_ms);
+  const faults = recentFaults(ctx.state, ctx.now, ctx.ui.acknowledged);
   if (faults.length === 0) return null;
   return h('div', {class: below ? 'past below' : 'past', key: 'past'},
     h('p', {class: 'quiet'}, t('faults.past', {count: faults.length})),
     h('ol', {class: 'events'}, faults.slice(0, 5).map(entry => eventRow(entry, {time: when(entry.ms, ctx.now)}))),
-    h('p', {class: 'buttons'}, h('button', {type: 'button', class: 'button small',
-      onclick: () => ctx.acknowledge(faults[0].ms)}, t('faults.acknowledge'))));
+    h('p', {class: 'buttons'}, h('button', {class: 'button small',
+      onclick: () => ctx.acknowledge()}, t('faults.acknowledge'))));
 }
 
 function attentionCard(ctx, status) {

@@ -86,7 +86,7 @@ export function facts(rows) {
 // A button for what changes the robot. Without the login it is disabled, and describes how to get it.
 export function actButton(ctx, text, onclick, {kind = '', disabled = false, label} = {}) {
   const allowed = mayAct(ctx.state);
-  return h('button', {type: 'button', class: `button ${kind}`, onclick: allowed && !disabled ? onclick : null,
+  return h('button', {class: `button ${kind}`, onclick: allowed && !disabled ? onclick : null,
     disabled: !allowed || disabled, 'aria-label': label, 'aria-describedby': allowed ? null : 'look-how',
     title: allowed ? null : plainText(t('look.how'))}, text);
 }

@@ -54,7 +54,7 @@ function plotPart(ctx, id, points, window, g) {
       ? [h('span', {class: 'number'}, format(shown.last)), ' ', h('span', {class: 'quiet small'},
         t('plots.range', {least: format(shown.least), most: format(shown.most)}))]
       : h('span', {class: 'quiet small'}, t('plots.none')),
-    h('button', {type: 'button', class: 'button small', 'aria-label': t('plots.remove', {name}),
+    h('button', {class: 'button small', 'aria-label': t('plots.remove', {name}),
       onclick: () => change(ctx, plotted(ctx).filter(other => other !== id))}, '✕')),
     shown ? h('svg', {width: g.width, height: HEIGHT, viewBox: `0 0 ${g.width} ${HEIGHT}`, 'aria-hidden': 'true'},
       h('rect', {class: 'lane-ground', x: g.left, y: 0, width: Math.max(0, g.width - g.left), height: HEIGHT, rx: 3}),

@@ -81,14 +81,14 @@ function parametersForm(ctx, offers, offer, key) {
   error ? h('p', {class: 'tone-bad', role: 'alert'}, commands(t('skill.refused', {why: error}))) : null,
   h('p', {class: 'buttons'},
     h('button', {type: 'submit', class: 'button primary', disabled: busy}, t('skill.run.now', {name: offer.skill})),
-    h('button', {type: 'button', class: 'button', onclick: close}, t('cancel'))));
+    h('button', {class: 'button', onclick: close}, t('cancel'))));
 }
 
 function buttons(ctx, offers, offer, feedback, key) {
   const runs = feedback?.status === 0 && feedback.state !== 'IDLE';
   return h('p', {class: 'buttons'},
     runs ? pauseButton(ctx, offers, offer, isPaused(feedback)) : null,
-    runs ? actButton(ctx, t('skill.cancel'), () => cancel(ctx, offers, offer, feedback),
+    runs ? actButton(ctx, t('cancel'), () => cancel(ctx, offers, offer, feedback),
       {label: t('skill.cancel.of', {name: offer.skill})}) : null,
     runs ? null : actButton(ctx, t('skill.run'), () => {
       ctx.ui.skill = {key, error: '', busy: false};
@@ -103,7 +103,7 @@ function skillItem(ctx, offers, offer) {
   return h('li', {key: offer.skill, class: 'skill'},
     h('p', null, h('b', null, offer.skill), ' ', quoted(offer.summary)),
     feedback ? [h('p', null, h('span', {class: `pill tone-${['busy', 'ok', 'bad', 'off'][feedback.status]}`},
-      isPaused(feedback) ? t('skill.paused') : t(`skill.${feedback.status}`)),
+      isPaused(feedback) ? t('app.paused') : t(`skill.${feedback.status}`)),
       ` ${feedback.state} `, quoted(feedback.message)),
     h('progress', {max: 100, value: feedback.progress, 'aria-label': `${offer.skill}: ${t('app.progress')}`}),
     h('p', {class: 'quiet small', lang: 'en'},

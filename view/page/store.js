@@ -235,11 +235,20 @@ export function levelOf(entry) {
 
 export const FAULTS_STAY_MS = 10 * 60_000;
 
+// What a person acknowledges now: {machine_id: {epoch, id, ms}}. Epochs and ids only grow; times, which an entry without
+// an id is compared by, may go back.
+export function acknowledgement({history, ...state}) {
+  const {epoch = 0, id = 0} = history.findLast(entry => entry.id) ?? {};
+  return {[shownMachine(state).machine_id]: {epoch, id, ms: history.at(-1)?.ms}};
+}
+
 // The faults of the last minutes that no person has acknowledged, the newest first: a robot that is well again hides
-// nothing. `acknowledged_ms`: the robot's time up to which they are.
-export function recentFaults(state, now, acknowledged_ms) {
-  const since = Math.max(robotNow(state, now) - FAULTS_STAY_MS, acknowledged_ms);
-  return state.history.filter(entry => entry.ms > since && levelOf(entry) === 'bad').reverse();
+// nothing.
+export function recentFaults(state, now, acknowledged) {
+  const {epoch = -1, id, ms} = acknowledged[shownMachine(state).machine_id] ?? {};
+  const since = robotNow(state, now) - FAULTS_STAY_MS;
+  return state.history.filter(e => e.ms > since && levelOf(e) === 'bad'
+    && (e.epoch > epoch || e.epoch === epoch && (e.id ? e.id > id : e.ms > ms))).reverse();
 }
 
 const OFFERED = ['Active', 'Protected', 'DeActive', 'LowPower', 'SelfCheck', 'OTA', 'TearDown'];

@@ -57,7 +57,7 @@ function chooser(ctx, status) {
       }}, h('option', {value: '', key: ''}, t('switch.machine')),
       status.actuators.map(a => h('option', {value: a.name, key: a.name}, a.name)))),
     h('div', {class: 'choices', role: 'group', 'aria-labelledby': 'switch-title'},
-      offeredStates(ctx.state).map(name => h('button', {key: name, type: 'button', class: 'choice',
+      offeredStates(ctx.state).map(name => h('button', {key: name, class: 'choice',
         onclick: () => requestPlan(ctx, name, actuator)}, stateChip(name),
       name === present ? h('span', {class: 'here'}, t('switch.present')) : null))),
   ];
@@ -120,13 +120,13 @@ function planButtons(ctx, change) {
   const refused = change.plan && !change.plan.allowed;
   if (change.step === 'going') return h('p', {class: 'busy'}, t('switch.going', {state: change.target}));
   if (change.step === 'ended') {
-    return h('p', {class: 'buttons'}, h('button', {type: 'button', class: 'button', onclick: () => end(ctx)},
+    return h('p', {class: 'buttons'}, h('button', {class: 'button', onclick: () => end(ctx)},
       t('switch.new')));
   }
   return [h('p', {class: 'buttons'},
     change.error || refused ? null : actButton(ctx, t('switch.go', {state: change.target}), () => go(ctx),
       {kind: change.target === 'TearDown' ? 'danger' : 'primary'}),
-    h('button', {type: 'button', class: 'button', onclick: () => end(ctx)},
+    h('button', {class: 'button', onclick: () => end(ctx)},
       t(change.error || refused ? 'switch.new' : 'cancel'))),
   change.error || refused || mayAct(ctx.state) ? null : lookHint(ctx)];
 }

@@ -105,7 +105,6 @@ export const TEXTS = {
   'wrong.none.detail': ['{well} of {all} actuators are present and well.', '{all} 个执行单元中 {well} 个在线且正常。'],
   'wrong.stale': ['Not known: there is no current data.', '未知：没有最新数据。'],
   'wrong.see': ['Show the actuator', '查看执行单元'],
-  'wrong.why': ['Why?', '为什么？'],
   'problem.stop': ['Emergency stop by {name}', '{name} 触发了急停'],
   'problem.start': ['The start has failed', '启动失败'],
   'problem.crashed': ['{name} has crashed', '{name} 已崩溃'],

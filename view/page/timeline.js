@@ -230,14 +230,14 @@ function chart(ctx) {
 }
 
 function controls(ctx) {
-  const button = (name, text, action) => h('button', {key: name, type: 'button', class: 'button small',
+  const button = (name, text, action) => h('button', {key: name, class: 'button small',
     'aria-label': t(`timeline.${name}`),
     title: t(`timeline.${name}`), onclick: action}, text);
   return h('div', {class: 'chart-controls', role: 'group', 'aria-label': t('nav.timeline')},
     button('back', '←', () => pan(ctx, -0.3)), button('forward', '→', () => pan(ctx, 0.3)),
     button('in', '+', () => zoom(ctx, 0.5)), button('out', '−', () => zoom(ctx, 2)),
     button('all', t('timeline.all'), () => toAll(ctx)),
-    h('button', {key: 'live', type: 'button', class: 'button small',
+    h('button', {key: 'live', class: 'button small',
       'aria-pressed': String(ctx.ui.time?.to === null),
       onclick: () => toNow(ctx)}, t('timeline.live')));
 }

@@ -54,7 +54,7 @@ export function whyPanel(history, entry, close) {
   return h('section', {class: 'card why', id: 'why', tabindex: '-1', 'aria-labelledby': 'why-title',
     key: 'why'},
     h('div', {class: 'card-head'}, h('h2', {id: 'why-title'}, t('why')),
-      h('button', {type: 'button', class: 'button small', onclick: close}, t('close'))),
+      h('button', {class: 'button small', onclick: close}, t('close'))),
     h('p', {class: 'quiet'}, t('why.chain')),
     h('ol', {class: 'chain'}, chain.map((link, i) => h('li', {key: keyOf(link), class: levelOf(link)},
       i > 0 ? h('span', {class: 'because'}, i === chain.length - 1 && complete ? t('why.first')

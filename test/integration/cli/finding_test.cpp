@@ -8,7 +8,11 @@
 
 namespace musher::testing::finding_test {
 
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 class Finding : public MachineByCli {};
 
@@ -70,6 +74,46 @@ TEST_F(Finding, FollowsEveryChangeUntilCtrlC) {
   EXPECT_NE(json.LineWith(R"("error":"controller lost")"), "");
   lines.Signal(SIGINT);
   EXPECT_EQ(lines.Wait().exit, 0);
+}
+
+// It showed the last status for up to 12 s, until DDS had given the controller up.
+TEST_F(Finding, FollowsAControllerThatIsKilledAtOnce) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const auto controller = Status()["pid"].get<pid_t>();
+  Process lines(Command({"status", "--follow"}));
+  ASSERT_NE(lines.LineWith("robot  Active"), "");
+  const auto killed = std::chrono::steady_clock::now();
+  kill(controller, SIGKILL);
+  EXPECT_NE(lines.LineWith("controller lost"), "");
+  EXPECT_LT(std::chrono::steady_clock::now() - killed, std::chrono::seconds(5));
+}
+
+TEST_F(Finding, ShowsSinceWhenTheMachineIsInItsState) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const auto now = [] { return Json(Musher({"status", "--json"}).out); };
+  auto first = now();
+  ASSERT_TRUE(first["since"].is_string()) << first;
+  EXPECT_GE(first["uptime_s"], 0);
+  EXPECT_THAT(Musher({"status"}).out, ContainsRegex("robot  Active .*up "));
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_GT(now()["since"].get<std::string>(), first["since"].get<std::string>());
+}
+
+TEST_F(Finding, ShowsOnlyTheActuatorsThatFailed) {
+  const std::string voice = "command = [\"musher-exec\", \"" + (folder_ / "voice");
+  Replace(voice, "restart = \"no\"\n" + voice);
+  ASSERT_EQ(UpDetached().exit, 0);
+  const auto failed = [] {
+    return Json(Musher({"status", "--failed", "--json"}).out)["actuators"];
+  };
+  EXPECT_THAT(failed(), IsEmpty());
+  kill(Status()["actuators"]["voice"]["pid"].get<pid_t>(), SIGKILL);
+  AwaitStatus([](const auto& status) { return status["actuators"]["voice"]["degraded"] == true; });
+  const auto actuators = failed();
+  EXPECT_EQ(actuators.size(), 1U) << actuators;
+  EXPECT_TRUE(actuators.contains("voice"));
+  const std::string text = Musher({"status", "--failed"}).out;
+  EXPECT_THAT(text, AllOf(HasSubstr("voice"), Not(HasSubstr("legs")), Not(HasSubstr("eyes"))));
 }
 
 TEST_F(Finding, RefusesADomainThatThereIsNot) {

@@ -8,6 +8,8 @@
 
 namespace musher::testing::history_test {
 
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -48,6 +50,52 @@ TEST_F(History, IsReadFromTheDiskWhenNoControllerLeads) {
   EXPECT_EQ(history.exit, 0) << history.err;
   EXPECT_THAT(history.err, HasSubstr("no controller leads robot now; reading "));
   EXPECT_THAT(history.out, HasSubstr("the machine went to TearDown"));
+}
+
+// Each explained the last change of state only, and left the failure out.
+TEST_F(History, NamesTheReasonOfAFailedStart) {
+  Does("legs", "[state.SelfCheck]\nshell = \"echo no power; exit 7\"\n");
+  ASSERT_EQ(UpDetached().exit, 1);
+  const Ended why = Musher({"history", "--why"});
+  EXPECT_EQ(why.exit, 0) << why.err;
+  EXPECT_THAT(why.out, AllOf(HasSubstr("  last failure: "), HasSubstr("no power")));
+}
+
+TEST_F(History, NamesTheReasonOfAnUndoneSwitchFirst) {
+  const std::string broken = folder_ / "broken";
+  Does("legs",
+       "[state.Active]\nshell = \"[ ! -e " + broken + " ] || { echo no brake; exit 7; }\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  std::ofstream(broken) << "yes";
+  ASSERT_EQ(Musher({"set", "Active"}).exit, 1);
+  const Ended why = Musher({"history", "--why"});
+  EXPECT_EQ(why.exit, 0) << why.err;
+  EXPECT_THAT(why.out, ContainsRegex("last failure: .*no brake"));
+  EXPECT_LT(why.out.find("last failure"), why.out.find("the machine went to LowPower")) << why.out;
+  const std::string legs = Musher({"history", "--why", "--actuator", "legs"}).out;
+  EXPECT_THAT(legs, ContainsRegex("last failure: .*no brake")) << legs;
+}
+
+TEST_F(History, NamesTheReasonOfASwitchThatLeftAnActuatorBehind) {
+  Does("legs", "[state.LowPower]\nshell = \"echo no brake; exit 7\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 1);
+  EXPECT_THAT(Musher({"history", "--why"}).out,
+              ContainsRegex("the machine went to LowPower [^\n]*no brake"));
+}
+
+TEST_F(History, NamesAHangAfterTheRestart) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const auto voice = Status()["actuators"]["voice"]["pid"].get<pid_t>();
+  kill(voice, SIGSTOP);
+  AwaitStatus([voice](const auto& status) {
+    const auto& now = status["actuators"]["voice"];
+    return now["pid"] != voice && now["state"] == "Active" && now["health"] == "well";
+  });
+  const Ended why = Musher({"history", "--why"});
+  EXPECT_EQ(why.exit, 0) << why.err;
+  EXPECT_THAT(why.out, HasSubstr("last failure: voice is degraded: hung: its process is stopped"));
 }
 
 TEST_F(History, IsATableForSpreadsheets) {

@@ -136,6 +136,21 @@ TEST_F(Restart, OfAnActuatorWithAConfigurationErrorWorksOnceItIsFixed) {
       << history;
 }
 
+// `musher up voice` refers to it.
+TEST_F(Restart, ByHandStartsAnActuatorThatHasEnded) {
+  const std::string voice = "command = [\"musher-exec\", \"" + (folder_ / "voice");
+  Replace(voice, "restart = \"no\"\n" + voice);
+  ASSERT_NO_FATAL_FAILURE(Start());
+  kill(voice_, SIGKILL);
+  AwaitStatus([](const auto& status) { return status["actuators"]["voice"]["pid"].is_null(); });
+  const Ended up = Musher({"up", "voice"});
+  EXPECT_EQ(up.exit, 2);
+  EXPECT_THAT(up.err, HasSubstr("`musher restart voice` an actuator of a machine that runs"));
+  const Ended restart = Musher({"restart", "voice"});
+  EXPECT_EQ(restart.exit, 0) << restart.err;
+  ExpectVoiceIsBack();
+}
+
 TEST_F(Restart, FollowsAHangOnceItIsKnownWhatTheProcessWasDoing) {
   ASSERT_NO_FATAL_FAILURE(Start());
   kill(voice_, SIGSTOP);

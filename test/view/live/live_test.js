@@ -121,6 +121,23 @@ test('an actuator that crashes, its history and its log are on the page', async 
   await until('audio is back', async () => (await robot.status()).actuators.audio.state === 'Active');
 });
 
+test('a crash is seen on a phone: what crashed and why, also once it is over', async () => {
+  const {page, close} = await open(browser, {url: view.url, width: 390, height: 844});
+  process.kill((await robot.status()).actuators.audio.pid, 'SIGKILL');
+  await page.waitForSelector('#top .faults');
+  await until('audio is back', async () => (await robot.status()).actuators.audio.state === 'Active');
+  await page.waitForSelector('.past .event.bad >> text=audio is degraded: crashed');
+  const [width, inner] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+  assert.ok(width <= inner, `${width} px in ${inner}`);
+  for (const seen of ['.big-state', '#top .faults', '.stop']) {
+    const {y, height} = await page.locator(seen).boundingBox();
+    assert.ok(y >= 0 && y + height <= 844, `${seen} needs no scrolling`);
+  }
+  await page.click('button:has-text("Acknowledge")');
+  await page.waitForSelector('#top .faults', {state: 'detached'});
+  await close();
+});
+
 test('a page that reads nothing gets the present when it reads again, and costs no memory', async () => {
   const resident = async () => Number(/VmRSS:\s+(\d+)/.exec(
     await readFile(`/proc/${view.child.pid}/status`, 'utf8'))[1]);

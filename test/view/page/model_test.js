@@ -4,6 +4,7 @@ import {readdirSync, readFileSync, statSync} from 'node:fs';
 import path from 'node:path';
 import {test} from 'node:test';
 import {applicationsOf} from '../../../view/page/application.js';
+import {camerasOf} from '../../../view/page/cameras.js';
 import {chartsWithPresent, joined, neighbourhood, readChart} from '../../../view/page/chart_text.js';
 import {Connection} from '../../../view/page/connection.js';
 import {ANSWER_MS} from '../../../view/page/estop.js';
@@ -174,14 +175,57 @@ test('an axis has at most as many times as asked for, all inside', () => {
   }
 });
 
+const badOf = f => f.state.history.findLast(entry => store.levelOf(entry) === 'bad');
+// What a person sees as acknowledged after a click now, with what was acknowledged before.
+const acknowledge = (f, before = {}) => ({...before, ...store.acknowledgement(f.state)});
+const recent = (f, acknowledged, at = f.now) => store.recentFaults(f.state, at, acknowledged);
+
 test('a fault is recent for ten minutes, or until it is acknowledged', () => {
   const f = fixture();
   f.robot.fault('audio');
-  const fault = f.state.history.findLast(entry => store.levelOf(entry) === 'bad');
+  const fault = badOf(f);
   const at = fault.ms - f.state.offset;
-  assert.deepEqual(store.recentFaults(f.state, at, 0)[0], fault);
-  assert.deepEqual(store.recentFaults(f.state, at, fault.ms), []);
-  assert.deepEqual(store.recentFaults(f.state, at + store.FAULTS_STAY_MS, 0), []);
+  assert.deepEqual(recent(f, {}, at)[0], fault);
+  assert.deepEqual(recent(f, acknowledge(f), at), []);
+  assert.deepEqual(recent(f, {}, at + store.FAULTS_STAY_MS), []);
+});
+
+test('a fault after an acknowledgement is shown, also where the clock of the robot has gone back by hours', () => {
+  const f = fixture();
+  f.robot.fault('audio');
+  const acknowledged = acknowledge(f);
+  f.robot.epoch += 1;
+  f.now -= 3 * 3600_000;
+  f.send({op: 'time', time_ms: f.now});
+  assert.deepEqual(recent(f, acknowledged), []);
+  f.robot.fault('camera');
+  assert.deepEqual(recent(f, acknowledged), [badOf(f)]);
+  assert.deepEqual(recent(f, acknowledge(f, acknowledged)), [], 'the second acknowledgement is kept');
+});
+
+test('an acknowledgement on one machine hides no fault of another', () => {
+  const f = fixture();
+  f.robot.fault('audio');
+  const {epoch, id} = badOf(f);
+  assert.deepEqual(recent(f, {other: {epoch: epoch + 1, id: id + 1, ms: f.now + 1}})[0], badOf(f));
+  assert.deepEqual(Object.keys(acknowledge(f)), [store.shownMachine(f.state).machine_id]);
+});
+
+test('a fault without an id, as the journal records it, can be acknowledged', () => {
+  const f = fixture();
+  f.robot.fault('audio');
+  f.send({op: 'history', reset: false, entries: [{...f.robot.history.at(-1), id: 0, code: 100, event: '',
+    wall_ns: String(f.now * 1e6)}]});
+  assert.equal(recent(f, {})[0].id, 0);
+  assert.deepEqual(recent(f, acknowledge(f)), []);
+});
+
+test('the front camera is first, a depth image and the back camera are last', () => {
+  const topics = ['/back/color', '/front/depth', '/left/image', '/front/color', '/front/image', '/head/color']
+    .map(name => ({name, type: 'sensor_msgs/msg/Image', publishers: 1}));
+  assert.deepEqual(camerasOf(topics), ['/front/color', '/front/image', '/head/color', '/left/image', '/front/depth',
+    '/back/color']);
+  assert.deepEqual(camerasOf([{...topics[0], publishers: 0}]), []);
 });
 
 test('the skills of four robots, which are samples of one topic, are four applications', () => {

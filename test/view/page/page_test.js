@@ -84,6 +84,11 @@ test('one press engages the emergency stop; its release needs a confirmation',
   await page.waitForSelector('text=Stopped by an emergency stop');
   assert.match(await page.textContent('.big-state'), /^STOPPED.*Active/s);
   assert.match(await page.textContent('#top .now'), /^STOPPED/);
+  for (const chip of ['.big-state .stopped', '#top .stopped']) {
+    const [red, green, blue] = (await page.evaluate(at => getComputedStyle(document.querySelector(at)).backgroundColor,
+      chip)).match(/\d+/g).map(Number);
+    assert.ok(red > 150 && green < 60 && blue < 60, `${chip}: ${[red, green, blue]}`);
+  }
   await page.click('.choice:has-text("Active") >> nth=0');
   await page.click('.release');
   await page.waitForSelector('dialog >> text=Make sure that its cause is removed');
@@ -187,6 +192,11 @@ test('a fault stays after it is over, with its count in every view, until a pers
   await page.waitForSelector('.past', {state: 'detached'});
   await page.waitForSelector('#top .faults', {state: 'detached'});
   assert.match(await page.title(), /^robot: Active/);
+  await page.reload();
+  await page.waitForSelector('.wrong-card >> text=Nothing is wrong');
+  assert.equal(await page.locator('.past').count(), 0, 'the next visit knows it');
+  robot.fault('camera');
+  await page.waitForSelector('#top .faults >> text=! 1');
 }));
 
 test('a controller that ends leaves its last report, marked; its return clears the mark',
@@ -429,6 +439,24 @@ test('of a large machine the neighbourhood of the present state is drawn, and in
   server.publishWatched('/wedding/behavior_state');
   await page.waitForSelector('.node.lit >> text=SECTION_3');
   await until('the next present state is in view', inView);
+}));
+
+test('of a large tree the branches that are finished or idle are folded and say so', () => inPage({}, async (page, {robot}) => {
+  const branch = (name, parent) => ({name, type: 'Sequence', kind: 'Control', parent});
+  const leaves = (name, parent) => Array.from({length: 9}, (_, i) => ({name: `${name}${i}`, type: 'Step', kind: 'Action',
+    parent}));
+  const nodes = [branch('Tour', -1), branch('Greet', 0), branch('Walk', 0), branch('Part', 0), ...leaves('greet', 1),
+    ...leaves('walk', 2), ...leaves('part', 3)];
+  const status = [1, 2, 1, 0, ...Array(9).fill(2), 1, ...Array(17).fill(0)];
+  robot.tree = () => ({error: '', state: {tree: 'Tour', revision: 1, ticking: true, ticks: 9, time_s: 4, status,
+    last_fault: ''}, nodes});
+  await page.goto(page.url().replace(/#.*/, '#application/gardener'));
+  await page.waitForSelector('.tree >> text=walk8');
+  assert.deepEqual(await page.locator('.tree summary').allTextContents(),
+    ['finished; 9 nodes inside', 'does not run; 9 nodes inside']);
+  assert.equal(await page.locator('text=greet0').isVisible(), false);
+  await page.click('.tree summary >> nth=0');
+  assert.equal(await page.locator('text=greet0').isVisible(), true);
 }));
 
 test('a camera that gives no picture in LowPower is off, not loading', () => inPage({}, async (page, {server, robot}) => {
