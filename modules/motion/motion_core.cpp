@@ -52,6 +52,7 @@ class Decision {
   void Take(const motion_event::WorldRestarted& event);
   void Take(const motion_event::BoardRestarted& event);
   void Take(const motion_event::BoardHeld& event);
+  void Take(const motion_event::OtherGait& event);
   void Take(const motion_event::BoardFault& event);
   void Take(const motion_event::TimePassed& event);
 
@@ -367,6 +368,17 @@ void Decision::Take(const motion_event::BoardHeld& event) {
   const JobMotion motion = core_.job->todo.front();
   DropJob(MotionCode(KeyCode::kTargetBusy), why);
   if (rules_.table.Find(motion.command.id)->limit) Stand(motion.command);
+}
+
+void Decision::Take(const motion_event::OtherGait& event) {
+  const std::int32_t code = MotionCode(Key::kSequenceDefinition);
+  Log(code, event.why);
+  if (!core_.job) return;
+  const auto& todo = core_.job->todo;
+  const bool plays = std::any_of(todo.begin(), todo.end(), [&](const JobMotion& motion) {
+    return PlaysUserGait(*rules_.table.Find(motion.command.id));
+  });
+  if (plays) EndJob(code, event.why);
 }
 
 void Decision::Take(const motion_event::BoardFault& event) {

@@ -131,6 +131,10 @@ struct BoardRestarted {};
 struct BoardHeld {
   std::string why;
 };
+// Another program has given the board a gait: the motion that would execute that one ends.
+struct OtherGait {
+  std::string why;
+};
 // The link to the board has one; it reports each of them rarely.
 struct BoardFault {
   std::int32_t code = 0;
@@ -143,8 +147,8 @@ using MotionEvent =
     std::variant<motion_event::BoardReported, motion_event::ServoArrived, motion_event::PlayArrived,
                  motion_event::LieDown, motion_event::Cancelled, motion_event::Closed,
                  motion_event::Opened, motion_event::EmergencyStop, motion_event::WorldRestarted,
-                 motion_event::BoardRestarted, motion_event::BoardHeld, motion_event::BoardFault,
-                 motion_event::TimePassed>;
+                 motion_event::BoardRestarted, motion_event::BoardHeld, motion_event::OtherGait,
+                 motion_event::BoardFault, motion_event::TimePassed>;
 
 namespace motion_action {
 struct Send {
