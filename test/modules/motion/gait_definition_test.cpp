@@ -56,7 +56,7 @@ TEST_F(Definition, TakesNoLateAnswerForThatToTheNextGait) {
   After(Milliseconds(100));
   const auto early = definition_.Begin(gait_, now_);
   ASSERT_EQ(CodeOf(early), 3011);
-  EXPECT_FALSE(early.text) << "its answer could not be told from the late one";
+  EXPECT_FALSE(early.text) << "its answer and the late one look the same";
   EXPECT_THAT(early.ended->error().message, HasSubstr("try again in 4900 ms"));
   EXPECT_FALSE(definition_.OnAnswer(true, now_).text) << "the late one";
   EXPECT_EQ(definition_.Begin(gait_, now_).text, "sections");
