@@ -635,7 +635,7 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
       BeginJob(std::move(job));
     } else {
       servo.moving = true;
-      Command(servo.command, false);
+      Command(servo.command, true);  // it may not wait: it is permitted now
     }
   } else if (servo.moving && !IsDown()) {
     Command(servo.command, false);
