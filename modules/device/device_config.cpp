@@ -88,6 +88,32 @@ Rows BatteryRows(BatteryConfig& battery, std::optional<BatterySource>& source,
   };
 }
 
+// What only a source "input" uses.
+void CheckInput(TableReader& reader, const PowerKeyConfig& key) {
+  const bool is_input = key.source == KeySource::kInput;
+  if (is_input) reader.Require("device", "the file of an input device, \"/dev/input/event0\"");
+  for (const std::string_view name : {"device", "key_code"}) {
+    if (!is_input && reader.Has(name)) {
+      reader.Warn(reader.At(name), name, "has no effect: only a source \"input\" uses it");
+    }
+  }
+}
+
+Rows PowerKeyRows(PowerKeyConfig& key, const std::filesystem::path& folder) {
+  constexpr std::int64_t kHighestCode = 767;  // KEY_MAX of the kernel
+  return {
+      row::Required("source", "\"world\", \"input\" or \"none\"",
+                    row::Choice("source", key.source,
+                                {{"world", KeySource::kWorld},
+                                 {"input", KeySource::kInput},
+                                 {"none", KeySource::kNone}})),
+      row::File("device", key.device, folder),
+      row::Integer("key_code", key.code, 1, kHighestCode),
+      row::Time("hold_ms", key.hold, kLeastPeriodMs),
+      [&](TableReader& reader) { CheckInput(reader, key); },
+  };
+}
+
 // Whether a device of the world exists.
 Row WorldSource(bool& present) {
   return row::Required("source", "\"world\" or \"none\"",
@@ -108,8 +134,7 @@ DeviceConfig Read(const Table& table, const std::string& path, Findings& finding
                           row::Sub("battery", BatteryRows(config.battery, source, folder))),
             row::Sub("touch", {WorldSource(config.touch)}),
             row::Sub("led", {WorldSource(config.led)}), row::Sub("uwb", {WorldSource(config.uwb)}),
-            row::Sub("power_key", {WorldSource(config.power_key.present),
-                                   row::Time("hold_ms", config.power_key.hold, kLeastPeriodMs)})});
+            row::Sub("power_key", PowerKeyRows(config.power_key, folder))});
   return config;
 }
 

@@ -9,6 +9,7 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/modules/device/input_key.hpp"
 #include "musher/modules/device/power_supply.hpp"
 
 namespace musher::device {
@@ -25,8 +26,12 @@ struct BatteryConfig {
   friend bool operator==(const BatteryConfig&, const BatteryConfig&) = default;
 };
 
+enum class KeySource : std::uint8_t { kNone, kWorld, kInput };
+
 struct PowerKeyConfig {
-  bool present = false;                // there is one, on the world's topic
+  KeySource source = KeySource::kNone;
+  std::string device;                  // input: "/dev/input/event0"
+  std::uint16_t code = kPowerKeyCode;  // input: of the key
   Duration hold = Milliseconds(3000);  // pressed for this long it requests power-off
 
   friend bool operator==(const PowerKeyConfig&, const PowerKeyConfig&) = default;

@@ -8,7 +8,7 @@ namespace musher::device {
 Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Dependencies& dependencies,
                                                              const PowerKeyConfig& config) {
   std::unique_ptr<PowerKeyDevice> device(new PowerKeyDevice(dependencies, config));
-  if (!config.present) return device;
+  if (config.source == KeySource::kNone) return device;
   // On a secured machine power-off may be reserved for an operator: the module starts all the
   // same.
   if (Result<> connected = device->Connect(); !connected) {
@@ -20,6 +20,12 @@ Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Dependencies&
 Result<> PowerKeyDevice::Connect() {
   power_off_ = endpoints_.OpenClient<msg::Trigger>("poweroff");
   if (power_off_ == nullptr) return endpoints_.opened();  // disabled: no key is received
+  if (config_.source == KeySource::kInput) {
+    input_ = std::make_unique<InputKey>(
+        dependencies_.node.loop(), config_.device, config_.code,
+        [this](bool pressed) { OnKey(pressed); }, dependencies_.log);
+    return endpoints_.opened();
+  }
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::EndpointId) {
     pressed_ = false;

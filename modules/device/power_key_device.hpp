@@ -1,7 +1,7 @@
 #pragma once
 // The power key: held for its time (CyberDog: 3 s), it requests `poweroff` from the machine's
 // manager, once until it is released. A driver that exits while the key is pressed does not cancel
-// the request.
+// the request; an input device that is unplugged does.
 //
 // Threads: the loop's.
 
@@ -38,6 +38,7 @@ class PowerKeyDevice {
   const Dependencies dependencies_;
   const PowerKeyConfig config_;
   bool pressed_ = false;
+  std::unique_ptr<InputKey> input_;
   transport::LoopHandlePtr held_;  // by the steady clock: it powers off the real robot
   transport::Client<msg::Trigger>* power_off_ = nullptr;
   transport::Endpoints endpoints_;  // last: its callbacks use the rest

@@ -12,9 +12,6 @@ using transport::LcmOptions;
 using transport::LcmSample;
 using transport::LcmSocket;
 
-// Of the board, to one text of a gait.
-constexpr Duration kGaitAnswer = Milliseconds(1000);
-
 LcmLink::Sender SenderOf(const LcmSample& sample) {
   return {sample.sender, sample.packet->sequence};
 }
@@ -80,6 +77,7 @@ void LcmBackend::OnCommandGroup(const LcmSample& sample) {
     return Handle(link_.OnMalformed(kCommandChannel, what, now));
   }
   if (sample.packet->channel == kGaitResultChannel) return OnGaitResult(sample);
+  if (sample.packet->channel == kGaitFileChannel) return OnOtherGait(sample.sender);
   if (sample.packet->channel != kCommandChannel) return;
   const auto frame = DecodeCommand(sample.packet->data);
   Handle(frame ? link_.OnOtherFrame(sample.sender, frame.value(), now)
@@ -89,28 +87,10 @@ void LcmBackend::OnCommandGroup(const LcmSample& sample) {
 // --- gaits of users ---
 
 void LcmBackend::DefineGait(const UserGait& gait, OnDefined then) {
-  if (definition_) {
-    return then(Error{MotionCode(KeyCode::kTargetBusy), "another gait is being defined"});
-  }
-  definition_ = Definition{gait.steps, false, std::move(then), nullptr};
-  SendGaitText(gait.sections);
-}
-
-// A lost datagram is not repeated: the answers have no number, so that a late one to the sections
-// could be taken for that to the steps.
-void LcmBackend::SendGaitText(const std::string& text) {
-  const auto bytes = EncodeGaitFile(text);
-  if (!bytes) return EndDefinition(bytes.error());
-  if (const auto sent = commands_->Send(kGaitFileChannel, bytes.value()); !sent) {
-    return EndDefinition(Error{MotionCode(KeyCode::kNetError), sent.error().message});
-  }
-  definition_->timeout = loop_.At(loop_.Now() + kGaitAnswer, [this] {
-    EndDefinition(Error{MotionCode(MotionKey::kBoardSilent),
-                        "the motion board has not answered to the " +
-                            std::string(definition_->sent_steps ? "steps" : "sections") +
-                            " of the gait within " + std::to_string(ToMilliseconds(kGaitAnswer)) +
-                            " ms"});
-  });
+  GaitDefinition::Output output = definition_.Begin(gait, loop_.Now());
+  if (output.ended) return then(*output.ended);
+  on_defined_ = std::move(then);
+  Handle(std::move(output));
 }
 
 void LcmBackend::OnGaitResult(const LcmSample& sample) {
@@ -118,22 +98,27 @@ void LcmBackend::OnGaitResult(const LcmSample& sample) {
   if (!accepted) {
     return Handle(link_.OnMalformed(kGaitResultChannel, accepted.error().message, loop_.Now()));
   }
-  if (!definition_ || !link_.IsHostOfBoard(sample.sender)) return;
-  if (!accepted.value()) {
-    return EndDefinition(Error{MotionCode(MotionKey::kSequenceDefinition),
-                               "the motion board refuses the " +
-                                   std::string(definition_->sent_steps ? "steps" : "sections") +
-                                   " of the gait"});
-  }
-  if (definition_->sent_steps) return EndDefinition(Ok());
-  definition_->sent_steps = true;
-  SendGaitText(std::string(definition_->steps));
+  if (!link_.IsHostOfBoard(sample.sender)) return;
+  Handle(definition_.OnAnswer(accepted.value(), loop_.Now()));
 }
 
-void LcmBackend::EndDefinition(const Result<>& result) {
-  const OnDefined then = std::move(definition_->then);
-  definition_.reset();
-  then(result);
+void LcmBackend::OnOtherGait(const std::string& sender) {
+  Handle(definition_.OnOtherText(sender, loop_.Now()));
+  events_.on_other_gait("another program has given the motion board a gait: " + sender +
+                        "; define yours again");
+}
+
+void LcmBackend::Handle(GaitDefinition::Output output) {
+  if (output.text) {
+    const auto bytes = EncodeGaitFile(*output.text);
+    const Result<> sent = bytes ? commands_->Send(kGaitFileChannel, bytes.value()) : bytes.error();
+    if (!sent) output = definition_.OnSendFailed(sent.error());
+  }
+  answer_timer_.reset();
+  if (const auto deadline = definition_.NextDeadline()) {
+    answer_timer_ = loop_.At(*deadline, [this] { Handle(definition_.OnTime(loop_.Now())); });
+  }
+  if (output.ended) std::exchange(on_defined_, nullptr)(*output.ended);
 }
 
 // --- the board ---

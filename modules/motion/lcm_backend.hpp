@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "musher/modules/motion/gait_definition.hpp"
 #include "musher/modules/motion/lcm_link.hpp"
 #include "musher/modules/motion/motion_config.hpp"
 #include "musher/transport/clock.hpp"
@@ -24,6 +25,8 @@ class LcmBackend : public MotionBackend {
     std::function<void()> on_restart;                         // of the board
     std::function<void(const std::string& why)> on_held;      // LinkOutput.held_by
     std::function<void(std::int32_t, std::string)> on_fault;  // code and sentence
+    // Another program has given the board a gait: that of this process is replaced.
+    std::function<void(const std::string& why)> on_other_gait;
   };
 
   // `clock` gives the stamps of odometry; it and the loop outlive the backend. Fails with what to
@@ -34,7 +37,6 @@ class LcmBackend : public MotionBackend {
 
   void Send(const BodyCommand& command) override;
   bool TakesGaits() const override { return true; }
-  // Two texts, one after the other, each with its answer from the board.
   void DefineGait(const UserGait& gait, OnDefined then) override;
   std::string Source() const override;
 
@@ -47,8 +49,8 @@ class LcmBackend : public MotionBackend {
   void OnResponseGroup(const transport::LcmSample& sample);
   void OnLocationGroup(const transport::LcmSample& sample);
   void OnGaitResult(const transport::LcmSample& sample);
-  void SendGaitText(const std::string& text);
-  void EndDefinition(const Result<>& result);
+  void OnOtherGait(const std::string& sender);
+  void Handle(GaitDefinition::Output output);
   void Handle(const LinkOutput& output);
   void Transmit(const BodyCommand& frame);
   void Arm();
@@ -60,13 +62,9 @@ class LcmBackend : public MotionBackend {
   std::unique_ptr<transport::LcmSocket> commands_;
   std::unique_ptr<transport::LcmSocket> responses_;
   std::unique_ptr<transport::LcmSocket> locations_;
-  struct Definition {
-    std::string steps;  // sent once the sections are accepted
-    bool sent_steps = false;
-    OnDefined then;
-    transport::LoopHandlePtr timeout;
-  };
-  std::optional<Definition> definition_;
+  GaitDefinition definition_;
+  OnDefined on_defined_;
+  transport::LoopHandlePtr answer_timer_;  // of the definition
   Time armed_for_{};
   transport::LoopHandlePtr timer_;  // last: its callback uses the rest
 };

@@ -4,10 +4,10 @@
 //   MotionShell ── Send(command) ──▶ MotionBackend ──▶ board
 //   MotionShell ◀── OnBody(state) ── MotionBackend ◀── board
 //
-// A backend decides nothing. The decision code repeats a command every 50 ms while it holds and
-// sends nothing else, except what must happen at once. The life count in a report shows which
-// command the board has taken. A board that receives nothing for a while must stop walking by
-// itself: the motion manager may have crashed.
+// A backend decides nothing. The decision code sends a command when it changes, at most every 2 ms
+// apart from what must happen at once, and repeats it every 50 ms while it holds. The life count
+// in a report shows which command the board has taken. A board that receives nothing for a while
+// must stop walking by itself: the motion manager may have crashed.
 //
 // Threads: the loop's only.
 

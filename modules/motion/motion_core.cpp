@@ -52,6 +52,7 @@ class Decision {
   void Take(const motion_event::WorldRestarted& event);
   void Take(const motion_event::BoardRestarted& event);
   void Take(const motion_event::BoardHeld& event);
+  void Take(const motion_event::OtherGait& event);
   void Take(const motion_event::BoardFault& event);
   void Take(const motion_event::TimePassed& event);
 
@@ -369,6 +370,17 @@ void Decision::Take(const motion_event::BoardHeld& event) {
   if (rules_.table.Find(motion.command.id)->limit) Stand(motion.command);
 }
 
+void Decision::Take(const motion_event::OtherGait& event) {
+  const std::int32_t code = MotionCode(Key::kSequenceDefinition);
+  Log(code, event.why);
+  if (!core_.job) return;
+  const auto& todo = core_.job->todo;
+  const bool plays = std::any_of(todo.begin(), todo.end(), [&](const JobMotion& motion) {
+    return PlaysUserGait(*rules_.table.Find(motion.command.id));
+  });
+  if (plays) EndJob(code, event.why);
+}
+
 void Decision::Take(const motion_event::BoardFault& event) {
   actions_.emplace_back(motion_action::Log{event.text + " (" + std::to_string(event.code) + ")"});
   if (IsBodyFault(event.code)) actions_.emplace_back(motion_action::ReportError{event.code});
@@ -455,18 +467,20 @@ void Decision::Stand(const BodyCommand& last) {
 
 void Decision::Quiet() {
   core_.link.active = false;
+  core_.link.sent.reset();
   core_.link.until.reset();
 }
 
 void Decision::Transmit() {
-  core_.link.sent_at = now_;
+  BoardLink& link = core_.link;
+  if (link.IsChanged()) link.next_change = std::max(link.next_change, now_) + kLeastBoardPeriod;
+  link.sent_at = now_;
+  link.sent = link.command;
   actions_.emplace_back(motion_action::Send{core_.link.command});
 }
 
 void Decision::TransmitIfDue() {
-  const BoardLink& link = core_.link;
-  const bool due = link.sent_at == Time::min() || now_ - link.sent_at >= kBoardPeriod;
-  if (link.active && due) Transmit();
+  if (core_.link.active && now_ >= core_.link.NextFrame()) Transmit();
 }
 
 // --- answers and logs ---
@@ -621,7 +635,7 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
       BeginJob(std::move(job));
     } else {
       servo.moving = true;
-      Command(servo.command, true);
+      Command(servo.command, true);  // it may not wait: it is permitted now
     }
   } else if (servo.moving && !IsDown()) {
     Command(servo.command, false);
@@ -910,6 +924,17 @@ bool Decision::IsDown() const {
 
 // --- interface ---
 
+bool BoardLink::IsChanged() const {
+  BodyCommand last = sent.value_or(BodyCommand{});
+  last.life_count = command.life_count;
+  return !sent || last != command;
+}
+
+Time BoardLink::NextFrame() const {
+  if (sent_at == Time::min()) return sent_at;
+  return IsChanged() ? next_change - kLeastBoardPeriod : sent_at + kBoardPeriod;
+}
+
 Result<> MayPlay(const MotionRules& rules, const MotionCore& core,
                  const motion_event::PlayArrived& event) {
   MotionCore copy = core;
@@ -932,7 +957,7 @@ std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& cor
     consider(core.servo->last_frame + kServoWatchdog);
     consider(core.servo->next_report);
   }
-  if (core.link.active) consider(core.link.sent_at + kBoardPeriod);
+  if (core.link.active) consider(core.link.NextFrame());
   if (core.link.until) consider(*core.link.until);
   return next;
 }

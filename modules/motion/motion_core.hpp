@@ -20,6 +20,8 @@
 //     that is stopped or off sets it as well: an earlier process may have been commanded to stop.
 //   - A servo frame is taken from a source with the same or a higher priority than the source that
 //     controls the body.
+//   - A servo frame that differs from the last one is sent at once, 500 a second at most, of which
+//     the newest; one that does not is repeated 20 times a second.
 //   - A result command (one motion or several) is taken when the body is idle; get-down also
 //     during a dance; the machine's own lie-down always.
 //   - The capability of a motion is checked when a command arrives and again when its motion
@@ -50,7 +52,10 @@ namespace musher::motion {
 
 inline constexpr Duration kServoWatchdog = Milliseconds(200);
 inline constexpr Duration kLiesTime = Milliseconds(300);    // until a servo motion ends
-inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of frames to the board: 20 Hz
+inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of a repeated command: 20 Hz
+// Of the commands of a stream: a board takes 500 a second. Two may come together, because the
+// frames of a stream of 500 Hz do not come in time.
+inline constexpr Duration kLeastBoardPeriod = Milliseconds(2);
 inline constexpr Duration kLate =
     Milliseconds(50);  // a turn this late waits for one more before a timeout
 inline constexpr Duration kSettleTime = Milliseconds(15);
@@ -126,6 +131,10 @@ struct BoardRestarted {};
 struct BoardHeld {
   std::string why;
 };
+// Another program has given the board a gait: the motion that would execute that one ends.
+struct OtherGait {
+  std::string why;
+};
 // The link to the board has one; it reports each of them rarely.
 struct BoardFault {
   std::int32_t code = 0;
@@ -138,8 +147,8 @@ using MotionEvent =
     std::variant<motion_event::BoardReported, motion_event::ServoArrived, motion_event::PlayArrived,
                  motion_event::LieDown, motion_event::Cancelled, motion_event::Closed,
                  motion_event::Opened, motion_event::EmergencyStop, motion_event::WorldRestarted,
-                 motion_event::BoardRestarted, motion_event::BoardHeld, motion_event::BoardFault,
-                 motion_event::TimePassed>;
+                 motion_event::BoardRestarted, motion_event::BoardHeld, motion_event::OtherGait,
+                 motion_event::BoardFault, motion_event::TimePassed>;
 
 namespace motion_action {
 struct Send {
@@ -223,10 +232,17 @@ struct Servo {
 // What is sent to the board.
 struct BoardLink {
   BodyCommand command;
-  bool active = false;        // the command is repeated
-  std::optional<Time> until;  // repeated until then, or until it is taken
-  Time begun_at{};            // when the command was new
+  bool active = false;              // the command is repeated
+  std::optional<BodyCommand> sent;  // the command that was sent last, while it is repeated
+  std::optional<Time> until;        // repeated until then, or until it is taken
+  Time begun_at{};                  // when the command was new
   Time sent_at = Time::min();
+  Time next_change{};  // of a stream, were its frames sent every kLeastBoardPeriod
+
+  // Whether the command differs from the one that was sent last.
+  bool IsChanged() const;
+  // When the next frame is due, while `active`.
+  Time NextFrame() const;
 
   friend bool operator==(const BoardLink&, const BoardLink&) = default;
 };

@@ -100,6 +100,9 @@ Result<std::unique_ptr<MotionBackend>> MotionManager::MakeLcmBackend(
   events.on_fault = [this](std::int32_t code, const std::string& text) {
     if (shell_) shell_->Do(motion_event::BoardFault{code, text});
   };
+  events.on_other_gait = [this](const std::string& why) {
+    if (shell_) shell_->Do(motion_event::OtherGait{why});
+  };
   auto backend = LcmBackend::Make(loop_->node().loop(), *clock_, config_, std::move(events));
   if (!backend) return backend.error();
   Log("the motion board is expected on " + backend.value()->Source());

@@ -32,7 +32,7 @@ Result<MotionRequest> RequestOf(const msg::MotionSequencePace& pace, std::size_t
   MotionRequest requested{kUserTrot, {}};
   requested.arguments.vel_des = {static_cast<float>(pace.twist.linear.x),
                                  static_cast<float>(pace.twist.linear.y),
-                                 static_cast<float>(pace.twist.angular.z)};
+                                 static_cast<float>(YawRateOf(pace.twist))};
   requested.arguments.duration_ms = static_cast<std::int32_t>(pace.duration);
   return requested;
 }

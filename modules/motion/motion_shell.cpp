@@ -248,7 +248,10 @@ msg::MotorTemp::Response MotionShell::Temperatures() const {
 }
 
 void MotionShell::Do(const MotionEvent& event) {
-  if (std::holds_alternative<motion_event::BoardRestarted>(event)) defined_.reset();
+  if (std::holds_alternative<motion_event::BoardRestarted>(event) ||
+      std::holds_alternative<motion_event::OtherGait>(event)) {
+    defined_.reset();
+  }
   for (const MotionAction& action : Step(Rules(), core_, event, dependencies_.clock.Now())) {
     Perform(action);
   }

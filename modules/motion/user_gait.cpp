@@ -1,6 +1,7 @@
 #include "musher/modules/motion/user_gait.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -43,6 +44,8 @@ Error GaitError(const std::string& why) {
 struct Section {
   std::array<bool, 4> stands{};  // front right, front left, rear right, rear left
   std::int64_t duration = 0;     // in periods of the board's control
+
+  friend bool operator==(const Section&, const Section&) = default;
 };
 
 struct Step {
@@ -55,6 +58,8 @@ struct Step {
   double friction = 0;
   double landing_gain = 0;
   std::int64_t duration_ms = 0;
+
+  friend bool operator==(const Step&, const Step&) = default;
 };
 
 // --- texts for the board ---
@@ -94,6 +99,14 @@ double Packed(double first_m, double second_m) {
   constexpr double kRounding = 1e-3;  // 0.05F is a little more than 0.05
   const auto millimetres = [&](double m) { return std::ceil(m * kThousand - kRounding); };
   return 0.0 + millimetres(first_m) + millimetres(second_m) * kThousand;  // no -0.0
+}
+
+// The inverse, without a remainder.
+std::array<double, 2> Unpacked(double packed) {
+  constexpr double kThousand = 1000;
+  const double millimetres = std::round(packed);
+  const double second = std::floor(millimetres / kThousand);
+  return {(millimetres - second * kThousand) / kThousand, second / kThousand};
 }
 
 // The fields of a robot_control_cmd.
@@ -234,33 +247,90 @@ void ReadSection(TableReader& reader, std::vector<Section>& sections) {
   sections.push_back(section);
 }
 
-void ReadStep(TableReader& reader, std::vector<Step>& steps) {
+config_toml::Row Needed(const char* key, config_toml::Row read) {
+  return row::Required(key, "a value", std::move(read));
+}
+
+// A step as it is written by people.
+Step ReadWrittenStep(TableReader& reader) {
   Step step;
   constexpr double kMost = 1e6;
   std::string type;
   std::int64_t gait = kUserGaitNumber;
-  const auto needed = [](const char* key, config_toml::Row read) {
-    return row::Required(key, "a value", std::move(read));
-  };
   config_toml::ReadRows(
       reader,
-      {needed("type", row::Text("type", type)),
+      {Needed("type", row::Text("type", type)),
        row::Check(
            "type", [&] { return type == "usergait"; }, "expected \"usergait\""),
        NumbersRow("body_vel_des", step.speed, "three numbers: x and y in m/s, yaw in rad/s"),
        NumbersRow("body_pos_des", step.body, "six numbers: roll, pitch, yaw, x, y, z"),
        NumbersRow("landing_pos_des", step.landing, "twelve numbers: x, y, z of each foot"),
        NumbersRow("step_height", step.step_height, "four numbers in m, one for each foot"),
-       NumbersRow("weight", step.weight, "six numbers"),
+       NumbersRow("weight", step.weight, "six numbers: roll, pitch, yaw, x, y, z"),
        [&](TableReader& r) {
          r.Require("use_mpc_traj", "0 or 1");
          step.use_mpc_traj = r.Integer("use_mpc_traj", 0, 1).value_or(0) != 0;
        },
-       needed("mu", row::Number("mu", step.friction, 0, kMost)),
-       needed("landing_gain", row::Number("landing_gain", step.landing_gain, 0, kMost)),
+       Needed("mu", row::Number("mu", step.friction, 0, kMost)),
+       Needed("landing_gain", row::Number("landing_gain", step.landing_gain, 0, kMost)),
        row::Integer("gait_id", gait, kUserGaitNumber, kUserGaitNumber),
-       needed("duration", row::Integer("duration", step.duration_ms, 1, kLongestGaitMs, "ms"))});
-  steps.push_back(step);
+       Needed("duration", row::Integer("duration", step.duration_ms, 1, kLongestGaitMs, "ms"))});
+  return step;
+}
+
+// A step as a board takes it, in the fields of a robot_control_cmd: CyberDog's own programs send
+// sequences with these.
+Step ReadCommandStep(TableReader& reader) {
+  Step step;
+  constexpr std::int64_t kMostContact = 127;
+  std::int64_t mode = 0;
+  std::int64_t gait = 0;
+  std::int64_t contact = 0;
+  std::int64_t life_count = 0;
+  std::int64_t value = 0;
+  std::array<double, 3> turn{};
+  std::array<double, 3> place{};
+  std::array<double, 3> point{};
+  std::array<double, 6> feet{};
+  std::array<double, 2> heights{};
+  config_toml::ReadRows(
+      reader,
+      {Needed("mode", row::Integer("mode", mode, kWalkMode, kWalkMode)),
+       Needed("gait_id", row::Integer("gait_id", gait, kUserGaitNumber, kUserGaitNumber)),
+       Needed("contact", row::Integer("contact", contact, 0, kMostContact)),
+       row::Integer("life_count", life_count, 0, 255),
+       NumbersRow("vel_des", step.speed, "three numbers: x and y in m/s, yaw in rad/s"),
+       NumbersRow("rpy_des", turn, "three numbers: roll, pitch, yaw"),
+       NumbersRow("pos_des", place, "three numbers: x, y, z"),
+       NumbersRow("acc_des", step.weight, "six numbers: the weights"),
+       NumbersRow("ctrl_point", point, "three numbers: x and y of the rear left foot, friction"),
+       NumbersRow("foot_pose", feet, "six numbers: x and y of the other feet"),
+       NumbersRow("step_height", heights, "two numbers: the heights of two feet each, in mm"),
+       Needed("value", row::Integer("value", value, 0, 1)),
+       Needed("duration", row::Integer("duration", step.duration_ms, 1, kLongestGaitMs, "ms"))});
+  constexpr double kTen = 10;
+  for (std::size_t i = 0; i < turn.size(); ++i) {
+    step.body[i] = turn[i];
+    step.body[i + turn.size()] = place[i];
+    step.landing[3 * i] = feet[2 * i];
+    step.landing[3 * i + 1] = feet[2 * i + 1];
+  }
+  step.landing[9] = point[0];
+  step.landing[10] = point[1];
+  step.friction = point[2];
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const std::array<double, 2> two = Unpacked(heights[i]);
+    step.step_height[2 * i] = two[0];
+    step.step_height[2 * i + 1] = two[1];
+  }
+  step.landing_gain = static_cast<double>(contact) / kTen;
+  step.use_mpc_traj = value != 0;
+  return step;
+}
+
+void ReadStep(TableReader& reader, std::vector<Step>& steps) {
+  const bool is_command = reader.Has("mode") && !reader.Has("type");
+  steps.push_back(is_command ? ReadCommandStep(reader) : ReadWrittenStep(reader));
 }
 
 template <typename T>
@@ -294,22 +364,21 @@ Section SectionOf(const msg::MotionSequenceGait& gait) {
           gait.duration};
 }
 
+// Roll, pitch and yaw. CyberDog's own programs have them in x, y and z of the orientation, whose w
+// they leave at 1 or 0; a rotation has such a w only without an angle, or upside down.
+std::array<double, 3> TurnOf(const msg::Quaternion& q) {
+  if (q.w == 1 || q.w == 0) return {q.x, q.y, q.z};
+  const Eigen::Matrix3d R = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
+  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
+          std::atan2(R(1, 0), R(0, 0))};
+}
+
 // The four numbers of a foot: where it lands, and how high it steps.
 Step StepOf(const msg::MotionSequencePace& pace) {
   Step step;
-  step.speed = {pace.twist.linear.x, pace.twist.linear.y, pace.twist.angular.z};
-  const auto& q = pace.centroid.orientation;
-  const Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
-  const Eigen::Matrix3d R = turn.toRotationMatrix();
-  const bool turned = !(q == msg::Quaternion{});
-  if (turned) {
-    step.body = {std::atan2(R(2, 1), R(2, 2)),
-                 std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
-                 std::atan2(R(1, 0), R(0, 0)),
-                 0,
-                 0,
-                 0};
-  }
+  step.speed = {pace.twist.linear.x, pace.twist.linear.y, YawRateOf(pace.twist)};
+  const std::array<double, 3> turn = TurnOf(pace.centroid.orientation);
+  std::copy(turn.begin(), turn.end(), step.body.begin());
   const auto& at = pace.centroid.position;
   step.body[3] = at.x;
   step.body[4] = at.y;
@@ -331,9 +400,16 @@ Step StepOf(const msg::MotionSequencePace& pace) {
   return step;
 }
 
-std::string Joined(const std::string& text, const std::vector<std::string>& more) {
-  std::string all = text;
-  for (const std::string& one : more) all += (all.empty() ? "" : "\n") + one;
+// `more` after `first`, unless it is the same once more.
+template <typename T>
+std::vector<T> Joined(std::vector<T> first, const std::vector<T>& more) {
+  if (first != more) first.insert(first.end(), more.begin(), more.end());
+  return first;
+}
+
+std::string Joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += text + "\n";
   return all;
 }
 
@@ -359,10 +435,13 @@ Result<> CheckGait(const Motion& motion, const UserGait& gait) {
   return Ok();
 }
 
+double YawRateOf(const msg::Twist& twist) {
+  return twist.angular.z != 0 ? twist.angular.z : twist.linear.z;
+}
+
 bool IsWalk(const msg::MotionSequencePace& pace) {
   msg::MotionSequencePace walk;
-  walk.twist.linear.x = pace.twist.linear.x;
-  walk.twist.linear.y = pace.twist.linear.y;
+  walk.twist.linear = pace.twist.linear;
   walk.twist.angular.z = pace.twist.angular.z;
   walk.duration = pace.duration;
   return walk == pace;
@@ -389,21 +468,24 @@ Result<UserGait> ReadUserGait(const std::string& sections, const std::string& st
 }
 
 Result<UserGait> UserGaitOf(const msg::MotionSequenceShow::Request& sequence) {
-  const std::string feet_text = Joined(sequence.gait_toml, sequence.gait_toml_list);
-  const std::string body_text = Joined(sequence.pace_toml, sequence.pace_toml_list);
-  if (!feet_text.empty() && !sequence.gait_list.empty()) {
-    return GaitError("the feet are given twice: by gait_list and as TOML");
+  const auto first_sections = ReadSections(sequence.gait_toml);
+  if (!first_sections) return first_sections.error();
+  const auto more_sections = ReadSections(Joined(sequence.gait_toml_list));
+  if (!more_sections) return more_sections.error();
+  const auto first_steps = ReadSteps(sequence.pace_toml);
+  if (!first_steps) return first_steps.error();
+  const auto more_steps = ReadSteps(Joined(sequence.pace_toml_list));
+  if (!more_steps) return more_steps.error();
+  auto sections = Joined(first_sections.value(), more_sections.value());
+  auto steps = Joined(first_steps.value(), more_steps.value());
+  // CyberDog's manager gives its board the texts, and so those count where there are lists as well.
+  if (sections.empty()) {
+    for (const auto& gait : sequence.gait_list) sections.push_back(SectionOf(gait));
   }
-  if (!body_text.empty() && !sequence.pace_list.empty()) {
-    return GaitError("the steps are given twice: by pace_list and as TOML");
+  if (steps.empty()) {
+    for (const auto& pace : sequence.pace_list) steps.push_back(StepOf(pace));
   }
-  auto sections = ReadSections(feet_text);
-  if (!sections) return sections.error();
-  auto steps = ReadSteps(body_text);
-  if (!steps) return steps.error();
-  for (const auto& gait : sequence.gait_list) sections.value().push_back(SectionOf(gait));
-  for (const auto& pace : sequence.pace_list) steps.value().push_back(StepOf(pace));
-  return Finished(sections.value(), steps.value());
+  return Finished(sections, steps);
 }
 
 }  // namespace musher::motion

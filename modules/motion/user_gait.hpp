@@ -37,15 +37,18 @@ bool PlaysUserGait(const Motion& motion);
 Result<> CheckGait(const Motion& motion, const UserGait& gait);
 
 // Of two TOML texts: [[section]] with `contact` (four times 0 or 1: front right, front left, rear
-// right, rear left) and `duration`; [[step]] as README.md lists its keys.
+// right, rear left) and `duration`; [[step]] as README.md lists its keys, or with the fields of a
+// command, as a board takes it.
 Result<UserGait> ReadUserGait(const std::string& sections, const std::string& steps);
 
 // Whether the sequence needs a board that takes gaits: it has feet, or paces that do more than
 // walk.
 bool HasUserGait(const msg::MotionSequenceShow::Request& sequence);
-// Feet and paces each as a list, or as texts.
+// Feet and paces each as texts, or as a list if there are none.
 Result<UserGait> UserGaitOf(const msg::MotionSequenceShow::Request& sequence);
 
+// rad/s: angular z, or linear z as CyberDog's own programs have it.
+double YawRateOf(const msg::Twist& twist);
 // Whether the pace only walks, by speed and duration.
 bool IsWalk(const msg::MotionSequencePace& pace);
 

@@ -22,8 +22,9 @@ sys.path.insert(0, os.path.join(page.SOURCE, "test/house"))
 import reference_test  # noqa: E402
 
 README = ("README.md", "README.zh.md")
-TUTORIALS = ("docs/actions.md", "docs/application.md", "docs/first-skill.md", "docs/first-tree.md", "docs/python.md",
-             "docs/robot-module.md", "docs/state-machines.md", "docs/zh/first-module.md")
+TUTORIALS = ("docs/actions.md", "docs/any-legged-robot.md", "docs/application.md", "docs/first-skill.md",
+             "docs/first-tree.md", "docs/python.md", "docs/robot-module.md", "docs/state-machines.md",
+             "docs/zh/first-module.md")
 CONTRIBUTORS = ("CHANGELOG.md", "CONTRIBUTING.md")  # what they say about typing is said to contributors
 
 

@@ -36,7 +36,9 @@ source = "world"
 [uwb]
 source = "world"
 [power_key]
-source = "world"
+source = "input"
+device = "/dev/input/event3"
+key_code = 142
 hold_ms = 5000
 )");
   ASSERT_TRUE(reading.config);
@@ -50,7 +52,7 @@ hold_ms = 5000
   expected.touch = true;
   expected.led = true;
   expected.uwb = true;
-  expected.power_key = {true, Milliseconds(5000)};
+  expected.power_key = {KeySource::kInput, "/dev/input/event3", 142, Milliseconds(5000)};
   EXPECT_EQ(*reading.config, expected);
 }
 

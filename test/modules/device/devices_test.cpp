@@ -183,7 +183,7 @@ TEST_F(Tag, IsRefusedWithoutARadio) {
 
 class PowerKeyOfTheRobot : public DevicesOnANetwork {
  protected:
-  PowerKeyOfTheRobot() { config_.power_key.present = true; }
+  PowerKeyOfTheRobot() { config_.power_key.source = KeySource::kWorld; }
   void Key(bool pressed) { ASSERT_TRUE(key_->Publish({pressed})); }
 
   bool refuses_ = false;

@@ -30,16 +30,74 @@ TEST(MotionServo, ReachesTheBoardWithItsFirstFrame) {
   EXPECT_EQ(harness.sent[0].at, harness.now);
 }
 
-TEST(MotionServo, ReachesTheBoardAt20HzHoweverFastFramesCome) {
+// At first it waited up to 50 ms for the next frame of 20 Hz.
+TEST(MotionServo, ReachesTheBoardAtOnceWhenItChanges) {
   Harness harness;
-  const Time begin = harness.now;
+  for (int i = 0; i < 20; ++i) {
+    harness.Servo(303, 0, {0.01F * static_cast<float>(i), 0, 0});
+    EXPECT_EQ(harness.sent.back().at, harness.now);
+    EXPECT_EQ(harness.sent.back().command.vel[0], 0.01F * static_cast<float>(i));
+    harness.RunFor(Milliseconds(7));
+  }
+  EXPECT_EQ(harness.sent.size(), 20U);
+}
+
+TEST(MotionServo, ReachesTheBoardAt20HzHoweverFastEqualFramesCome) {
+  Harness harness;
   for (int i = 0; i < 500; ++i) {
-    harness.Servo(303, 0, {0.001F * static_cast<float>(i), 0, 0});
+    harness.Servo(303);
     harness.RunFor(Milliseconds(2));
   }
-  EXPECT_EQ(harness.now - begin, Milliseconds(1000));
   EXPECT_NEAR(static_cast<double>(harness.sent.size()), 20, 1);
-  EXPECT_GT(harness.sent.back().command.vel[0], 0.46F) << "the newest frame counts";
+}
+
+TEST(MotionServo, ReachesTheBoardAt500HzAtMostAndTheNewestFrameCounts) {
+  Harness harness;
+  const Time begin = harness.now;
+  for (int i = 0; i < 4000; ++i) {
+    harness.Servo(303, 0, {1e-4F * static_cast<float>(i), 0, 0});
+    harness.RunFor(std::chrono::microseconds(250));
+  }
+  EXPECT_EQ(harness.now - begin, Milliseconds(1000));
+  EXPECT_NEAR(static_cast<double>(harness.sent.size()), 501, 1);
+  for (std::size_t i = 2; i < harness.sent.size(); ++i) {
+    ASSERT_GE(harness.sent[i].at - harness.sent[i - 2].at, Milliseconds(2));
+  }
+  harness.RunFor(Milliseconds(2));
+  EXPECT_EQ(harness.sent.back().command.vel[0], 1e-4F * 3999) << "the last one is sent, too";
+}
+
+TEST(MotionServo, IsRepeated20TimesASecondBetweenItsChanges) {
+  Harness harness;
+  harness.Servo(303, 0, {0.1F, 0, 0});
+  harness.RunFor(Milliseconds(30));
+  harness.Servo(303);
+  const Time changed = harness.now;
+  harness.RunFor(Milliseconds(120));
+  ASSERT_EQ(harness.sent.size(), 4U);
+  EXPECT_EQ(harness.sent[2].at, changed + Milliseconds(50));
+  EXPECT_EQ(harness.sent[3].at, changed + Milliseconds(100));
+}
+
+TEST(MotionServo, ReachesTheBoardAtOnceAfterARepetition) {
+  Harness harness;
+  harness.Servo(303, 0, {0.1F, 0, 0});
+  harness.RunFor(Milliseconds(51));
+  ASSERT_EQ(harness.sent.size(), 2U);
+  harness.Servo(303);
+  EXPECT_EQ(harness.sent.back().at, harness.now);
+  EXPECT_EQ(harness.sent.back().command.vel[0], 0.2F);
+}
+
+// Whatever was sent just before.
+TEST(MotionServo, IsStoppedAtOnceHoweverFastItsFramesCome) {
+  Harness harness;
+  harness.Servo(303, 0, {0.1F, 0, 0});
+  harness.RunFor(Milliseconds(1));
+  harness.Servo(303);
+  harness.Servo(303, 0, {}, ServoCommand::kEnd);
+  EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
+  EXPECT_EQ(harness.sent.back().at, harness.now);
 }
 
 TEST(MotionServo, TakesFramesOfTypeStartLikeData) {

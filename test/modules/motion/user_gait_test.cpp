@@ -189,11 +189,71 @@ TEST(BadSequence, WithNumbersThatAreNoneIsRefused) {
   EXPECT_EQ(UserGaitOf(sequence).error().code, 3031);
 }
 
-TEST(BadSequence, WithItsFeetTwiceIsRefused) {
+// CyberDog's own programs give the same gait four times: as lists, as one text and as a text of
+// each. The steps of their texts have the fields of commands.
+TEST(Sequence, OfCyberDogsOwnProgramsIsTaken) {
+  const std::string section =
+      "# Gait toml meta.\n\n# 1/1\n[[section]]\ncontact  = [1, 0, 0, 1]\nduration = 12\n\n";
+  const std::string step =
+      "# Pace toml meta.\n\n# 1/1\n[[step]]\nmode = 11\ngait_id = 110\ncontact = 15\n"
+      "life_count = 0\nvel_des = [0.100000, 0.000000, 0.200000]\n"
+      "rpy_des = [0.010000, 0.020000, 0.030000]\npos_des = [0.040000, 0.050000, 0.060000]\n"
+      "acc_des = [10.000000, 20.000000, 30.000000, 40.000000, 50.000000, 60.000000]\n"
+      "ctrl_point = [0.700000, 0.800000, 0.400000]\n"
+      "foot_pose = [0.100000, 0.200000, 0.300000, 0.400000, 0.500000, 0.600000]\n"
+      "step_height = [50030.000000, 80000.000000]\nvalue = 1\nduration = 300\n\n";
   msg::MotionSequenceShow::Request sequence;
-  sequence.gait_list = {{true, true, true, true, 12}};
+  sequence.motion_id = 400;
+  sequence.duration = 300;
+  sequence.gait_list = {{true, false, false, true, 12}};
+  msg::MotionSequencePace pace;
+  pace.twist.linear = {0.1, 0, 0.2};
+  pace.centroid.orientation = {0.01, 0.02, 0.03, 1};
+  pace.centroid.position = {0.04, 0.05, 0.06};
+  pace.weight = {{10, 20, 30}, {40, 50, 60}};
+  pace.right_forefoot = {0.1, 0.2, 0, 0.03F};
+  pace.left_forefoot = {0.3, 0.4, 0, 0.05F};
+  pace.right_hindfoot = {0.5, 0.6, 0, 0};
+  pace.left_hindfoot = {0.7, 0.8, 0, 0.08};
+  pace.friction_coefficient = 0.4F;
+  pace.landing_gain = 1.55F;
+  pace.use_mpc_track = true;
+  pace.duration = 300;
+  sequence.pace_list = {pace};
+  const auto by_lists = UserGaitOf(sequence);
+  ASSERT_TRUE(by_lists) << by_lists.error().message;
+  EXPECT_EQ(by_lists.value(), ReadUserGait(kSections, Step()).value())
+      << "its yaw rate is linear z, and its rotation roll, pitch and yaw";
+  sequence.gait_toml = "# Gait Def (Gait toml).\n" + section;
+  sequence.pace_toml = "# Gait Params (Pace toml).\n" + step;
+  sequence.gait_toml_list = {section};
+  sequence.pace_toml_list = {step};
+  const auto by_texts = UserGaitOf(sequence);
+  ASSERT_TRUE(by_texts) << by_texts.error().message;
+  EXPECT_EQ(by_texts.value().sections, by_lists.value().sections) << "once";
+  EXPECT_EQ(by_texts.value(), by_lists.value());
+}
+
+TEST(Sequence, WithFurtherTextsHasAllOfThem) {
+  msg::MotionSequenceShow::Request sequence;
   sequence.gait_toml = kSections;
-  EXPECT_THAT(UserGaitOf(sequence).error().message, HasSubstr("given twice"));
+  sequence.gait_toml_list = {"[[section]]\ncontact = [1, 1, 1, 1]\nduration = 3\n"};
+  sequence.pace_toml = Step();
+  sequence.pace_toml_list = {Step("duration", "200"), Step("duration", "100")};
+  const auto gait = UserGaitOf(sequence);
+  ASSERT_TRUE(gait) << gait.error().message;
+  EXPECT_EQ(gait.value().duration_ms, 600);
+  EXPECT_THAT(gait.value().sections, HasSubstr("contact = [1, 1, 1, 1]\nduration = 3\n"));
+}
+
+TEST(BadSequence, OfCommandsThatAreNoGaitIsRefused) {
+  for (const std::string wrong :
+       {"mode = 12\ngait_id = 110", "mode = 11\ngait_id = 27", "mode = 11\ngait_id = 110"}) {
+    msg::MotionSequenceShow::Request sequence;
+    sequence.gait_toml = kSections;
+    sequence.pace_toml = "[[step]]\n" + wrong + "\nduration = 300\n";
+    EXPECT_EQ(UserGaitOf(sequence).error().code, 3031) << wrong;
+  }
 }
 
 }  // namespace musher::motion::testing::user_gait_test

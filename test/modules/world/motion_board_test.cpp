@@ -13,6 +13,7 @@
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/motion/board_message.hpp"
 #include "musher/modules/motion/lcm_backend.hpp"
 #include "musher/modules/motion/motion_shell.hpp"
 #include "musher/modules/motion/motion_table.hpp"
@@ -103,6 +104,9 @@ class MotionBoard : public ::testing::TestWithParam<motion::BoardKind> {
       };
       events.on_fault = [this](std::int32_t code, const std::string& text) {
         motion_->Do(motion::motion_event::BoardFault{code, text});
+      };
+      events.on_other_gait = [this](const std::string& why) {
+        motion_->Do(motion::motion_event::OtherGait{why});
       };
       return Made(
           motion::LcmBackend::Make(robot_->loop(), *clock_, config_, std::move(events)).value());
@@ -400,6 +404,28 @@ class MotionBoardBadInput : public MotionBoard {
 
 INSTANTIATE_TEST_SUITE_P(Boards, MotionBoardBadInput, ::testing::Values(motion::BoardKind::kLcm),
                          [](const auto&) { return "Lcm"; });
+
+// Motion 400 would execute the other one.
+TEST_P(MotionBoardBadInput, OfAnotherProgramsGaitEndsTheOneThatWasDefined) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  msg::MotionCustomCmd::Request request;
+  request.cmd_type = msg::MotionCustomCmd::kDefinition;
+  request.motion_id = 400;
+  ASSERT_EQ(Call(*gaits_, request).code, 0) << log_;
+  Inject({"the gait of another program", "user_gait_file", "",
+          [] { return motion::EncodeGaitFile("# Gait Def\n").value(); }},
+         config_.lcm.command_url);
+  EXPECT_NE(log_.find("another program has given the motion board a gait: 127.0.0.1:"),
+            std::string::npos)
+      << log_;
+  request.cmd_type = msg::MotionCustomCmd::kExecution;
+  EXPECT_EQ(Call(*gaits_, request).code, 3031);
+  EXPECT_EQ(TheBody().mode(), 12);
+  request.cmd_type = msg::MotionCustomCmd::kDefinition;
+  EXPECT_EQ(Call(*gaits_, request).code, 0) << "the board has answered to both";
+  request.cmd_type = msg::MotionCustomCmd::kExecution;
+  EXPECT_EQ(Call(*gaits_, request).code, 0);
+}
 
 TEST_P(MotionBoardBadInput, GetsACodeAndASentenceAndTheBodyStands) {
   ASSERT_EQ(Do(motion::kRecoveryStand), 0);

@@ -1,0 +1,133 @@
+// A key of an input device: events as the kernel has them, by a pipe, and by a device of uinput
+// where this kernel has it.
+
+#include "musher/modules/device/input_key.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <linux/uinput.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/test/support/temp_folder.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::device::input_key_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+input_event Event(std::uint16_t type, std::uint16_t code, std::int32_t value) {
+  input_event event{};
+  event.type = type;
+  event.code = code;
+  event.value = value;
+  return event;
+}
+
+class Key : public ::testing::Test {
+ protected:
+  Key() : pipe_(folder_ / "event0") {}
+
+  void Plug() {
+    std::filesystem::remove(pipe_);
+    ASSERT_EQ(mkfifo(pipe_.c_str(), 0600), 0);
+    writer_ = UniqueFd(open(pipe_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+    ASSERT_TRUE(writer_.valid());
+  }
+  void Send(const std::vector<input_event>& events) {
+    const std::size_t size = events.size() * sizeof(input_event);
+    ASSERT_EQ(write(writer_.get(), events.data(), size), static_cast<ssize_t>(size));
+  }
+  std::unique_ptr<InputKey> Start(const std::string& device) {
+    return std::make_unique<InputKey>(
+        loop_, device, kPowerKeyCode, [this](bool pressed) { keys_.push_back(pressed); },
+        [this](const std::string& line) { log_.push_back(line); });
+  }
+  bool Await(std::size_t keys) {
+    return loop_.RunUntil([&] { return keys_.size() >= keys; },
+                          loop_.Now() + std::chrono::seconds(30));
+  }
+
+  const TempFolder folder_;
+  const std::string pipe_;
+  UniqueFd writer_;
+  transport::LinuxEventLoop loop_;
+  std::vector<bool> keys_;
+  std::vector<std::string> log_;
+};
+
+TEST_F(Key, IsPressedAndReleased) {
+  Plug();
+  const auto key = Start(pipe_);
+  Send({Event(EV_KEY, KEY_A, 1), Event(EV_KEY, KEY_POWER, 1), Event(EV_SYN, SYN_REPORT, 0),
+        Event(EV_KEY, KEY_POWER, 2), Event(EV_REL, KEY_POWER, 1), Event(EV_KEY, KEY_POWER, 0)});
+  ASSERT_TRUE(Await(2));
+  EXPECT_THAT(keys_, ElementsAre(true, false)) << "neither another key nor a repetition counts";
+  EXPECT_THAT(log_, IsEmpty());
+}
+
+// Otherwise a key whose device is gone would switch the robot off.
+TEST_F(Key, IsReleasedWhenItsDeviceIsLostAndWorksAgainOnceItIsBack) {
+  Plug();
+  const auto key = Start(pipe_);
+  Send({Event(EV_KEY, KEY_POWER, 1)});
+  ASSERT_TRUE(Await(1));
+  writer_ = UniqueFd();
+  ASSERT_TRUE(Await(2));
+  EXPECT_THAT(keys_, ElementsAre(true, false));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("it was closed; it is opened again every second")));
+  Plug();
+  ASSERT_TRUE(
+      loop_.RunUntil([&] { return log_.size() == 2; }, loop_.Now() + std::chrono::seconds(30)));
+  EXPECT_THAT(log_.back(), HasSubstr("is available"));
+  Send({Event(EV_KEY, KEY_POWER, 1)});
+  ASSERT_TRUE(Await(3));
+  EXPECT_TRUE(keys_.back());
+}
+
+TEST_F(Key, WithoutItsDeviceIsLoggedOnce) {
+  const auto key = Start(pipe_);
+  ASSERT_TRUE(Await(2));
+  EXPECT_THAT(keys_, ::testing::Each(false));
+  EXPECT_THAT(log_, SizeIs(1));
+  EXPECT_THAT(log_.front(), HasSubstr("No such file"));
+}
+
+TEST_F(Key, OfADeviceOfTheKernelIsKnownWhenItIsPressedAlready) {
+  const UniqueFd uinput(open("/dev/uinput", O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+  if (!uinput.valid()) GTEST_SKIP() << "/dev/uinput: " << std::strerror(errno);
+  ASSERT_EQ(ioctl(uinput.get(), UI_SET_EVBIT, EV_KEY), 0);
+  ASSERT_EQ(ioctl(uinput.get(), UI_SET_KEYBIT, KEY_POWER), 0);
+  uinput_setup setup{};
+  std::strncpy(setup.name, "musher test key", sizeof(setup.name) - 1);
+  ASSERT_EQ(ioctl(uinput.get(), UI_DEV_SETUP, &setup), 0);
+  ASSERT_EQ(ioctl(uinput.get(), UI_DEV_CREATE), 0);
+  char name[64] = {};
+  ASSERT_GE(ioctl(uinput.get(), UI_GET_SYSNAME(sizeof(name)), name), 0);
+  std::string device;
+  for (const auto& entry :
+       std::filesystem::directory_iterator("/sys/devices/virtual/input/" + std::string(name))) {
+    const std::string file = entry.path().filename();
+    if (file.starts_with("event")) device = "/dev/input/" + file;
+  }
+  if (!std::filesystem::exists(device)) GTEST_SKIP() << "no udev makes " << device;
+  const input_event press[] = {Event(EV_KEY, KEY_POWER, 1), Event(EV_SYN, SYN_REPORT, 0)};
+  ASSERT_EQ(write(uinput.get(), press, sizeof(press)), static_cast<ssize_t>(sizeof(press)));
+  const auto key = Start(device);
+  EXPECT_THAT(keys_, ElementsAre(true));
+  ioctl(uinput.get(), UI_DEV_DESTROY);
+  ASSERT_TRUE(Await(2));
+  EXPECT_FALSE(keys_.back());
+}
+
+}  // namespace musher::device::input_key_test
