@@ -8,6 +8,8 @@
 #include <future>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -161,6 +163,7 @@ class MachineActuator::Impl {
     // A command that arrives meanwhile must not use the worker that is being stopped.
     if (node_) {
       node_->RunOnLoop([this] {
+        if (started_) OwnNode(*node_).SetOnPeerFault({});
         if (shell_) shell_->Close();
       });
     }
@@ -265,7 +268,21 @@ class MachineActuator::Impl {
     return own_node_ ? *own_node_ : thread.node();
   }
 
+  // Each fault of a participant once: it may send any number of samples.
+  void LogPeerFault(const transport::PeerFault& fault) {
+    constexpr std::size_t kMost = 32;
+    const std::string what = fault.what + ", on " + fault.topic;
+    if (peer_faults_.size() >= kMost || !peer_faults_.emplace(fault.participant, what).second) {
+      return;
+    }
+    const std::string name = transport::NameOf(OwnNode(*node_), fault.participant);
+    Log(LogLevel::kWarning,
+        (name.empty() ? "a participant without a name" : name) + " " + what + "; logged once");
+  }
+
   void StartShell() {
+    OwnNode(*node_).SetOnPeerFault(
+        [this](const transport::PeerFault& fault) { LogPeerFault(fault); });
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) {
       shell_->checkpoints().OnWorker(gettid());
@@ -340,6 +357,7 @@ class MachineActuator::Impl {
   std::mutex shutdown_mutex_;
   std::atomic<bool> started_ = false;
   std::atomic<bool> stop_requested_ = false;
+  std::set<std::pair<transport::ParticipantId, std::string>> peer_faults_;  // logged
   std::function<void()> on_poll_;  // of a fault-injection test; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_reported_ = false;

@@ -375,12 +375,13 @@ Result<> Controller::OpenServices() {
       history_->Read(since, limit, std::move(done));
     };
   }
-  auto services =
-      ControllerServices::Make(node_, *shell_, std::move(read_history), MakeHostServer());
+  ros_nodes_ = std::make_unique<transport::RosNodes>(node_);
+  auto services = ControllerServices::Make(node_, *shell_, std::move(read_history),
+                                           MakeHostServer(), ros_nodes_.get());
   if (!services) return services.error();
   services_ = std::move(services).value();
-  ros2_tools_ =
-      std::make_unique<Ros2Tools>(node_, *shell_, WallNanoseconds, ToString(incarnation_));
+  ros2_tools_ = std::make_unique<Ros2Tools>(node_, *shell_, *ros_nodes_, WallNanoseconds,
+                                            ToString(incarnation_));
   return OpenExtensions();
 }
 

@@ -129,6 +129,7 @@ class Controller {
   KernelProbe process_probe_;
   std::unique_ptr<HostProcesses> hosts_;  // null unless the config has [host.*]
   std::unique_ptr<ControllerShell> shell_;
+  std::unique_ptr<transport::RosNodes> ros_nodes_;              // null unless this controller leads
   std::unique_ptr<ControllerServices> services_;                // null unless this controller leads
   std::vector<std::unique_ptr<ExtensionServices>> extensions_;  // none unless this one leads
   std::unique_ptr<Ros2Tools> ros2_tools_;                       // null unless this controller leads

@@ -58,8 +58,8 @@ class Node {
 
   // The other participants that are known now; none where the transport does not know.
   virtual std::vector<PeerInfo> Peers() const { return {}; }
-  // A ROS 2 node of that participant, "/planner_server": of several the one with the shortest name.
-  // Empty: it has none, or one without the services of every node.
+  // The ROS 2 nodes of that participant, "/planner_server": of several a list, "/amcl, /planner".
+  // Empty: it has none, or none with the services of every node.
   virtual std::string RosNodeOf(ParticipantId /*participant*/) const { return {}; }
 
  private:

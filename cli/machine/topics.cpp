@@ -5,8 +5,6 @@
 #include <algorithm>
 
 #include "musher/base/suggest.hpp"
-#include "musher/messages/before_iron.hpp"
-#include "musher/messages/rmw_dds_common/participant_entities.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -15,39 +13,10 @@ namespace {
 // Discovery reports the endpoints of running processes within some 10 ms of each other.
 constexpr Duration kQuietDiscovery = Milliseconds(300);
 
-std::string FullNodeName(const std::string& name_space, const std::string& node) {
-  return name_space.ends_with('/') ? name_space + node : name_space + "/" + node;
-}
-
-// `Info`: of this distribution of ROS 2, or of those before Iron.
-template <class Info>
-bool TakeNodes(std::span<const std::byte> bytes,
-               std::map<transport::EndpointId, std::string>& nodes) {
-  const auto info = msg::Decode<Info>(bytes);
-  if (!info || msg::Encode(*info).size() != bytes.size()) return false;
-  for (const auto& node : info->node_entities_info_seq) {
-    const std::string name = FullNodeName(node.node_namespace, node.node_name);
-    for (const auto* gids : {&node.reader_gid_seq, &node.writer_gid_seq}) {
-      for (const auto& gid : *gids) {
-        const std::span<const std::uint8_t, 16> guid(gid.data.data(), 16);
-        nodes[transport::EndpointIdOf(guid)] = name;
-      }
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Topics>> Topics::Begin(Link& link, Events events) {
   std::unique_ptr<Topics> topics(new Topics(link, std::move(events)));
-  transport::ReaderCallbacks graph;
-  graph.on_sample = [self = topics.get()](std::span<const std::byte> bytes,
-                                          const transport::SampleInfo&) { self->ReadNodes(bytes); };
-  auto reader = link.node().MakeRawReader("ros_discovery_info",
-                                          std::string(msg::ParticipantEntitiesInfo::kTypeName),
-                                          transport::kLatchedFromManyQos, std::move(graph));
-  if (reader) topics->graph_ = std::move(reader).value();
   auto watch = transport::WatchTopics(
       link.node(),
       [self = topics.get()](const transport::DiscoveredEndpoint& endpoint) {
@@ -61,11 +30,6 @@ Result<std::unique_ptr<Topics>> Topics::Begin(Link& link, Events events) {
   if (!watch) return watch.error();
   topics->watch_ = std::move(watch).value();
   return topics;
-}
-
-void Topics::ReadNodes(std::span<const std::byte> bytes) {
-  if (TakeNodes<msg::ParticipantEntitiesInfo>(bytes, nodes_)) return;
-  TakeNodes<msg::ParticipantEntitiesInfoBeforeIron>(bytes, nodes_);
 }
 
 void Topics::AwaitAll(Duration timeout) {
@@ -108,8 +72,7 @@ std::vector<Topics::Place> Topics::PlacesOf(
   places.reserve(endpoints.size());
   for (const transport::DiscoveredEndpoint& endpoint : endpoints) {
     Place& place = places.emplace_back();
-    const auto node = nodes_.find(endpoint.id);
-    if (node != nodes_.end()) place.node = node->second;
+    place.node = nodes_.NodeOf(endpoint.id);
     const auto peer = std::find_if(peers.begin(), peers.end(),
                                    [&](const auto& one) { return one.id == endpoint.participant; });
     if (peer == peers.end()) continue;

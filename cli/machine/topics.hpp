@@ -5,15 +5,14 @@
 // Threads: loop thread only.
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "musher/cli/machine/link.hpp"
+#include "musher/transport/dds/ros_nodes.hpp"
 #include "musher/transport/dds/topic_watch.hpp"
 #include "musher/view/topics/topic_table.hpp"
 
@@ -48,15 +47,14 @@ class Topics {
   std::vector<Place> PlacesOf(const std::vector<transport::DiscoveredEndpoint>& endpoints) const;
 
  private:
-  Topics(Link& link, Events events) : link_(link), events_(std::move(events)) {}
-  void ReadNodes(std::span<const std::byte> bytes);
+  Topics(Link& link, Events events)
+      : link_(link), events_(std::move(events)), nodes_(link.node()) {}
 
   Link& link_;
   const Events events_;
   view::TopicTable table_;
   bool changed_ = false;
-  std::map<transport::EndpointId, std::string> nodes_;  // by their endpoints
-  std::unique_ptr<transport::RawReader> graph_;         // none where permissions forbid it
+  transport::RosNodes nodes_;
   std::unique_ptr<transport::TopicWatch> watch_;
 };
 

@@ -22,8 +22,9 @@ Result<> ToResult(const SwitchResult& result) {
 
 Result<std::unique_ptr<ManagedMachine>> ManagedMachine::Make(transport::Node& node,
                                                              ControllerShell& shell,
+                                                             const transport::RosNodes& ros_nodes,
                                                              const std::string& instance) {
-  std::unique_ptr<ManagedMachine> machine(new ManagedMachine(node, shell));
+  std::unique_ptr<ManagedMachine> machine(new ManagedMachine(shell, ros_nodes));
   ManagedMachine* self = machine.get();
   transport::ManagedNodeEndpoints::Hooks hooks;
   hooks.refusal = [self](const Ros2Transition* transition, transport::ParticipantId caller) {
@@ -53,7 +54,9 @@ void ManagedMachine::OnRecord() {
 
 // The nodes of the command `ros2` have this prefix: a person has typed it.
 Requester ManagedMachine::RequesterOf(transport::ParticipantId caller) const {
-  const std::string node = node_.RosNodeOf(caller);
+  const std::string service =
+      transport::ResolveName(shell_.config().name_space, kMachineNode) + "/change_state";
+  const std::string node = ros_nodes_.CallersOf(service, caller);
   const bool person = node.find("/_ros2cli") != std::string::npos;
   if (person) return {"ros2 lifecycle (" + node + ")", false};
   return {node.empty() ? "a ROS 2 manager" : node, true};

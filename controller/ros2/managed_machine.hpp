@@ -11,14 +11,16 @@
 #include <string>
 
 #include "musher/controller/shell/controller_shell.hpp"
+#include "musher/transport/dds/ros_nodes.hpp"
 #include "musher/wire/managed_node_endpoints.hpp"
 
 namespace musher {
 
 class ManagedMachine {
  public:
-  // `instance` identifies this controller. Node and shell must outlive it.
+  // `instance` identifies this controller. The others must outlive it.
   static Result<std::unique_ptr<ManagedMachine>> Make(transport::Node& node, ControllerShell& shell,
+                                                      const transport::RosNodes& ros_nodes,
                                                       const std::string& instance);
 
   // The machine has changed.
@@ -27,7 +29,8 @@ class ManagedMachine {
   bool Holds() const { return endpoints_->Holds(); }
 
  private:
-  ManagedMachine(transport::Node& node, ControllerShell& shell) : node_(node), shell_(shell) {}
+  ManagedMachine(ControllerShell& shell, const transport::RosNodes& ros_nodes)
+      : shell_(shell), ros_nodes_(ros_nodes) {}
 
   using Done = transport::ManagedNodeEndpoints::Done;
   Requester RequesterOf(transport::ParticipantId caller) const;
@@ -37,8 +40,8 @@ class ManagedMachine {
   void Change(const Ros2Transition& transition, const Requester& by, const Done& done);
   void Switch(const State& target, const Requester& by, const Done& done);
 
-  transport::Node& node_;
   ControllerShell& shell_;
+  const transport::RosNodes& ros_nodes_;
   std::unique_ptr<transport::ManagedNodeEndpoints> endpoints_;
   // Expires before late answers arrive.
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::uint16_t kCyclone = 0x0110;
 constexpr Duration kVendorPeriod = std::chrono::seconds(5);
-constexpr std::size_t kMost = 8;  // any number of participants may come
+constexpr std::size_t kMost = 8;  // any number of participants may come, again and again
+constexpr Duration kReportPeriod = std::chrono::hours(1);
 
 bool IsOther(const transport::PeerInfo& peer) {
   return peer.vendor != kCyclone;
@@ -60,14 +61,28 @@ OtherVendors::OtherVendors(transport::Node& node, OnChange on_change, OnNew on_n
 
 void OtherVendors::Look() {
   const std::vector<transport::PeerInfo> peers = node_.Peers();
+  // A node that is respawned is another participant each time.
+  std::erase_if(seen_, [&](transport::ParticipantId id) {
+    return std::ranges::count(peers, id, &transport::PeerInfo::id) == 0;
+  });
   for (const transport::PeerInfo& peer : peers) {
-    if (!IsOther(peer) || seen_.size() >= kMost || !seen_.insert(peer.id).second) continue;
+    if (!IsOther(peer) || seen_.contains(peer.id) || !MayReport()) continue;
+    seen_.insert(peer.id);
     on_new_(Describe(node_, peer));
   }
   std::vector<std::string> now = DescribeOtherVendors(node_, peers);
   if (now != last_) on_change_(now);
   last_ = std::move(now);
   timer_ = node_.loop().At(node_.loop().Now() + kVendorPeriod, [this] { Look(); });
+}
+
+// One that has to wait is reported later, if it still exists then.
+bool OtherVendors::MayReport() {
+  const Time now = node_.loop().Now();
+  while (!reported_.empty() && now - reported_.front() >= kReportPeriod) reported_.pop_front();
+  if (reported_.size() >= kMost) return false;
+  reported_.push_back(now);
+  return true;
 }
 
 }  // namespace musher

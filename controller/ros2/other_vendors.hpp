@@ -5,6 +5,8 @@
 //
 // Threads: loop thread only.
 
+#include <deque>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -28,19 +30,22 @@ inline constexpr const char* kOtherVendorCure =
 // Looks every few seconds: a participant needs seconds to be discovered.
 class OtherVendors {
  public:
-  // `on_change` gets all of them; `on_new` each one when it is seen for the first time.
+  // `on_change` gets all of them; `on_new` each one when it is seen for the first time, at most 8
+  // in an hour.
   using OnChange = std::function<void(std::vector<std::string>)>;
   using OnNew = std::function<void(const std::string&)>;
   OtherVendors(transport::Node& node, OnChange on_change, OnNew on_new);
 
  private:
   void Look();
+  bool MayReport();
 
   transport::Node& node_;
   const OnChange on_change_;
   const OnNew on_new_;
   std::vector<std::string> last_;
-  std::set<transport::ParticipantId> seen_;
+  std::set<transport::ParticipantId> seen_;  // of those that exist
+  std::deque<Time> reported_;                // to on_new_, in the last hour
   transport::LoopHandlePtr timer_;
 };
 

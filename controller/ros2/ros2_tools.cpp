@@ -7,6 +7,7 @@
 namespace musher {
 
 Ros2Tools::Ros2Tools(transport::Node& node, ControllerShell& shell,
+                     const transport::RosNodes& ros_nodes,
                      const std::function<std::int64_t()>& wall_ns, const std::string& instance)
     : other_vendors_(
           node,
@@ -24,7 +25,7 @@ Ros2Tools::Ros2Tools(transport::Node& node, ControllerShell& shell,
   };
   const Ros2Config& config = shell.config().ros2;
   if (config.managed_nodes) {
-    keep(managed_, ManagedMachine::Make(node, shell, instance), "ROS 2 managed node");
+    keep(managed_, ManagedMachine::Make(node, shell, ros_nodes, instance), "ROS 2 managed node");
   }
   if (config.diagnostics) {
     keep(diagnostics_, Diagnostics::Make(node, shell, wall_ns), "/diagnostics");

@@ -20,7 +20,7 @@ class Ros2Tools {
  public:
   // `wall_ns`: since 1970; `instance` identifies this controller. All must outlive it. A part that
   // cannot be opened is missing, and a record states why.
-  Ros2Tools(transport::Node& node, ControllerShell& shell,
+  Ros2Tools(transport::Node& node, ControllerShell& shell, const transport::RosNodes& ros_nodes,
             const std::function<std::int64_t()>& wall_ns, const std::string& instance);
 
   void OnRecord(const action::Record& record);

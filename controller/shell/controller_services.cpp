@@ -56,14 +56,19 @@ msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
 
 ControllerServices::ControllerServices(transport::Node& node, ControllerShell& shell,
                                        ReadHistory read_history,
-                                       std::unique_ptr<transport::HostServer> here)
-    : node_(node), shell_(shell), read_history_(std::move(read_history)), here_(std::move(here)) {}
+                                       std::unique_ptr<transport::HostServer> here,
+                                       const transport::RosNodes* ros_nodes)
+    : node_(node),
+      shell_(shell),
+      read_history_(std::move(read_history)),
+      here_(std::move(here)),
+      ros_nodes_(ros_nodes) {}
 
 Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(
     transport::Node& node, ControllerShell& shell, ReadHistory read_history,
-    std::unique_ptr<transport::HostServer> here) {
+    std::unique_ptr<transport::HostServer> here, const transport::RosNodes* ros_nodes) {
   std::unique_ptr<ControllerServices> services(
-      new ControllerServices(node, shell, std::move(read_history), std::move(here)));
+      new ControllerServices(node, shell, std::move(read_history), std::move(here), ros_nodes));
   if (auto opened = services->Open(); !opened) return opened.error();
   return services;
 }
@@ -101,9 +106,12 @@ Result<> ControllerServices::Open() {
   return opened;
 }
 
-std::string ControllerServices::RequesterOf(const std::string& by,
+std::string ControllerServices::RequesterOf(const std::string& by, const char* service,
                                             transport::ParticipantId caller) const {
-  return by.empty() ? node_.RosNodeOf(caller) : by.substr(0, kLongestName);
+  if (!by.empty()) return by.substr(0, kLongestName);
+  if (ros_nodes_ == nullptr) return node_.RosNodeOf(caller);
+  return ros_nodes_->CallersOf(transport::MachineService(shell_.config().name_space, service),
+                               caller);
 }
 
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
@@ -122,7 +130,7 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
                     shell_.PublishStatus();
                     reply(ToMessage(result));
                   },
-                  {RequesterOf(request.by, caller)});
+                  {RequesterOf(request.by, "set_state", caller)});
 }
 
 void ControllerServices::OnRestart(const msg::RestartActuator::Request& request,
@@ -131,7 +139,7 @@ void ControllerServices::OnRestart(const msg::RestartActuator::Request& request,
   if (const auto error = MeantForAnother(shell_, request)) {
     return reply(AnswerTo<msg::RestartActuator>(*error));
   }
-  shell_.Restart(request.actuator, RequesterOf(request.by, caller),
+  shell_.Restart(request.actuator, RequesterOf(request.by, "restart_actuator", caller),
                  [this, reply](const Result<>& result) {
                    shell_.PublishStatus();
                    reply(AnswerTo<msg::RestartActuator>(result));

@@ -15,6 +15,7 @@
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/policy_request.hpp"
+#include "musher/transport/dds/ros_nodes.hpp"
 #include "musher/transport/host_calls.hpp"
 #include "musher/transport/service.hpp"
 
@@ -23,17 +24,19 @@ namespace musher {
 class ControllerServices {
  public:
   // `read_history` is empty where there is no journal. What it reads by and the shell must outlive
-  // the services. `here` may be null.
+  // the services. `here` may be null, and so may `ros_nodes`, which name the callers.
   static Result<std::unique_ptr<ControllerServices>> Make(
       transport::Node& node, ControllerShell& shell, ReadHistory read_history,
-      std::unique_ptr<transport::HostServer> here = nullptr);
+      std::unique_ptr<transport::HostServer> here = nullptr,
+      const transport::RosNodes* ros_nodes = nullptr);
 
   // Whether the answer to a switch waits until its client can be reached.
   bool HoldsAnswers() const { return set_state_ && set_state_->Holds(); }
 
  private:
   ControllerServices(transport::Node& node, ControllerShell& shell, ReadHistory read_history,
-                     std::unique_ptr<transport::HostServer> here);
+                     std::unique_ptr<transport::HostServer> here,
+                     const transport::RosNodes* ros_nodes);
   Result<> Open();
 
   template <class S>
@@ -47,8 +50,9 @@ class ControllerServices {
   Result<> Serve(std::unique_ptr<transport::Server<S>>& server, const char* name,
                  Handler<S> handler);
 
-  // The name that a request gives, else that of the ROS 2 node which has sent it.
-  std::string RequesterOf(const std::string& by, transport::ParticipantId caller) const;
+  // The name that a request gives, else that of the ROS 2 node which has sent it to `service`.
+  std::string RequesterOf(const std::string& by, const char* service,
+                          transport::ParticipantId caller) const;
   void OnSetState(const msg::SetState::Request& request, const Reply<msg::SetState>& reply,
                   transport::ParticipantId caller);
   void OnRestart(const msg::RestartActuator::Request& request,
@@ -73,6 +77,7 @@ class ControllerServices {
   ControllerShell& shell_;
   const ReadHistory read_history_;
   const std::unique_ptr<transport::HostServer> here_;
+  const transport::RosNodes* const ros_nodes_;
   std::unique_ptr<transport::Server<msg::SetState>> set_state_;
   std::unique_ptr<transport::Server<msg::RestartActuator>> restart_actuator_;
   std::unique_ptr<transport::Server<msg::ReleaseEmergencyStop>> release_emergency_stop_;

@@ -4,12 +4,19 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "musher/base/files.hpp"
 #include "musher/cli/nav2/params_file.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/test/cli/program.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::nav2_config_test {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -61,7 +68,7 @@ TEST(AConfigFromNav2sParameters, HasTheNodesOfTheManagerInItsOrder) {
   EXPECT_THAT(config.actuators[1].command,
               ElementsAre("ros2", "run", "nav2_amcl", "amcl", "--ros-args", "-r", "__node:=amcl",
                           "--params-file", "nav2.yaml"));
-  EXPECT_THAT(config.actuators[0].command, Not(::testing::Contains("nav2.yaml")))
+  EXPECT_THAT(config.actuators[0].command, Not(Contains("nav2.yaml")))
       << "it has no parameters there";
 }
 
@@ -73,6 +80,71 @@ TEST(AConfigFromNav2sParameters, HasTheServersOfNav2WhereNoManagerIsListed) {
                                       "      plugins:\n      - \"a\"\n      - b\n"}});
   EXPECT_THAT(NamesOf(config), ElementsAre("amcl", "bt_navigator"));
   EXPECT_FALSE(config.actuators[0].checkpoint) << "no bond is known";
+}
+
+std::string WithAutostart(const std::string& line) {
+  return "manager:\n  ros__parameters:\n" + line + "    node_names: [amcl]\n";
+}
+
+// nav2's manager waits for a call then, and the robot stands.
+TEST(AConfigFromNav2sParameters, WaitsForAManagerWhereNav2DoesNotStartByItself) {
+  const auto waits = [](const std::string& line) {
+    return Read({{"a.yaml", WithAutostart(line)}}).ros2.started_by_manager;
+  };
+  EXPECT_TRUE(waits("    autostart: false\n"));
+  EXPECT_TRUE(waits("")) << "its default";
+  EXPECT_TRUE(waits("    autostart: $(var autostart)\n")) << "not known here";
+  EXPECT_FALSE(waits("    autostart: True\n"));
+  const auto text = Nav2Config({{"a.yaml", WithAutostart("")}}, "robot");
+  ASSERT_TRUE(text);
+  EXPECT_THAT(text.value(), HasSubstr("no `autostart: true`"));
+  EXPECT_THAT(Nav2Config({{"nav2.yaml", kManaged}}, "robot").value(), Not(HasSubstr("[ros2]")));
+}
+
+// Of a manager that starts and one that does not.
+TEST(AConfigFromNav2sParameters, WaitsForAManagerWhereOneOfTwoDoesNotStartByItself) {
+  const std::string other = "second:\n  ros__parameters:\n    node_names: [map_server]\n";
+  EXPECT_TRUE(Read({{"a.yaml", WithAutostart("    autostart: true\n")}, {"b.yaml", other}})
+                  .ros2.started_by_manager);
+}
+
+// A node in the root would have none of the parameters: amcl then runs with its defaults.
+TEST(AConfigFromNav2sParameters, KeepsTheNamespaceOfTheNodes) {
+  const std::string nested =
+      "/dog1:\n  manager:\n    ros__parameters:\n      node_names: [amcl]\n"
+      "  amcl:\n    ros__parameters:\n      a: 1\n";
+  const std::string full =
+      "/dog1/manager:\n  ros__parameters:\n    node_names: [amcl]\n"
+      "/dog1/amcl:\n  ros__parameters:\n    a: 1\n";
+  const std::string servers = "dog1/amcl:\n  ros__parameters:\n    a: 1\n";
+  for (const std::string& text : {nested, full, servers}) {
+    const MachineConfig config = Read({{"a.yaml", text}});
+    EXPECT_EQ(config.name_space, "dog1") << text;
+    ASSERT_THAT(NamesOf(config), ElementsAre("amcl")) << text;
+    EXPECT_THAT(config.actuators[0].command,
+                ElementsAre("ros2", "run", "nav2_amcl", "amcl", "--ros-args", "-r", "__node:=amcl",
+                            "-r", "__ns:=/dog1", "--params-file", "a.yaml"))
+        << text;
+  }
+}
+
+TEST(AConfigFromNav2sParameters, GivesANodeTheFilesOfItsOwnNamespaceOnly) {
+  const MachineConfig config =
+      Read({{"m.yaml", "/dog1/manager:\n  ros__parameters:\n    node_names: [amcl]\n"},
+            {"root.yaml", "amcl:\n  ros__parameters:\n    a: 1\n"},
+            {"all.yaml", "/**:\n  ros__parameters:\n    a: 1\n"},
+            {"any.yaml", "/*/amcl:\n  ros__parameters:\n    a: 1\n"}});
+  ASSERT_EQ(config.actuators.size(), 1U);
+  const std::vector<std::string>& command = config.actuators[0].command;
+  EXPECT_THAT(command, Contains("all.yaml"));
+  EXPECT_THAT(command, Contains("any.yaml"));
+  EXPECT_THAT(command, Not(Contains("root.yaml"))) << "ROS 2 does not read it for /dog1/amcl";
+}
+
+TEST(AConfigFromNav2sParameters, MarksANodeWithoutParameters) {
+  const auto text = Nav2Config({{"a.yaml", WithAutostart("")}}, "robot");
+  ASSERT_TRUE(text);
+  EXPECT_THAT(text.value(), HasSubstr("# no file has parameters of it"));
 }
 
 TEST(AConfigFromNav2sParameters, MarksWhatAPersonHasToFillIn) {
@@ -91,6 +163,63 @@ TEST(AConfigFromNav2sParameters, IsRefusedWithThePlaceOfTheFault) {
   EXPECT_THAT(refusal("a: 1\n"), HasSubstr("no lifecycle manager"));
   EXPECT_THAT(refusal("m:\n  ros__parameters:\n    node_names: ['a\"b']\n"),
               HasSubstr("is no name of a ROS 2 node"));
+  EXPECT_THAT(refusal("/dog1/amcl:\n  ros__parameters:\n    a: 1\n"
+                      "/dog2/amcl:\n  ros__parameters:\n    a: 1\n"),
+              HasSubstr("/dog1/amcl and /dog2/amcl are in different namespaces"));
+  EXPECT_THAT(refusal("/a\"b/amcl:\n  ros__parameters:\n    a: 1\n"),
+              HasSubstr("is no namespace of ROS 2"));
+}
+
+class TheCommandNewRos2 : public ::testing::Test {
+ protected:
+  std::string File(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  Ran New(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"new", "ros2"});
+    arguments.insert(arguments.end(), {"--output", folder_ / "dog.toml"});
+    return RunProgram(arguments);
+  }
+
+  const TempFolder folder_;
+};
+
+TEST_F(TheCommandNewRos2, MakesAConfigOfTheFilesNamedAfterItsOwn) {
+  const std::string manager = File("manager.yaml", kManaged);
+  const std::string amcl = File("amcl.yaml", "amcl:\n  ros__parameters:\n    alpha2: 0.1\n");
+  const Ran made = New({manager, amcl});
+  EXPECT_EQ(made.exit, 0) << made.err;
+  EXPECT_EQ(made.out, (folder_ / "dog.toml") + " is made: read its comments, then `musher check " +
+                          (folder_ / "dog.toml") + "`\n");
+  const auto reading = ReadConfigText(ReadFile(folder_ / "dog.toml"), "dog.toml");
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(reading.config->name, "dog");
+  EXPECT_THAT(reading.config->actuators[1].command, AllOf(Contains(manager), Contains(amcl)));
+}
+
+TEST_F(TheCommandNewRos2, ReplacesNoFile) {
+  const std::string manager = File("manager.yaml", kManaged);
+  File("dog.toml", "# edited");
+  const Ran refused = New({manager});
+  EXPECT_NE(refused.exit, 0);
+  EXPECT_THAT(refused.err, HasSubstr("dog.toml exists already; choose another --output"));
+  EXPECT_EQ(ReadFile(folder_ / "dog.toml"), "# edited");
+  std::filesystem::remove(folder_ / "dog.toml");
+  std::filesystem::create_symlink("nowhere", (folder_ / "dog.toml"));
+  EXPECT_NE(New({manager}).exit, 0) << "a link to a file that does not exist yet";
+}
+
+TEST_F(TheCommandNewRos2, NamesAFileThatItCannotRead) {
+  const Ran refused = New({folder_ / "absent.yaml"});
+  EXPECT_NE(refused.exit, 0);
+  EXPECT_THAT(refused.err, HasSubstr("absent.yaml cannot be read, or has no parameters"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "dog.toml"));
+}
+
+TEST_F(TheCommandNewRos2, AnswersAScript) {
+  const std::string manager = File("manager.yaml", kManaged);
+  EXPECT_EQ(New({manager, "--json"}).out, "{\"config\":\"" + (folder_ / "dog.toml") + "\"}\n");
 }
 
 TEST(AParameterFile, IsReadUpToItsOddParts) {

@@ -61,6 +61,16 @@ TEST_F(Text, SaysThatNoActuatorHasFailed) {
   EXPECT_TRUE(StatusText(status, false).ends_with("\nall actuators are present and well\n"));
 }
 
+TEST_F(Text, NamesTheProcessesOfAnotherDdsWithTheCure) {
+  msg::MachineStatus status = RobotStatus();
+  status.other_vendors = {"process 812 of host dog1 runs Fast DDS"};
+  EXPECT_THAT(
+      StatusText(status, false),
+      ::testing::HasSubstr("process 812 of host dog1 runs Fast DDS: its topics work, its services, "
+                           "actions and parameters do not; start it with "
+                           "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp\n"));
+}
+
 TEST_F(Text, ShowsThePolicyOnOneLine) {
   msg::MachineStatus status = RobotStatus();
   status.policy.active = true;

@@ -222,6 +222,54 @@ std::vector<std::string> PlainLifecycleClient::GetTransitionGraph() {
   return Transitions(get_graph_);
 }
 
+bool PublishNodes(PlainParticipant& participant,
+                  const std::map<std::string, std::vector<dds_entity_t>>& nodes) {
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
+  const dds_entity_t topic =
+      dds_create_topic(participant.entity(), &rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc,
+                       "ros_discovery_info", nullptr, nullptr);
+  const dds_entity_t writer = dds_create_writer(participant.entity(), topic, qos, nullptr);
+  dds_delete_qos(qos);
+  dds_set_status_mask(writer, DDS_PUBLICATION_MATCHED_STATUS);
+  participant.Attach(writer, [writer] {
+    std::uint32_t status = 0;
+    dds_take_status(writer, &status, DDS_PUBLICATION_MATCHED_STATUS);
+  });
+  const bool matched = participant.Spin([&] {
+    dds_publication_matched_status_t status{};
+    dds_get_publication_matched_status(writer, &status);
+    return status.current_count > 0;
+  });
+  const auto fill = [](dds_entity_t entity, rmw_dds_common_msg_dds__Gid_& gid) {
+    dds_guid_t guid{};
+    dds_get_guid(entity, &guid);
+    std::copy(std::begin(guid.v), std::end(guid.v), gid.data);
+  };
+  rmw_dds_common_msg_dds__ParticipantEntitiesInfo_ info{};
+  fill(participant.entity(), info.gid);
+  std::vector<std::string> names;
+  std::vector<std::vector<rmw_dds_common_msg_dds__Gid_>> gids;
+  for (const auto& [name, writers] : nodes) {
+    names.push_back(name);
+    std::vector<rmw_dds_common_msg_dds__Gid_>& all = gids.emplace_back(writers.size());
+    for (std::size_t i = 0; i < writers.size(); ++i) fill(writers[i], all[i]);
+  }
+  std::vector<rmw_dds_common_msg_dds__NodeEntitiesInfo_> entities(nodes.size());
+  for (std::size_t i = 0; i < entities.size(); ++i) {
+    const auto count = static_cast<std::uint32_t>(gids[i].size());
+    entities[i].node_namespace[0] = '/';
+    std::copy(names[i].begin(), names[i].end(), entities[i].node_name);
+    entities[i].writer_gid_seq = {count, count, gids[i].data(), false};
+  }
+  const auto count = static_cast<std::uint32_t>(entities.size());
+  info.node_entities_info_seq = {count, count, entities.data(), false};
+  return matched && dds_write(writer, &info) == DDS_RETCODE_OK &&
+         dds_wait_for_acks(writer, DDS_SECS(20)) == DDS_RETCODE_OK;
+}
+
 PlainBond::PlainBond(PlainParticipant& participant, const std::string& name_space, std::string id,
                      double heartbeat_timeout_s)
     : participant_(participant),

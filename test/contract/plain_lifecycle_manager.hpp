@@ -101,6 +101,7 @@ class PlainLifecycleClient {
   // "configure: unconfigured -> configuring", in the order of arrival.
   std::vector<std::string> events;
 
+  dds_entity_t change_state_writer() const { return change_state_.writer; }
   // Sends a request and does not wait for the answer.
   void ChangeStateWithoutWaiting(std::uint8_t id);
   std::uint64_t answers() const { return answers_; }
@@ -133,6 +134,11 @@ class PlainLifecycleClient {
   Service<lifecycle_msgs_srv_dds__GetAvailableTransitions_Response_> get_transitions_;
   Service<lifecycle_msgs_srv_dds__GetAvailableTransitions_Response_> get_graph_;
 };
+
+// The nodes of a process on `ros_discovery_info`, as rmw_cyclonedds publishes them: each with its
+// writers. Returns once every process that reads the topic has them, and there is one.
+bool PublishNodes(PlainParticipant& participant,
+                  const std::map<std::string, std::vector<dds_entity_t>>& nodes);
 
 // One side of a bond, like bondcpp's.
 class PlainBond {

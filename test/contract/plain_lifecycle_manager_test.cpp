@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <musher_idl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -238,6 +239,31 @@ TEST_F(AnActuatorWithoutAController, RefusesRos2ParamSetWithTheReason) {
   }
 }
 
+// It was silent: nothing that it reads is decoded by Musher.
+TEST_F(AnActuatorWithoutAController, LogsAClientWithAnotherDefinitionOfAReplyOnce) {
+  PlainParticipant other(Domain());
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  const std::string tag = "typehash=RIHS01_0123;";
+  dds_qset_userdata(qos, tag.data(), tag.size());
+  const std::string topic = "rr/" + RobotFile::name_space() + "/arm/get_stateReply";
+  const dds_entity_t named =
+      dds_create_topic(other.entity(), &lifecycle_msgs_srv_dds__GetState_Response__desc,
+                       topic.c_str(), nullptr, nullptr);
+  ::testing::internal::CaptureStderr();
+  EXPECT_GT(dds_create_reader(other.entity(), named, qos, nullptr), 0);
+  EXPECT_GT(dds_create_reader(other.entity(), named, qos, nullptr), 0);
+  dds_delete_qos(qos);
+  PlainLifecycleClient tool(other, RobotFile::name_space() + "/arm");
+  EXPECT_EQ(tool.GetState(), "unconfigured [1]") << "its own reader has no hash";
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  const std::string fault = "has another definition of lifecycle_msgs::srv::dds_::GetState_";
+  EXPECT_THAT(log, HasSubstr("arm: warning: process " + std::to_string(getpid()) + " of "));
+  EXPECT_THAT(log, HasSubstr(fault));
+  EXPECT_EQ(log.find(fault), log.rfind(fault)) << log;
+  EXPECT_THAT(log, HasSubstr("RIHS01_0123, on " + topic + "; logged once"));
+}
+
 class AMachineAndItsManagers : public ::testing::Test {
  protected:
   AMachineAndItsManagers() : file_({"arm", "leg"}, kAllStates) {}
@@ -334,6 +360,36 @@ TEST_F(AMachineAndItsManagers, AsOneNodeAPersonsRos2LifecycleEndsAPersonsPause) 
   PlainLifecycleClient tool(person, RobotFile::name_space() + "/musher");
   EXPECT_EQ(tool.ChangeState(kActivate), true);
   EXPECT_EQ(arm_.CurrentState(), "Active");
+}
+
+// Its node has no services of its own: only ros_discovery_info has its name.
+TEST_F(AMachineAndItsManagers, AsOneNodeAPersonsRos2LifecycleOfHumbleEndsAPersonsPause) {
+  BringActuatorsUp();
+  PlainNav2Manager manager(Domain(), RobotFile::name_space(), {"musher"});
+  ASSERT_TRUE(manager.Startup());
+  ASSERT_TRUE(controller_.Switch("DeActive").done());
+  EXPECT_EQ(manager.client("musher").ChangeState(kActivate), false);
+  PlainParticipant person(Domain());
+  PlainLifecycleClient tool(person, RobotFile::name_space() + "/musher");
+  EXPECT_TRUE(PublishNodes(person, {{"_ros2cli_4711", {tool.change_state_writer()}}}));
+  EXPECT_EQ(tool.ChangeState(kActivate), true);
+  EXPECT_EQ(arm_.CurrentState(), "Active");
+}
+
+// A node of the command beside a manager in one process would be no person.
+TEST_F(AMachineAndItsManagers, AsOneNodeItTakesTheNodeOfTheClientForTheRequester) {
+  BringActuatorsUp();
+  ASSERT_TRUE(controller_.AwaitSetUp());
+  PlainParticipant container(Domain());
+  PlainLifecycleClient manager(container, RobotFile::name_space() + "/musher");
+  const dds_entity_t other = container.Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                                              "rr/_ros2cli_4711/get_type_descriptionReply");
+  EXPECT_TRUE(PublishNodes(
+      container, {{"_ros2cli_4711", {other}}, {"manager", {manager.change_state_writer()}}}));
+  ASSERT_TRUE(controller_.Switch("SelfCheck").done());
+  ASSERT_TRUE(controller_.Switch("DeActive").done());
+  EXPECT_EQ(manager.ChangeState(kActivate), false);
+  EXPECT_EQ(arm_.CurrentState(), "DeActive");
 }
 
 TEST_F(AMachineAndItsManagers, AsOneNodeItKeepsItsStateWhenAnActuatorFails) {

@@ -387,6 +387,74 @@ std::string PlainRos2Command::TopicInfo(const std::string& topic) const {
   return text;
 }
 
+namespace {
+
+using GoalId = std::array<std::uint8_t, 16>;
+constexpr GoalId kGoal = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+
+template <class Id>
+void Fill(Id& id) {
+  std::copy(kGoal.begin(), kGoal.end(), id.uuid);
+}
+
+// rosidl_runtime_py's message_to_yaml() of a message whose one field is a sequence.
+std::string SequenceText(const dds_sequence_int32& numbers) {
+  if (numbers._length == 0) return "sequence: []\n";
+  std::string text = "sequence:\n";
+  for (std::uint32_t i = 0; i < numbers._length; ++i) {
+    text += "- " + std::to_string(numbers._buffer[i]) + "\n";
+  }
+  return text;
+}
+
+std::string StatusText(std::int8_t status) {
+  constexpr std::array kNames = {"UNKNOWN",   "ACCEPTED", "EXECUTING", "CANCELING",
+                                 "SUCCEEDED", "CANCELED", "ABORTED"};
+  const auto at = static_cast<std::size_t>(status);
+  return at < kNames.size() ? kNames[at] : "UNKNOWN";
+}
+
+}  // namespace
+
+std::string PlainRos2Command::SendGoal(const std::string& action, int order) {
+  using Feedback = example_interfaces_action_dds__Fibonacci_FeedbackMessage_;
+  std::string feedbacks;
+  const dds_entity_t feedback =
+      participant_.Reader(example_interfaces_action_dds__Fibonacci_FeedbackMessage__desc,
+                          "rt" + action + "/_action/feedback", [] {});
+  std::string text = "Waiting for an action server to become available...\n";
+  if (!AwaitMatches(feedback, 1)) return text;
+  text += "Sending goal:\n     order: " + std::to_string(order) + "\n\n";
+  example_interfaces_action_dds__Fibonacci_SendGoal_Request_ goal{};
+  Fill(goal.goal_id);
+  goal.goal.order = order;
+  bool accepted = false;
+  Call<example_interfaces_action_dds__Fibonacci_SendGoal_Response_>(
+      action + "/_action/send_goal",
+      example_interfaces_action_dds__Fibonacci_SendGoal_Request__desc,
+      example_interfaces_action_dds__Fibonacci_SendGoal_Response__desc, goal,
+      [&](const auto& reply) { accepted = reply.accepted; });
+  if (!accepted) return text + "Goal was rejected.\n";
+  text += "Goal accepted with ID: 0102030405060708090a0b0c0d0e0f10\n\n";
+  participant_.Spin([&] {
+    TakeAll<Feedback>(feedback, [&](const Feedback& sample) {
+      feedbacks += "Feedback:\n    " + SequenceText(sample.feedback.sequence) + "\n";
+    });
+    return !feedbacks.empty();
+  });
+  example_interfaces_action_dds__Fibonacci_GetResult_Request_ request{};
+  Fill(request.goal_id);
+  Call<example_interfaces_action_dds__Fibonacci_GetResult_Response_>(
+      action + "/_action/get_result",
+      example_interfaces_action_dds__Fibonacci_GetResult_Request__desc,
+      example_interfaces_action_dds__Fibonacci_GetResult_Response__desc, request,
+      [&](const auto& reply) {
+        text += feedbacks + "Result:\n    " + SequenceText(reply.result.sequence) +
+                "\nGoal finished with status: " + StatusText(reply.status) + "\n";
+      });
+  return text;
+}
+
 std::string PlainRos2Command::LifecycleNodes() const {
   std::string text;
   for (const Node& node : Nodes()) {
@@ -568,6 +636,63 @@ dds_qos_t* PlainRos2Command::QosOfPublishers(const std::string& topic) const {
   dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
   return qos;
+}
+
+bool PlainRos2Command::AwaitMatches(dds_entity_t reader, std::size_t publishers) {
+  return participant_.Spin([&] {
+    dds_subscription_matched_status_t status{};
+    dds_get_subscription_matched_status(reader, &status);
+    return status.current_count >= publishers;
+  });
+}
+
+// Samples are not taken, so that the type has to have the right name only.
+std::string PlainRos2Command::BagRecord() {
+  std::string text;
+  for (const auto& [topic, types] : Names(nullptr, TopicName)) {
+    const auto publishers = EndpointsOf(topic, false);
+    if (IsHidden(topic) || publishers.empty()) continue;
+    dds_topic_descriptor_t type = std_msgs_msg_dds__UInt8__desc;
+    type.m_typename = publishers[0].second.type.c_str();
+    const dds_entity_t named =
+        dds_create_topic(participant_.entity(), &type, ("rt" + topic).c_str(), nullptr, nullptr);
+    dds_qos_t* qos = QosOfPublishers(topic);
+    const dds_entity_t reader = dds_create_reader(participant_.entity(), named, qos, nullptr);
+    dds_delete_qos(qos);
+    dds_set_status_mask(reader, DDS_SUBSCRIPTION_MATCHED_STATUS);
+    participant_.Attach(reader, [reader] {
+      std::uint32_t status = 0;
+      dds_take_status(reader, &status, DDS_SUBSCRIPTION_MATCHED_STATUS);
+    });
+    text += "Subscribed to topic '" + topic + "'";
+    if (!AwaitMatches(reader, publishers.size())) {
+      text += ", but not to each of its " + std::to_string(publishers.size()) + " publishers";
+    }
+    text += "\n";
+    dds_delete(reader);
+    dds_delete(named);
+  }
+  return text;
+}
+
+bool PlainRos2Command::BagPlay(const dds_topic_descriptor_t& type, const std::string& topic,
+                               dds_qos_t* recorded, const void* sample) {
+  const dds_entity_t named =
+      dds_create_topic(participant_.entity(), &type, ("rt" + topic).c_str(), nullptr, nullptr);
+  const dds_entity_t writer = dds_create_writer(participant_.entity(), named, recorded, nullptr);
+  dds_set_status_mask(writer, DDS_PUBLICATION_MATCHED_STATUS);
+  participant_.Attach(writer, [writer] {
+    std::uint32_t status = 0;
+    dds_take_status(writer, &status, DDS_PUBLICATION_MATCHED_STATUS);
+  });
+  const bool matched = participant_.Spin([&] {
+    const std::size_t readers = EndpointsOf(topic, true).size();
+    dds_publication_matched_status_t status{};
+    dds_get_publication_matched_status(writer, &status);
+    return readers > 0 && status.current_count >= readers;
+  });
+  return matched && dds_write(writer, sample) == DDS_RETCODE_OK &&
+         dds_wait_for_acks(writer, DDS_SECS(20)) == DDS_RETCODE_OK;
 }
 
 bool PlainRos2Command::AwaitPublisher(const std::string& topic) {

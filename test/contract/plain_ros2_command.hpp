@@ -10,6 +10,7 @@
 
 #include <array>
 #include <compare>
+#include <cstddef>
 #include <map>
 #include <set>
 #include <string>
@@ -35,6 +36,9 @@ class PlainRos2Command {
   std::string ServiceList() const;
   std::string ActionList() const;
   std::string ActionInfo(const std::string& action) const;
+  // `ros2 action send_goal --feedback`, of example_interfaces/action/Fibonacci. The real one prints
+  // feedback when it comes; here it is before the result.
+  std::string SendGoal(const std::string& action, int order);
   std::string LifecycleNodes() const;
   std::string LifecycleGet(const std::string& node);
   std::string LifecycleList(const std::string& node, bool all = false);
@@ -60,6 +64,13 @@ class PlainRos2Command {
             [&](const void* sample) { text += print(*static_cast<const T*>(sample)) + "\n---\n"; });
     return text;
   }
+  // `ros2 bag record --all`: a line for each topic that it subscribes to, once its subscription has
+  // matched all publishers; else the line says how many.
+  std::string BagRecord();
+  // `ros2 bag play` of one sample that was recorded of a publisher with this QoS. Returns once
+  // every subscriber has it, and there is one.
+  bool BagPlay(const dds_topic_descriptor_t& type, const std::string& topic, dds_qos_t* recorded,
+               const void* sample);
   // `ros2 topic hz`: the average rate of `count` samples, which it takes best effort.
   double Hz(const dds_topic_descriptor_t& type, const std::string& topic, int count);
   // `ros2 service call`: waits for the service, calls, and calls `on_reply`. False: no reply.
@@ -123,6 +134,7 @@ class PlainRos2Command {
   Client& ClientOf(const std::string& service, const dds_topic_descriptor_t& request,
                    const dds_topic_descriptor_t& response);
   bool AwaitService(Client& client);
+  bool AwaitMatches(dds_entity_t reader, std::size_t publishers);
   bool AwaitPublisher(const std::string& topic);
   // Deletes `qos`.
   void Receive(const dds_topic_descriptor_t& type, const std::string& topic, dds_qos_t* qos,

@@ -23,7 +23,10 @@ class TheMachineAsANode : public TwoControllers {
     hooks.on_record = [this](const action::Record& record) { said_ += record.message + "\n"; };
     first_.process = std::make_unique<simulation::SimulatedController>(
         network_, "first", 0, hosts_, config_, layout_.machine_id, processes_, first_.disk, hooks);
-    machine_ = ManagedMachine::Make(first_.process->node(), first_.process->shell(), "1").value();
+    ros_nodes_ = std::make_unique<transport::RosNodes>(first_.process->node());
+    machine_ =
+        ManagedMachine::Make(first_.process->node(), first_.process->shell(), *ros_nodes_, "1")
+            .value();
     client_ = transport::MakeClient<msg::ChangeState>(*desk_, "musher/change_state").value();
     first_.process->Begin(false);
   }
@@ -46,6 +49,7 @@ class TheMachineAsANode : public TwoControllers {
   }
 
   std::string said_;
+  std::unique_ptr<transport::RosNodes> ros_nodes_;
   std::unique_ptr<ManagedMachine> machine_;
   std::unique_ptr<transport::Client<msg::ChangeState>> client_;
 };
@@ -67,6 +71,15 @@ TEST_F(TheMachineAsANode, RefusesATransitionToAStateThatTheMachineDoesNotHave) {
   ASSERT_TRUE(RunUntil([&] { return down.has_value(); }));
   machine_->OnRecord();
   EXPECT_THAT(SaidOnRefusal(kActivate), HasRefusal(Refusal::kNoStateOfMachine));
+}
+
+TEST_F(TheMachineAsANode, HasTheProcessesOfAnotherDdsInItsStatus) {
+  ASSERT_NO_FATAL_FAILURE(Run());
+  ControllerShell& shell = first_.process->shell();
+  shell.SetOtherVendors({"process 812 runs Fast DDS"});
+  EXPECT_THAT(shell.Status().other_vendors, ::testing::ElementsAre("process 812 runs Fast DDS"));
+  shell.SetOtherVendors({});
+  EXPECT_THAT(shell.Status().other_vendors, ::testing::IsEmpty());
 }
 
 }  // namespace musher::testing::managed_machine_test

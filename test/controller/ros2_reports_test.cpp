@@ -133,4 +133,65 @@ TEST(ParticipantsOfAnotherDds, AreNamedWithTheirProcess) {
                           "process 812 of host dog1 runs Fast DDS"));
 }
 
+// A node of the simulation with participants that a test chooses.
+class NodeWithPeers : public transport::Node {
+ public:
+  explicit NodeWithPeers(std::unique_ptr<transport::Node> node) : node_(std::move(node)) {}
+
+  transport::EventLoop& loop() override { return node_->loop(); }
+  transport::ParticipantId participant() const override { return node_->participant(); }
+  Result<std::unique_ptr<transport::RawWriter>> MakeRawWriter(
+      const std::string& topic, const std::string& type, const transport::Qos& qos,
+      transport::WriterCallbacks callbacks) override {
+    return node_->MakeRawWriter(topic, type, qos, std::move(callbacks));
+  }
+  Result<std::unique_ptr<transport::RawReader>> MakeRawReader(
+      const std::string& topic, const std::string& type, const transport::Qos& qos,
+      transport::ReaderCallbacks callbacks) override {
+    return node_->MakeRawReader(topic, type, qos, std::move(callbacks));
+  }
+  std::vector<transport::PeerInfo> Peers() const override { return peers; }
+
+  std::vector<transport::PeerInfo> peers;
+
+ private:
+  std::unique_ptr<transport::Node> node_;
+};
+
+class AnotherDds : public ::testing::Test {
+ protected:
+  // A process of this number, and no other.
+  void Run(std::int32_t pid) {
+    node_.peers = {
+        {transport::ParticipantId(static_cast<std::uint64_t>(pid)), pid, "", 0x010f, ""}};
+    network_.RunFor(std::chrono::seconds(6));
+  }
+
+  transport::sim::Network network_{1};
+  NodeWithPeers node_{network_.MakeNode("robot")};
+  std::vector<std::string> status_;
+  std::vector<std::string> recorded_;
+  OtherVendors vendors_{node_, [this](std::vector<std::string> all) { status_ = std::move(all); },
+                        [this](const std::string& one) { recorded_.push_back(one); }};
+};
+
+TEST_F(AnotherDds, IsInTheStatusWhileItsProcessExistsAndRecordedOnce) {
+  Run(812);
+  Run(812);
+  EXPECT_THAT(status_, ElementsAre("process 812 runs Fast DDS"));
+  EXPECT_THAT(recorded_, ElementsAre("process 812 runs Fast DDS"));
+  node_.peers.clear();
+  network_.RunFor(std::chrono::seconds(6));
+  EXPECT_THAT(status_, ElementsAre());
+}
+
+// A launch file restarts a node that crashes again and again: each time it is a new participant.
+TEST_F(AnotherDds, IsRecordedAlsoAfterOthersHaveComeAndGone) {
+  for (std::int32_t pid = 1; pid <= 20; ++pid) Run(pid);
+  EXPECT_EQ(recorded_.size(), 8U) << "a journal has room for other records";
+  network_.RunFor(std::chrono::hours(1));
+  Run(812);
+  EXPECT_EQ(recorded_.back(), "process 812 runs Fast DDS");
+}
+
 }  // namespace musher::ros2_reports_test

@@ -15,6 +15,7 @@
 #include "musher/test/contract/world.hpp"
 #include "musher/test/protocols/ros_graph.hpp"
 #include "musher/transport/dds/node_thread.hpp"
+#include "musher/transport/dds/ros_nodes.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
 
@@ -195,6 +196,21 @@ TEST_P(NodesOfADistro, AreListedInItsLayout) {
   const std::size_t size = GetParam().gid_bytes == 24 ? msg::Encode(msg::BeforeIron(info)).size()
                                                       : msg::Encode(info).size();
   EXPECT_EQ(received.size(), size);
+}
+TEST_P(NodesOfADistro, AreKnownByTheirClients) {
+  transport::LinuxEventLoop loop;
+  transport::DdsOptions options;
+  options.domain_id = transport::TestDomain();
+  options.name_space = "dog1";
+  options.node_name = "arm";
+  options.ros_distro = GetParam().distro;
+  const auto node = Must(transport::MakeDdsNode(loop, options));
+  const auto client = Must(transport::MakeClient<msg::Trigger>(*node, "dog1/reset"));
+  const transport::RosNodes nodes(*node);
+  EXPECT_TRUE(loop.RunUntil(
+      [&] { return nodes.CallersOf("dog1/reset", node->participant()) == "/dog1/arm"; },
+      loop.Now() + std::chrono::seconds(20)));
+  EXPECT_EQ(nodes.CallersOf("dog1/other", node->participant()), "") << "it has no client of it";
 }
 INSTANTIATE_TEST_SUITE_P(Ros2, NodesOfADistro,
                          ::testing::Values(DistroRow{"galactic", RosDistro::kGalactic, 24},

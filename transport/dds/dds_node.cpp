@@ -52,7 +52,8 @@ class DdsNode : public Node {
                                                    const std::string& type, const Qos& qos,
                                                    WriterCallbacks callbacks) override {
     loop_.CheckThread();
-    const auto core = std::make_shared<dds::WriterCore>(loop_, topic, std::move(callbacks));
+    const auto core = std::make_shared<dds::WriterCore>(
+        loop_, topic, std::move(callbacks), ComparedTag(type), ReportOtherType(topic, type));
     const Result<> opened =
         Open(*core, topic, type, qos, tags_.ForWriter(topic) + dds::TypeTag(type));
     if (!opened) return opened.error();
@@ -63,15 +64,9 @@ class DdsNode : public Node {
                                                    const std::string& type, const Qos& qos,
                                                    ReaderCallbacks callbacks) override {
     loop_.CheckThread();
-    callbacks.on_type_differs = [this, topic, type](ParticipantId participant,
-                                                    const std::string& hash) {
-      ReportPeerFault({participant, topic,
-                       "has another definition of " + type + ", " + hash.substr(0, kLongestHash)});
-    };
-    // A Musher of another version has more fields, or fewer.
-    const std::string compared = type.starts_with("musher_msgs::") ? "" : dds::TypeTag(type);
-    const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks),
-                                                        qos.partition == kEveryPartition, compared);
+    callbacks.on_type_differs = ReportOtherType(topic, type);
+    const auto core = std::make_shared<dds::ReaderCore>(
+        loop_, std::move(callbacks), qos.partition == kEveryPartition, ComparedTag(type));
     const Result<> opened =
         Open(*core, topic, type, qos, tags_.ForReader(topic) + dds::TypeTag(type) + OwnTag(topic));
     if (!opened) return opened.error();
@@ -105,6 +100,19 @@ class DdsNode : public Node {
     return {error.code, credentials->identity + " may not do that: " +
                             keys::KeyFolder(credentials->keys).Permissions(credentials->identity) +
                             " does not allow " + topic_name};
+  }
+
+  // A Musher of another version has more fields, or fewer.
+  static std::string ComparedTag(const std::string& type) {
+    return type.starts_with("musher_msgs::") ? "" : dds::TypeTag(type);
+  }
+
+  std::function<void(ParticipantId, const std::string&)> ReportOtherType(
+      const std::string& topic, const std::string& type) const {
+    return [this, topic, type](ParticipantId participant, const std::string& hash) {
+      ReportPeerFault({participant, topic,
+                       "has another definition of " + type + ", " + hash.substr(0, kLongestHash)});
+    };
   }
 
   // On readers of replies: servers of Musher recognise its clients by it.

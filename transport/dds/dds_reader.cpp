@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 
 #include "musher/transport/dds/matched.hpp"
 #include "musher/transport/dds/raw_type.hpp"
+#include "musher/transport/dds/type_tag.hpp"
 #include "musher/transport/lost_samples.hpp"
 
 namespace musher::transport::dds {
@@ -105,18 +105,13 @@ std::vector<EndpointId> ReaderCore::LearnWriters() {
   return lost;
 }
 
-// Compares its type with ours. A ROS 2 before Iron has no hashes.
+// Compares its type with ours.
 ParticipantId ReaderCore::LearnWriter(EndpointId writer) const {
   const MatchedEndpoint matched =
       Describe(dds_get_matched_publication_data(reader_.get(), writer.value()));
-  constexpr std::string_view kHash = "typehash=";
-  const std::string& data = matched.user_data;
-  const std::size_t begin = data.find(kHash);
-  const bool differs = type_tag_.starts_with(kHash) && begin != std::string::npos &&
-                       data.find(type_tag_) == std::string::npos;
-  if (differs && callbacks_.on_type_differs) {
-    const std::size_t hash = begin + kHash.size();
-    callbacks_.on_type_differs(matched.participant, data.substr(hash, data.find(';', hash) - hash));
+  const std::string hash = OtherHash(matched.user_data, type_tag_);
+  if (!hash.empty() && callbacks_.on_type_differs) {
+    callbacks_.on_type_differs(matched.participant, hash);
   }
   return matched.participant;
 }

@@ -5,11 +5,17 @@
 
 #include "musher/transport/dds/matched.hpp"
 #include "musher/transport/dds/raw_type.hpp"
+#include "musher/transport/dds/type_tag.hpp"
 
 namespace musher::transport::dds {
 
-WriterCore::WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks)
-    : Notifier(loop), topic_name_(std::move(topic_name)), callbacks_(std::move(callbacks)) {
+WriterCore::WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks,
+                       std::string type_tag, OnTypeDiffers on_type_differs)
+    : Notifier(loop),
+      topic_name_(std::move(topic_name)),
+      callbacks_(std::move(callbacks)),
+      type_tag_(std::move(type_tag)),
+      on_type_differs_(std::move(on_type_differs)) {
   if (!topic_name_.starts_with("rr/")) return;
   first_replies_.emplace(loop, [this](msg::Bytes reply) { return Send(std::move(reply)); });
 }
@@ -83,6 +89,9 @@ void WriterCore::Visit() {
       // A client that is not of Musher.
       const bool foreign = participant != 0 && !matched.user_data.ends_with(kOwnTag);
       if (first_replies_ && foreign) first_replies_->OnNewReader(participant);
+      const std::string hash = OtherHash(matched.user_data, type_tag_);
+      if (!hash.empty()) on_type_differs_(participant, hash);
+      if (closed_) return;
     }
     readers.Add(reader, participant);
   }

@@ -22,7 +22,13 @@ namespace musher::transport::dds {
 // destroy the writer.
 class WriterCore : public Notifier {
  public:
-  WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks);
+  // The type of a matched reader has the name of the topic's type, and another definition.
+  using OnTypeDiffers =
+      std::function<void(ParticipantId participant, const std::string& type_hash)>;
+
+  // `type_tag`: TypeTag() of the type; empty: the tags of readers are not compared.
+  WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks,
+             std::string type_tag, OnTypeDiffers on_type_differs);
 
   Result<> Open(dds_entity_t participant, Entity topic, const QosPtr& qos);
   // No callback runs afterwards, also if a callback calls it.
@@ -44,6 +50,8 @@ class WriterCore : public Notifier {
 
   std::string topic_name_;
   WriterCallbacks callbacks_;
+  const std::string type_tag_;
+  const OnTypeDiffers on_type_differs_;
   bool closed_ = false;
   PeerTable readers_;
   std::optional<FirstReplies> first_replies_;  // of a writer of replies

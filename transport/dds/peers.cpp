@@ -6,10 +6,12 @@
 #include <functional>
 #include <initializer_list>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "musher/base/checksum.hpp"
 #include "musher/transport/dds/entity.hpp"
+#include "musher/transport/dds/topic_watch.hpp"
 
 namespace musher::transport::dds {
 namespace {
@@ -104,14 +106,38 @@ std::vector<PeerInfo> PeersOf(dds_entity_t own) {
 
 // A client publishes the writers of its node's own services before the writer of its requests.
 std::string RosNodeOf(dds_entity_t own, ParticipantId participant) {
-  std::string shortest;
+  std::set<std::string> nodes;
+  ReadAll<dds_builtintopic_endpoint_t>(own, DDS_BUILTIN_TOPIC_DCPSPUBLICATION,
+                                       [&](const dds_builtintopic_endpoint_t& sample) {
+                                         if (IdOfParticipant(sample.participant_key) != participant)
+                                           return;
+                                         const std::string node = NodeIn(sample.topic_name);
+                                         if (!node.empty()) nodes.insert(node);
+                                       });
+  return ListOf(nodes);
+}
+
+std::vector<EndpointId> WritersOf(dds_entity_t own, ParticipantId participant,
+                                  const std::string& topic) {
+  std::vector<EndpointId> writers;
   ReadAll<dds_builtintopic_endpoint_t>(
       own, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, [&](const dds_builtintopic_endpoint_t& sample) {
-        if (IdOfParticipant(sample.participant_key) != participant) return;
-        const std::string node = NodeIn(sample.topic_name);
-        if (!node.empty() && (shortest.empty() || node.size() < shortest.size())) shortest = node;
+        if (sample.topic_name != topic || IdOfParticipant(sample.participant_key) != participant) {
+          return;
+        }
+        writers.push_back(EndpointIdOf(std::span<const std::uint8_t, 16>(sample.key.v)));
       });
-  return shortest;
+  return writers;
+}
+
+std::string ListOf(const std::set<std::string>& names) {
+  constexpr std::size_t kMost = 4;
+  std::string text;
+  std::size_t listed = 0;
+  for (const std::string& name : names) {
+    if (listed++ < kMost) text += (text.empty() ? "" : ", ") + name;
+  }
+  return listed > kMost ? text + " and " + std::to_string(listed - kMost) + " more" : text;
 }
 
 }  // namespace musher::transport::dds

@@ -6,6 +6,7 @@
 
 #include <dds/dds.h>
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,8 +23,14 @@ ParticipantId IdOfParticipant(const dds_guid_t& guid);
 // The participants but `own`.
 std::vector<PeerInfo> PeersOf(dds_entity_t own);
 
-// The shortest name of a node of `participant` that offers a service of every ROS 2 node; empty:
-// none.
+// The nodes of `participant` that offer a service of every ROS 2 node, as ListOf(); empty: none.
 std::string RosNodeOf(dds_entity_t own, ParticipantId participant);
+
+// The writers of `participant` on `topic`, "rq/planner/get_stateRequest".
+std::vector<EndpointId> WritersOf(dds_entity_t own, ParticipantId participant,
+                                  const std::string& topic);
+
+// "/amcl, /planner"; of many the first ones, and how many more.
+std::string ListOf(const std::set<std::string>& names);
 
 }  // namespace musher::transport::dds

@@ -49,6 +49,61 @@ TEST_F(ARobotDrivenByRos2, SaysWhoHasPausedItInStatusAndHistory) {
   EXPECT_EQ(up.Wait().exit, 0);
 }
 
+// nav2 composed in one process: the name of the process is that of none of its nodes.
+TEST_F(ARobotDrivenByRos2, NamesTheNodeOfAContainerThatHasRequestedASwitch) {
+  Add("[ros2]\nstart = \"manager\"\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
+  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
+  const auto service = [&](const std::string& node) {
+    return manager.participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                                        "rr/" + node + "/get_type_descriptionReply");
+  };
+  const dds_entity_t amcl = service("amcl"), own = service("lifecycle_manager_navigation");
+  EXPECT_TRUE(PublishNodes(
+      manager.participant(),
+      {{"amcl", {amcl}},
+       {"lifecycle_manager_navigation", {own, manager.client("musher").change_state_writer()}}}));
+  ASSERT_TRUE(manager.Startup());
+  EXPECT_EQ(Status()["requested_by"], "/lifecycle_manager_navigation");
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(up.Wait().exit, 0);
+}
+
+// The node of Humble's command has no services of its own: only ros_discovery_info has its name.
+TEST_F(ARobotDrivenByRos2, IsResumedByAPersonsRos2LifecycleOfHumble) {
+  Add("[ros2]\nstart = \"manager\"\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
+  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
+  ASSERT_TRUE(manager.Startup());
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_EQ(manager.client("musher").ChangeState(0, "activate"), false);
+  PlainParticipant person(transport::TestDomain());
+  PlainLifecycleClient tool(person, name_space_ + "/musher");
+  EXPECT_TRUE(PublishNodes(person, {{"_ros2cli_4711", {tool.change_state_writer()}}}));
+  EXPECT_EQ(tool.ChangeState(0, "activate"), true);
+  EXPECT_EQ(Status()["requested_by"], "ros2 lifecycle (/_ros2cli_4711)");
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(up.Wait().exit, 0);
+}
+
+// Before it has published its nodes.
+TEST_F(ARobotDrivenByRos2, NamesAllNodesOfAContainerWhereItDoesNotKnowTheOne) {
+  Add("[ros2]\nstart = \"manager\"\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
+  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
+  for (const char* node : {"e", "d", "c", "b", "a"}) {
+    manager.participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                                 std::string("rr/") + node + "/get_type_descriptionReply");
+  }
+  ASSERT_TRUE(manager.Startup());
+  EXPECT_EQ(Status()["requested_by"], "/a, /b, /c, /d and 1 more");
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(up.Wait().exit, 0);
+}
+
 TEST_F(ARobotDrivenByRos2, IsShutDownByAManagerThatQueriesItFinalized) {
   Add("[ros2]\nstart = \"manager\"\n");
   Process up(Command({"up", config_}));
@@ -124,6 +179,32 @@ TEST_F(ARobotDrivenByRos2, RecordsGarbageAndAWrongTypeOnceWithTheirSource) {
   EXPECT_EQ(CountIn(history, "has another definition of"), 1) << history;
   EXPECT_THAT(history, HasSubstr(source));
   EXPECT_THAT(history, HasSubstr("change_stateRequest; recorded once"));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+}
+
+// As a client that was built with other packages: it does not even receive a reply that fits.
+TEST_F(ARobotDrivenByRos2, RecordsAReaderOfAnotherTypeOnceWithItsSource) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  PlainParticipant other(transport::TestDomain());
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  const std::string tag = "typehash=RIHS01_0123;";
+  dds_qset_userdata(qos, tag.data(), tag.size());
+  const std::string topic = "rr/" + name_space_ + "/musher/get_stateReply";
+  const dds_entity_t named =
+      dds_create_topic(other.entity(), &lifecycle_msgs_srv_dds__GetState_Response__desc,
+                       topic.c_str(), nullptr, nullptr);
+  EXPECT_GT(dds_create_reader(other.entity(), named, qos, nullptr), 0);
+  dds_delete_qos(qos);
+  std::string history;
+  AwaitStatus([&](const nlohmann::json&) {
+    history = Musher({"history"}).out;
+    return CountIn(history, "has another definition of") > 0;
+  });
+  EXPECT_EQ(CountIn(history, "has another definition of lifecycle_msgs::srv::dds_::GetState_"), 1)
+      << history;
+  EXPECT_THAT(history, HasSubstr("process " + std::to_string(getpid()) + " of host "));
+  EXPECT_THAT(history, HasSubstr("RIHS01_0123, on " + topic + "; recorded once"));
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 

@@ -4,9 +4,12 @@
 #include <regex>
 #include <sstream>
 
+#include "musher/messages/example_interfaces/fibonacci.hpp"
 #include "musher/messages/type_hash.hpp"
 #include "musher/test/contract/plain_ros2_command.hpp"
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/transport/action.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 namespace musher::testing::ros2_command_test {
 
@@ -217,10 +220,218 @@ TEST_F(Ros2Command, TopicEchoHasTheLatchedStateAndTheOnesAfterIt) {
   EXPECT_EQ(echo(1), "LowPower\n---\n");
 }
 
+// rosidl_runtime_py's message_to_yaml().
+std::string Yaml(const std::string& text) {
+  const bool quoted = text.empty() || text.find(": ") != std::string::npos;
+  return quoted ? "'" + text + "'" : text;
+}
+std::string Yaml(const dds_sequence_string& texts, const std::string& indent) {
+  if (texts._length == 0) return " []\n";
+  std::string all = "\n";
+  for (std::uint32_t i = 0; i < texts._length; ++i) {
+    all += indent + "- " + Yaml(texts._buffer[i]) + "\n";
+  }
+  return all;
+}
+
+using CapabilitiesSample = musher_msgs_msg_dds__Capabilities_;
+
+std::string Yaml(const CapabilitiesSample& sample) {
+  std::string all = "capabilities:\n";
+  for (std::uint32_t i = 0; i < sample.capabilities._length; ++i) {
+    const auto& one = sample.capabilities._buffer[i];
+    all += "- name: " + Yaml(one.name) + "\n  description: " + Yaml(one.description) +
+           "\n  allowed: " + (one.allowed ? "true" : "false") +
+           "\n  code: " + std::to_string(one.code) + "\n  reason: " + Yaml(one.reason) +
+           "\n  actuators:" + Yaml(one.actuators, "  ") + "  states:" + Yaml(one.states, "  ");
+  }
+  return all;
+}
+
+class Ros2CommandOfCapabilities : public Ros2Command {
+ protected:
+  std::string Echo() {
+    return ros2_.Echo<CapabilitiesSample>(
+        musher_msgs_msg_dds__Capabilities__desc, Here("musher/capabilities"), 1,
+        [](const CapabilitiesSample& sample) { return Yaml(sample); });
+  }
+};
+
+constexpr const char* kGuideAndTalk = R"(capabilities:
+- name: guide
+  description: shows the way
+  allowed: true
+  code: 0
+  reason: ''
+  actuators:
+  - legs
+  - eyes
+  states:
+  - Active
+- name: talk
+  description: ''
+  allowed: true
+  code: 0
+  reason: ''
+  actuators:
+  - voice
+  states:
+  - Active
+  - LowPower
+- name: jump
+  description: ''
+)";
+
+TEST_F(Ros2CommandOfCapabilities, TopicEchoHasTheWholeMessage) {
+  Expect(std::string(kGuideAndTalk) + R"(  allowed: false
+  code: 113
+  reason: jump needs at least 50 % of the battery; its level is not known
+  actuators:
+  - legs
+  states:
+  - Active
+
+---
+)",
+         [this] { return Echo(); });
+}
+
+// A recorded battery is that of a driver: the robot may jump then.
+TEST_F(Ros2CommandOfCapabilities, BagPlayIsReceivedAsItsRecordedPublisherWas) {
+  dds_qos_t* recorded = dds_create_qos();
+  dds_qset_reliability(recorded, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  dds_qset_history(recorded, DDS_HISTORY_KEEP_LAST, 10);
+  std::string none;
+  protocol_msg_dds__BmsStatus_ battery{};
+  battery.header.frame_id = none.data();
+  battery.batt_soc = 80;
+  Expect(std::string(kGuideAndTalk) +
+             "  allowed: true\n  code: 0\n  reason: ''\n  actuators:\n  - legs\n  states:\n"
+             "  - Active\n\n---\n",
+         [&] {  // with --loop: a reader may be discovered later
+           EXPECT_TRUE(ros2_.BagPlay(protocol_msg_dds__BmsStatus__desc, Here("bms_status"),
+                                     recorded, &battery));
+           return Echo();
+         });
+  dds_delete_qos(recorded);
+}
+
+TEST_F(Ros2Command, BagRecordSubscribesToEveryPublisher) {
+  std::string topics;
+  for (const char* name :
+       {"/diagnostics", "/musher/machines", "/rosout", "~/eyes/transition_event",
+        "~/legs/transition_event", "~/manager_heartbeats", "~/musher/actuator_heartbeat",
+        "~/musher/actuator_status", "~/musher/capabilities", "~/musher/controller_heartbeat",
+        "~/musher/emergency_stop", "~/musher/machine_status", "~/musher/transition_event",
+        "~/voice/transition_event"}) {
+    topics += std::string("Subscribed to topic '") + name + "'\n";
+  }
+  Expect(kNodes, [this] { return ros2_.NodeList(); });
+  Expect(topics, [this] { return ros2_.BagRecord(); });
+}
+
+// An action of the robot, in this process.
+class Ros2CommandOfActions : public Ros2Command {
+ protected:
+  void SetUp() override {
+    ASSERT_NO_FATAL_FAILURE(Ros2Command::SetUp());
+    transport::DdsOptions options;
+    options.domain_id = transport::TestDomain();
+    options.node_name = "counter";
+    options.name_space = name_space_;
+    auto started = transport::NodeThread::Start(options);
+    ASSERT_TRUE(started) << started.error().message;
+    thread_ = std::move(started).value();
+    transport::ActionHandlers<msg::Fibonacci> handlers;
+    handlers.accept = [](const msg::Fibonacci::Goal& goal, transport::ParticipantId) {
+      return goal.order >= 0;
+    };
+    handlers.start = [](transport::ServerGoal<msg::Fibonacci> goal) {
+      goal.Execute();
+      goal.PublishFeedback({{0, 1}});
+      goal.Succeed({{0, 1, 1, 2}});
+    };
+    thread_->RunOnLoop([&] {
+      auto made = transport::MakeActionServer<msg::Fibonacci>(
+          thread_->node(), name_space_ + "/fibonacci", std::move(handlers));
+      ASSERT_TRUE(made) << made.error().message;
+      server_ = std::move(made).value();
+    });
+  }
+  ~Ros2CommandOfActions() override {
+    if (thread_) thread_->RunOnLoop([&] { server_.reset(); });
+  }
+
+ private:
+  std::shared_ptr<transport::NodeThread> thread_;
+  std::unique_ptr<transport::ActionServer<msg::Fibonacci>> server_;
+};
+
+TEST_F(Ros2CommandOfActions, ActionListAndInfoHaveTheServer) {
+  Expect("~/fibonacci [example_interfaces/action/Fibonacci]\n",
+         [this] { return ros2_.ActionList(); });
+  Expect("Action: ~/fibonacci\nAction clients: 0\nAction servers: 1\n    ~/counter\n",
+         [this] { return ros2_.ActionInfo(Here("fibonacci")); });
+  EXPECT_EQ(ros2_.ActionInfo("/nothing"),
+            "Action: /nothing\nAction clients: 0\nAction servers: 0\n");
+}
+
+TEST_F(Ros2CommandOfActions, ActionSendGoalHasFeedbackAndTheResult) {
+  EXPECT_EQ(ros2_.SendGoal(Here("fibonacci"), 3),
+            R"(Waiting for an action server to become available...
+Sending goal:
+     order: 3
+
+Goal accepted with ID: 0102030405060708090a0b0c0d0e0f10
+
+Feedback:
+    sequence:
+- 0
+- 1
+
+Result:
+    sequence:
+- 0
+- 1
+- 1
+- 2
+
+Goal finished with status: SUCCEEDED
+)");
+}
+
+TEST_F(Ros2CommandOfActions, ActionSendGoalSaysThatAGoalIsRejected) {
+  EXPECT_EQ(ros2_.SendGoal(Here("fibonacci"), -1),
+            "Waiting for an action server to become available...\n"
+            "Sending goal:\n     order: -1\n\nGoal was rejected.\n");
+}
+
 TEST_F(Ros2Command, TopicHzHasTheRateOfTheDiagnostics) {
   const double rate = ros2_.Hz(diagnostic_msgs_msg_dds__DiagnosticArray__desc, "/diagnostics", 4);
   EXPECT_GT(rate, 0.5);
   EXPECT_LT(rate, 2) << "once a second while nothing changes";
+}
+
+// The repr() of rclpy's classes. A "?" is different each time.
+std::string Printed(const musher_msgs_srv_dds__SetState_Response_& reply) {
+  const auto quoted = [](const char* text) { return "'" + std::string(text) + "'"; };
+  std::string degraded, actuators;
+  for (std::uint32_t i = 0; i < reply.degraded._length; ++i) {
+    degraded += (i == 0 ? "" : ", ") + quoted(reply.degraded._buffer[i]);
+  }
+  for (std::uint32_t i = 0; i < reply.actuators._length; ++i) {
+    const auto& one = reply.actuators._buffer[i];
+    actuators += std::string(i == 0 ? "" : ", ") +
+                 "musher_msgs.msg.ActuatorOutcome(name=" + quoted(one.name) +
+                 ", outcome=" + quoted(one.outcome) + ", code=" + std::to_string(one.code) +
+                 ", message=" + quoted(one.message) +
+                 ", duration_ms=?, state=" + quoted(one.state) + ")";
+  }
+  return "response:\nmusher_msgs.srv.SetState_Response(switch_number=?, target=" +
+         quoted(reply.target) + ", actuator=" + quoted(reply.actuator) +
+         ", outcome=" + quoted(reply.outcome) + ", code=" + std::to_string(reply.code) +
+         ", reason=" + quoted(reply.reason) + ", state=" + quoted(reply.state) + ", degraded=[" +
+         degraded + "], actuators=[" + actuators + "])\n\n";
 }
 
 TEST_F(Ros2Command, ServiceCallHasTheAnswer) {
@@ -232,15 +443,50 @@ TEST_F(Ros2Command, ServiceCallHasTheAnswer) {
   }
   using Response = musher_msgs_srv_dds__SetState_Response_;
   std::string response;
-  ros2_.Call<Response>(
-      Here("musher/set_state"), musher_msgs_srv_dds__SetState_Request__desc,
-      musher_msgs_srv_dds__SetState_Response__desc, request, [&](const Response& reply) {
-        response = "target='" + std::string(reply.target) + "', actuator='" + reply.actuator +
-                   "', outcome='" + reply.outcome + "', code=" + std::to_string(reply.code) +
-                   ", reason='" + reply.reason + "', state='" + reply.state + "'";
-      });
+  ros2_.Call<Response>(Here("musher/set_state"), musher_msgs_srv_dds__SetState_Request__desc,
+                       musher_msgs_srv_dds__SetState_Response__desc, request,
+                       [&](const Response& reply) { response = Printed(reply); });
+  const auto done = [](const std::string& name) {
+    return "musher_msgs.msg.ActuatorOutcome(name='" + name +
+           "', outcome='done', code=0, message='', duration_ms=?, state='LowPower')";
+  };
   EXPECT_EQ(response,
-            "target='LowPower', actuator='', outcome='done', code=0, reason='', state='LowPower'");
+            "response:\nmusher_msgs.srv.SetState_Response(switch_number=?, target='LowPower', "
+            "actuator='', outcome='done', code=0, reason='', state='LowPower', degraded=[], "
+            "actuators=[" +
+                done("legs") + ", " + done("voice") + ", " + done("eyes") + "])\n\n");
+}
+
+// As a recorder or Foxglove requests it, by the hash that the publisher announces.
+TEST_F(Ros2Command, ATypeIsDescribedByTheNodeThatPublishesIt) {
+  std::string name = "musher_msgs/msg/Capabilities";
+  std::string hash(msg::TypeHashOf("musher_msgs::msg::dds_::Capabilities_"));
+  type_description_interfaces_srv_dds__GetTypeDescription_Request_ request{};
+  request.type_name = name.data();
+  request.type_hash = hash.data();
+  using Response = type_description_interfaces_srv_dds__GetTypeDescription_Response_;
+  std::string answer = "no answer";
+  const auto call = [&] {
+    ros2_.Call<Response>(
+        Here("musher/get_type_description"),
+        type_description_interfaces_srv_dds__GetTypeDescription_Request__desc,
+        type_description_interfaces_srv_dds__GetTypeDescription_Response__desc, request,
+        [&](const Response& reply) {
+          const auto& type = reply.type_description;
+          answer = reply.successful ? "" : "failed";
+          for (std::uint32_t i = 0; i < type.type_description.fields._length; ++i) {
+            const auto& field = type.type_description.fields._buffer[i];
+            answer += std::string(field.name) + " of " + field.type.nested_type_name + "; ";
+          }
+          for (std::uint32_t i = 0; i < type.referenced_type_descriptions._length; ++i) {
+            answer += std::string("with ") + type.referenced_type_descriptions._buffer[i].type_name;
+          }
+        });
+    return answer;
+  };
+  EXPECT_EQ(call(), "capabilities of musher_msgs/msg/Capability; with musher_msgs/msg/Capability");
+  hash.back() = hash.back() == '0' ? '1' : '0';
+  EXPECT_EQ(call(), "failed") << "of another definition";
 }
 
 // The warnings are those that it has of every robot: of topics that no process reads yet.

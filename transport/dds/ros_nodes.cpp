@@ -1,0 +1,78 @@
+#include "musher/transport/dds/ros_nodes.hpp"
+
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "musher/messages/before_iron.hpp"
+#include "musher/messages/rmw_dds_common/participant_entities.hpp"
+#include "musher/transport/dds/participant.hpp"
+#include "musher/transport/dds/peers.hpp"
+#include "musher/transport/dds/topic_watch.hpp"
+
+namespace musher::transport {
+namespace {
+
+constexpr std::size_t kMostProcesses = 1000;  // any number of participants may come
+
+// `Info`: of this distribution of ROS 2, or of those before Iron.
+template <class Info>
+std::optional<std::map<EndpointId, std::string>> NodesIn(std::span<const std::byte> bytes) {
+  const auto info = msg::Decode<Info>(bytes);
+  if (!info || msg::Encode(*info).size() != bytes.size()) return std::nullopt;
+  std::map<EndpointId, std::string> nodes;
+  for (const auto& node : info->node_entities_info_seq) {
+    const std::string& above = node.node_namespace;
+    const std::string name = above + (above.ends_with('/') ? "" : "/") + node.node_name;
+    for (const auto* gids : {&node.reader_gid_seq, &node.writer_gid_seq}) {
+      for (const auto& gid : *gids) {
+        nodes[EndpointIdOf(std::span<const std::uint8_t, 16>(gid.data.data(), 16))] = name;
+      }
+    }
+  }
+  return nodes;
+}
+
+}  // namespace
+
+RosNodes::RosNodes(Node& node) : node_(node) {
+  if (dds::ParticipantOf(node) == nullptr) return;
+  ReaderCallbacks callbacks;
+  callbacks.on_sample = [this](std::span<const std::byte> bytes, const SampleInfo& info) {
+    Read(bytes, info.writer);
+  };
+  callbacks.on_writer_lost = [this](EndpointId process) { nodes_.erase(process); };
+  auto reader =
+      node.MakeRawReader("ros_discovery_info", std::string(msg::ParticipantEntitiesInfo::kTypeName),
+                         kLatchedFromManyQos, std::move(callbacks));
+  if (reader) reader_ = std::move(reader).value();
+}
+
+void RosNodes::Read(std::span<const std::byte> bytes, EndpointId process) {
+  if (nodes_.size() >= kMostProcesses && !nodes_.contains(process)) return;
+  auto nodes = NodesIn<msg::ParticipantEntitiesInfo>(bytes);
+  if (!nodes) nodes = NodesIn<msg::ParticipantEntitiesInfoBeforeIron>(bytes);
+  if (nodes) nodes_[process] = *std::move(nodes);
+}
+
+std::string RosNodes::NodeOf(EndpointId endpoint) const {
+  for (const auto& [process, nodes] : nodes_) {
+    const auto node = nodes.find(endpoint);
+    if (node != nodes.end()) return node->second;
+  }
+  return {};
+}
+
+std::string RosNodes::CallersOf(const std::string& service, ParticipantId participant) const {
+  dds::Participant* own = dds::ParticipantOf(node_);
+  if (own == nullptr) return node_.RosNodeOf(participant);
+  std::set<std::string> names;
+  for (const EndpointId writer :
+       dds::WritersOf(own->get(), participant, "rq/" + service + "Request")) {
+    names.insert(NodeOf(writer));
+  }
+  names.erase("");
+  return names.empty() ? node_.RosNodeOf(participant) : dds::ListOf(names);
+}
+
+}  // namespace musher::transport
