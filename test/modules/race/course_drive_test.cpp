@@ -155,6 +155,23 @@ TEST(WholeCourseOfTheDocument, IsDrivenByTheCamerasAlone) {
   }
 }
 
+// Its 23 steps back end 0.5 m before the START lane. A line of lane Q passed for one of that lane
+// there: the place was right by the cameras, and feet were on the line of the START lane.
+TEST(WayBackToTheStartOfTheDocument, EndsInTheStartLane) {
+  for (const auto& [from, x_m] : {std::pair("A1_TO_START", -1.23), {"A2_TO_START", 1.23}}) {
+    DriveSettings settings;
+    settings.course = "race/course_seed.toml";
+    settings.from = from;
+    settings.pose = world::Pose2{{x_m, -1.28}, -M_PI / 2};
+    settings.limit = std::chrono::minutes(2);
+    CourseDrive drive(settings);
+    const DriveResult result = drive.Run();
+    EXPECT_EQ(result.state, "END") << Joined(result.log);
+    EXPECT_EQ(result.world->referee().whole_foot_count(), 0U) << Joined(result.log);
+    EXPECT_NEAR(result.world->body().pose().position_m.y(), 0, 0.15) << Joined(result.log);
+  }
+}
+
 // Laid out for the measures that the shipped scene has, a hall is the shipped scene.
 TEST(HallScene, WithTheMeasuresOfTheShippedSceneIsThatScene) {
   const auto reading = world::ReadSceneFile(SourceDir() + "/config/scenes/course.toml");
