@@ -30,6 +30,7 @@ class ParametersReader {
     Number("least_area_px2", 1, kMostAreaPx2, lines.least_area_px2);
     Number("least_length", 0, 100, lines.least_length);
     Integer("most_lines", 1, 100, lines.most_lines);
+    lines.along = reader_.Bool("along").value_or(lines.along);
     Number("ycy_threshold", 0, 0.5, lines.ycy_threshold);
     // An offset from the target is below 1, and from the middle below 0.5.
     Number("dy_threshold", 0, 0.5, lines.dy_threshold);

@@ -9,12 +9,16 @@
 namespace musher::vision {
 namespace {
 
-// How bright it looks, 0 to 255, of a hue from red to yellow.
+// How bright it looks, 0 to 255.
 double LumaOf(const cv::Vec3b& hsv) {
-  constexpr double kYellow = 30;
+  constexpr double kSixth = 30;  // of OpenCV's hues
   const double value = hsv[2], least = value * (1 - hsv[1] / 255.0);
-  const double green = least + (value - least) * std::min(1.0, hsv[0] / kYellow);
-  return 0.3 * value + 0.59 * green + 0.11 * least;
+  // A colour is full within a sixth of its hue, on either side, and falls to nothing in the next.
+  const auto channel = [&](double hue) {
+    const double off = std::abs(hsv[0] - hue), apart = std::min(off, 6 * kSixth - off) / kSixth;
+    return least + (value - least) * std::clamp(2 - apart, 0.0, 1.0);
+  };
+  return 0.3 * channel(0) + 0.59 * channel(2 * kSixth) + 0.11 * channel(4 * kSixth);
 }
 
 struct Mean {
@@ -22,30 +26,60 @@ struct Mean {
   int count = 0;
 };
 
-// Of the pixels between two ellipses around the middle of the box, in shares of its half sides.
-Mean MeanBetween(const cv::Mat& hsv, const cv::Rect& box, double least, double most) {
+// Places between two ellipses around the middle of the box, in shares of its half sides.
+template <class Visit>
+void VisitBetween(const cv::Size& picture, const cv::Rect& box, double least, double most,
+                  const Visit& visit) {
   constexpr int kSteps = 64, kRings = 6;
   const double x_px = box.width / 2.0, y_px = box.height / 2.0;
-  Mean mean;
   for (int ring = 0; ring < kRings; ++ring) {
     const double share = least + (most - least) * (ring + 0.5) / kRings;
     for (int i = 0; i < kSteps; ++i) {
       const double turn = 2 * M_PI * i / kSteps;
       const cv::Point at(int(box.x + x_px + share * x_px * std::cos(turn)),
                          int(box.y + y_px + share * y_px * std::sin(turn)));
-      if (!cv::Rect({0, 0}, hsv.size()).contains(at)) continue;
-      const auto& pixel = hsv.at<cv::Vec3b>(at);
-      mean.value += pixel[2];
-      mean.saturation += pixel[1];
-      mean.luma += LumaOf(pixel);
-      ++mean.count;
+      if (cv::Rect({0, 0}, picture).contains(at)) visit(at);
     }
   }
+}
+
+Mean MeanBetween(const cv::Mat& hsv, const cv::Rect& box, double least, double most) {
+  Mean mean;
+  VisitBetween(hsv.size(), box, least, most, [&](const cv::Point& at) {
+    const auto& pixel = hsv.at<cv::Vec3b>(at);
+    mean.value += pixel[2];
+    mean.saturation += pixel[1];
+    mean.luma += LumaOf(pixel);
+    ++mean.count;
+  });
   if (mean.count == 0) return mean;
   mean.value /= mean.count;
   mean.saturation /= mean.count;
   mean.luma /= mean.count;
   return mean;
+}
+
+// Of a channel; nothing outside of the picture.
+std::optional<double> LevelBetween(const cv::Mat& channel, const cv::Rect& box, double least,
+                                   double most) {
+  double sum = 0;
+  int count = 0;
+  VisitBetween(channel.size(), box, least, most, [&](const cv::Point& at) {
+    sum += channel.at<std::uint8_t>(at);
+    ++count;
+  });
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+// The share of the box's middle that has the colour.
+double ShareOf(const cv::Mat& hsv, const cv::Rect& box, const HsvRange& color) {
+  int in = 0, all = 0;
+  VisitBetween(hsv.size(), box, 0, 0.9, [&](const cv::Point& at) {
+    in += IsIn(hsv.at<cv::Vec3b>(at), color) ? 1 : 0;
+    ++all;
+  });
+  return all == 0 ? 0 : in / double(all);
 }
 
 constexpr double kFarthestRing = 2.2;  // in radii of the core
@@ -120,6 +154,39 @@ bool IsRound(const Contour& outline) {
          cv::contourArea(outline) > kConvex * cv::contourArea(hull);
 }
 
+bool IsSameOutline(const cv::Rect& one, const cv::Rect& other) {
+  constexpr int kMostOffPx = 1;
+  const cv::Point from = one.tl() - other.tl(), to = one.br() - other.br();
+  return std::max({std::abs(from.x), std::abs(from.y), std::abs(to.x), std::abs(to.y)}) <=
+         kMostOffPx;
+}
+
+// Round, convex outlines of what is above a level of the channel, where the next level has the same
+// outline. A pool of light has no sharp edge.
+std::vector<cv::Rect> SharpRounds(const cv::Mat& channel) {
+  constexpr int kFrom = 104, kStep = 6, kWhite = 255;
+  constexpr double kLeastArea = 40;
+  std::vector<cv::Rect> found, last;
+  for (int level = kFrom; level < kWhite; level += kStep) {
+    std::vector<Contour> outlines;
+    std::vector<cv::Vec4i> tree;  // next, previous, first child, parent
+    cv::findContours(channel >= level, outlines, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
+    std::vector<cv::Rect> rounds;
+    for (std::size_t i = 0; i < outlines.size(); ++i) {
+      if (tree[i][3] >= 0) continue;  // of a hole
+      if (cv::contourArea(outlines[i]) < kLeastArea || !IsRound(outlines[i])) continue;
+      rounds.push_back(cv::boundingRect(outlines[i]));
+      const cv::Rect& box = rounds.back();
+      const auto same = [&](const cv::Rect& other) { return IsSameOutline(box, other); };
+      if (std::ranges::any_of(last, same) && std::ranges::none_of(found, same)) {
+        found.push_back(box);
+      }
+    }
+    last = std::move(rounds);
+  }
+  return found;
+}
+
 }  // namespace
 
 bool Shines(const cv::Mat& hsv, const cv::Rect& box) {
@@ -131,6 +198,13 @@ bool Shines(const cv::Mat& hsv, const cv::Rect& box) {
   // A lamp with a white middle is bright up to its rim: what is darker there is its glow on a wall.
   constexpr double kWhite = 90, kBrightRim = 0.87;
   if (middle.saturation < kWhite && rim.luma < kBrightRim * middle.luma) return false;
+  // No paint has all of the red and of the green that a picture can have where white has not: a
+  // lamp before a bright wall or the sky, which cannot be brighter than these in the picture.
+  constexpr double kAllRedAndGreen = 218, kNotYetWhite = 251;
+  if (std::min(middle.luma, rim.luma) > kAllRedAndGreen && around.luma < kNotYetWhite &&
+      middle.saturation >= kWhite) {
+    return true;
+  }
   const double bright = std::max(middle.value, rim.value);
   if (bright > kBrighterThanAround * around.value) return true;
   // A core that is so bright loses its colour instead.
@@ -156,6 +230,54 @@ std::vector<cv::Rect> FindWhiteCores(const cv::Mat& hsv, const HsvRange& color) 
     if (const auto box = WithRing(hsv, cv::boundingRect(outline), color)) found.push_back(*box);
   }
   return found;
+}
+
+LampsInWarmLight FindLampsInWarmLight(const cv::Mat& bgr, const HsvRange& color,
+                                      const Region& searched) {
+  constexpr double kLeastContrast = 14;  // of green; paint in the colour of lamps is darker in it
+  constexpr double kLeastMoreSaturated = 20, kMostPaler = 32, kLeastShare = 0.9;
+  constexpr double kEdge = 1.2, kBeyond = 1.7;  // what is around it, in shares of its half sides
+  constexpr int kNoisePx = 3;
+  constexpr int kScale = 2;  // a quarter of the pixels takes a quarter of the time
+  LampsInWarmLight lamps;
+  cv::Mat half, hsv, green, saturation;
+  cv::resize(bgr, half, {std::max(1, bgr.cols / kScale), std::max(1, bgr.rows / kScale)}, 0, 0,
+             cv::INTER_AREA);
+  cv::GaussianBlur(half, half, {kNoisePx, kNoisePx}, 0);
+  cv::cvtColor(half, hsv, cv::COLOR_BGR2HSV);
+  cv::extractChannel(half, green, 1);
+  cv::extractChannel(hsv, saturation, 1);
+  const auto whole = [](const cv::Rect& box) {
+    return cv::Rect(box.tl() * kScale, box.br() * kScale);
+  };
+  const auto more = [&](const cv::Mat& channel, const cv::Rect& box) {
+    const auto around = LevelBetween(channel, box, kEdge, kBeyond);
+    return around ? LevelBetween(channel, box, 0, 0.8).value_or(0) - *around : 0;
+  };
+  for (const cv::Rect& box : SharpRounds(green)) {
+    if (more(green, box) >= kLeastContrast && more(saturation, box) >= -kMostPaler &&
+        ShareOf(hsv, box, color) >= kLeastShare) {
+      lamps.shining.push_back(whole(box));
+    }
+  }
+  for (const cv::Rect& box : SharpRounds(saturation)) {
+    if (more(saturation, box) < kLeastMoreSaturated || ShareOf(hsv, box, color) < kLeastShare) {
+      continue;
+    }
+    const bool shines = more(green, box) >= kLeastContrast;
+    (shines ? lamps.shining : lamps.round).push_back(whole(box));
+  }
+  // What leaves no room for something brighter.
+  constexpr int kBrightest = 255 - int(kLeastContrast);
+  const cv::Rect region = RectOf(searched, half.size());
+  cv::Mat bright = green(region) > kBrightest;
+  cv::bitwise_and(bright, MaskOfHsv(hsv(region), color), bright);
+  for (const cv::Rect& box : lamps.shining) {
+    const cv::Rect at(box.tl() / kScale - region.tl(), box.br() / kScale - region.tl());
+    cv::rectangle(bright, at, cv::Scalar(0), cv::FILLED);
+  }
+  lamps.too_bright = cv::countNonZero(bright) / double(bright.total());
+  return lamps;
 }
 
 }  // namespace musher::vision

@@ -3,7 +3,8 @@
 //
 // A lamp is a round area that is clearly brighter than what is around it, or brighter in its middle
 // than at its rim, or so bright that its middle is white in the picture: then the colour of the
-// lamp is in a ring around that core, more saturated than the rest. A yellow disc on a poster is as
+// lamp is in a ring around that core, more saturated than the rest. Before a bright wall it has all
+// the red and green that a picture can have, which paint has not. A yellow disc on a poster is as
 // bright as its rim and hardly brighter than the poster.
 //
 // Units: pixels, OpenCV's hue, saturation and value. Threads: any.
@@ -22,5 +23,16 @@ bool Shines(const cv::Mat& hsv, const cv::Rect& box);
 // Round areas that are bright and nearly white, with a ring of the lamps' colour around each, which
 // belongs to the box.
 std::vector<cv::Rect> FindWhiteCores(const cv::Mat& hsv, const HsvRange& color);
+
+// Where much of a picture has the lamps' colour, because the hall's light has it.
+struct LampsInWarmLight {
+  // Round things with a sharp edge that have the colour and more green light than what is around
+  // them, and are not paler: white paper is, and so is a white lamp.
+  std::vector<cv::Rect> shining;
+  std::vector<cv::Rect> round;  // those that are only more saturated: paint, or an amber lamp
+  double too_bright = 0;        // share of the searched region before which no lamp would be seen
+};
+LampsInWarmLight FindLampsInWarmLight(const cv::Mat& bgr, const HsvRange& color,
+                                      const Region& searched);
 
 }  // namespace musher::vision

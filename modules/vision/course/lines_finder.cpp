@@ -35,6 +35,10 @@ class Middle {
         floor_(floor),
         parameters_(parameters) {
     Choose(lines);
+    if (parameters_.along && floor_.in_metres()) {
+      ChooseLane(lines);
+      return;
+    }
     if (left_ != right_ && !AreOfOneLane(*left_, *right_)) left_ = right_ = Nearer(*left_, *right_);
     if (left_ == right_) LookBeside(*left_);
     if (IsShapeless(*left_) || IsShapeless(*right_)) {
@@ -67,6 +71,27 @@ class Middle {
     if (inner_left == nullptr || inner_right == nullptr) return;
     left_ = inner_left;
     right_ = inner_right;
+  }
+
+  // Of lines that all lead away: two as far apart as those of a lane, the nearest to the centre.
+  void ChooseLane(const std::vector<YellowLine>& lines) {
+    constexpr double kMostOff = 0.2;  // of the lane's width
+    std::optional<double> nearest;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      for (std::size_t j = i + 1; j < lines.size(); ++j) {
+        const auto gap_m = Gap(lines[i], lines[j], floor_);
+        if (!gap_m || std::abs(*gap_m - parameters_.lane_m) > kMostOff * parameters_.lane_m) {
+          continue;
+        }
+        const double off = std::abs((lines[i].place.x + lines[j].place.x) / 2 - center_x_);
+        if (nearest && off >= *nearest) continue;
+        nearest = off;
+        const bool in_order = lines[i].place.x < lines[j].place.x;
+        left_ = &lines[in_order ? i : j];
+        right_ = &lines[in_order ? j : i];
+      }
+    }
+    if (!nearest) doubt_ = "no two of the lines are as far apart as those of a lane";
   }
 
   // Nearly as wide as long, and wider than a line: glare or dirt touches it, or it is none.
@@ -209,6 +234,9 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   const Floor floor(parameters.mount, region, bgr.size());
   LinesOnFloor on_floor = LinesOf(bgr(region), seen.mask, floor, RulesOf(parameters));
   std::vector<YellowLine>& lines = on_floor.lines;
+  if (parameters.along && floor.in_metres()) {
+    std::erase_if(lines, [](const YellowLine& line) { return !line.leads_away; });
+  }
   const auto most = static_cast<std::size_t>(std::max(0, parameters.most_lines));
   if (lines.size() > most) lines.resize(most);
 

@@ -11,8 +11,9 @@
 //         vice versa. The centre is that of the region, or for a camera that is not in the middle
 //         of the body beside it (`ycy_center`). Otherwise "center".
 //         Two lines nearer to each other than a lane are one line; of two that are farther apart
-//         the nearer one counts alone. Of one line the middle is half a lane beside it, towards the
-//         centre. Without the camera's mount only the line's side is
+//         the nearer one counts alone. With `along` a line that lies across the camera's view is
+//         none, and two lines that are not a lane apart are a doubt. Of one line the middle is half
+//         a lane beside it, towards the centre. Without the camera's mount only the line's side is
 //         known: the robot is too near to it, so that a line on the left is "left".
 //   dy    The line whose centroid is nearest to the vertical centre line: farther away than the
 //         target by more than the threshold (higher in the picture) is "front", nearer "back".
@@ -55,6 +56,9 @@ struct LinesParameters {
   double least_area_px2 = 300;
   double least_length = 0;  // times as wide as high, so that only lines across count; 0: all do
   int most_lines = 5;
+  // Only lines that lead away from the camera count, and two of them as far apart as those of a
+  // lane, along which it looks; needs the camera's mount.
+  bool along = false;
   double ycy_threshold = 0.08;  // of the region's width
   LanePair ycy_pair = LanePair::kOutermost;
   double ycy_center = 0.5;     // of the region's width: where the middle of the lines has to be

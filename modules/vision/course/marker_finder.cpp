@@ -101,24 +101,45 @@ std::optional<Marker> MarkerOf(const Contour& outline, const cv::Size& picture,
   return marker;
 }
 
-// A lamp whose middle is white in the picture.
-std::optional<Marker> LargestCore(const cv::Mat& hsv, const MarkerParameters& parameters) {
-  const cv::Rect region = RectOf(parameters.region, hsv.size());
+std::optional<Marker> Largest(const std::vector<cv::Rect>& boxes, const cv::Size& picture,
+                              const MarkerParameters& parameters) {
+  const cv::Rect region = RectOf(parameters.region, picture);
   std::optional<Marker> largest;
-  for (const cv::Rect& box : FindWhiteCores(hsv, parameters.yellow)) {
+  for (const cv::Rect& box : boxes) {
     const double area_px2 = M_PI / 4 * box.area();
-    const bool fits =
-        (box & cv::Rect({0, 0}, hsv.size())) == box && area_px2 >= parameters.least_area_px2 &&
-        area_px2 <= parameters.most_area_px2 && region.contains((box.tl() + box.br()) / 2);
+    const bool is_cut =
+        box.x <= 0 || box.y <= 0 || box.br().x >= picture.width || box.br().y >= picture.height;
+    const bool fits = !is_cut && area_px2 >= parameters.least_area_px2 &&
+                      area_px2 <= parameters.most_area_px2 &&
+                      region.contains((box.tl() + box.br()) / 2);
     const double size_px = std::max(box.width, box.height);
     if (fits && (!largest || size_px > largest->size_px)) largest = Marker{box, size_px, true};
   }
   return largest;
 }
 
-std::string HasItsColor(double coverage) {
-  return "much of the picture has the colour of the light: " +
-         std::to_string(std::lround(100 * coverage)) + " %";
+std::string Percent(double share) {
+  return std::to_string(std::lround(100 * share)) + " %";
+}
+
+// In a picture of which `coverage` has the colour of lamps.
+MarkerLook LookInWarmLight(const cv::Mat& bgr, double coverage,
+                           const MarkerParameters& parameters) {
+  constexpr double kMostTooBright = 0.05;
+  constexpr double kNear = 0.13;  // of the picture's width: about as far as the robot stops
+  const LampsInWarmLight lamps = FindLampsInWarmLight(bgr, parameters.yellow, parameters.region);
+  MarkerLook look;
+  look.marker = Largest(lamps.shining, bgr.size(), parameters);
+  if (look.marker) return look;
+  const auto round = Largest(lamps.round, bgr.size(), parameters);
+  if (round && round->size_px > kNear * bgr.cols) {
+    look.doubt = "a round thing has the colour of the light, as " + Percent(coverage) +
+                 " of the picture have: it may shine";
+  } else if (lamps.too_bright > kMostTooBright) {
+    look.doubt = Percent(lamps.too_bright) +
+                 " of the region have the colour of the light and are as bright as it would be";
+  }
+  return look;
 }
 
 }  // namespace
@@ -143,9 +164,9 @@ MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters)
   constexpr double kMostCoverage = 0.25;  // of a lamp that is so near that the robot stops
   const double coverage = cv::countNonZero(mask) / double(mask.total());
   if (parameters.shines && coverage > kMostCoverage) {
-    const LineMask lines = MaskOfLines(bgr, parameters.yellow, kMostCoverage);
-    mask = lines.mask;
-    if (!lines.doubt.empty()) look.doubt = HasItsColor(coverage);
+    look = LookInWarmLight(bgr, coverage, parameters);
+    // What is clearly more saturated than the rest, too.
+    mask = MaskOfLines(bgr, parameters.yellow, kMostCoverage).mask;
   }
   CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
   for (const Contour& outline : OutlinesOf(mask)) {
@@ -156,7 +177,7 @@ MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters)
   }
   if (parameters.shines) {
     // Also beside an outline: a farther lamp has one, the white core of a near one has none.
-    const auto core = LargestCore(hsv, parameters);
+    const auto core = Largest(FindWhiteCores(hsv, parameters.yellow), hsv.size(), parameters);
     const bool is_nearer = core && (!look.marker || core->size_px > look.marker->size_px);
     if (is_nearer) look.marker = core;
   }

@@ -8,9 +8,10 @@
 // circle. The fullest of the largest counts. What the picture's edge cuts is none.
 //
 // A light has to shine as well (lamp_glow.hpp): it may be amber, and so bright that its middle is
-// white in the picture. Where much of the picture has its colour, under warm lamps, only what is
-// clearly more saturated counts (floor_color.hpp); where nothing is and no white core is seen, a
-// light may be there or not: that is a doubt.
+// white in the picture. Where much of the picture has its colour, under warm lamps, it has a sharp
+// edge and more green light than what is around it, or is clearly more saturated than the rest
+// (floor_color.hpp). A light may be there or not, and that is a doubt, where a near round thing is
+// only more saturated, or where much of the region is so bright that no lamp could be brighter.
 //
 // The region limits the centre only, so that what is near may be larger than the region. Circles
 // are not searched in edges (Hough): the outline decides, which needs a tenth of the time and finds

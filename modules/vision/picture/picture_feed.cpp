@@ -53,7 +53,7 @@ Result<> PictureFeed::Subscribe() {
   camera_ = std::move(camera);
   pictures_ = std::move(pictures).value();
   publishers_ = {};
-  seen_ = false;
+  ForgetSeen();
   AwaitNext();
   return Ok();
 }
@@ -64,6 +64,14 @@ void PictureFeed::Unsubscribe() {
   camera_.reset();
   silence_ = {};
   requested_at_.reset();
+}
+
+void PictureFeed::ForgetSeen() {
+  seen_ = false;
+  for (FaultLog::Fault* fault :
+       {&picture_fault_, &still_fault_, &publishers_fault_, &info_fault_, &detector_fault_}) {
+    fault->error.reset();
+  }
 }
 
 void PictureFeed::OnInfo(const msg::CameraInfo& info) {

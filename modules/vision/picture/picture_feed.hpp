@@ -62,8 +62,8 @@ class PictureFeed {
   // time.
   bool OnResult(std::int64_t stamp_ns, const Result<>& result);
 
-  // From here on Check() needs another processed picture.
-  void ForgetSeen() { seen_ = false; }
+  // From here on Check() needs another processed picture, and reports no fault of an earlier one.
+  void ForgetSeen();
   // Whether a picture was processed since then and there is no fault. Fails with the reason.
   Result<> Check() const;
 

@@ -149,7 +149,9 @@ Scenery::Scenery(const Scene& scene, Texture ground)
     thing.shape = Thing::Shape::kSphere;
     thing.center_m = ball.center_m.cast<float>();
     thing.half_m = Vector3f::Constant(static_cast<float>(ball.radius_m));
-    thing.color = ToLight(ball.color);
+    // Paint of its colour in the light of a hall is darker.
+    constexpr float kLampBesidePaint = 1.5F;
+    thing.color = ToLight(ball.color) * (ball.glows ? kLampBesidePaint : 1.0F);
     thing.glows = ball.glows;
     things_.push_back(std::move(thing));
   }

@@ -231,6 +231,7 @@ parameters.yellow.from = [15, 50, 30]
 parameters.region = { top = 0.5, bottom = 1, left = 0.1, right = 0.9 }
 parameters.least_area_px2 = 300
 parameters.most_lines = 4
+parameters.along = true
 parameters.least_length = 2.5
 parameters.ycy_threshold = 0.1
 parameters.dy_threshold = 0.1
@@ -295,6 +296,7 @@ parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
                                  300,
                                  2.5,
                                  4,
+                                 true,
                                  0.1,
                                  LanePair::kInnermost,
                                  0.6,

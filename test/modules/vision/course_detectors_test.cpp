@@ -125,8 +125,8 @@ TEST(LightDetector, HasNoSightingInADoubtAndKeepsItsTrack) {
   Series lights(MakeMarkerDetector(LightParameters()));
   lights.Look(WithDisc(30, 200));
   EXPECT_EQ(lights.Look(WithDisc(30, 200)).sighting->phase, "tracking");
-  cv::Mat warm = GreyPicture();  // a wall under warm lamps
-  warm(cv::Rect(0, 0, 640, 260)).setTo(cv::Scalar(110, 190, 240));
+  cv::Mat warm = GreyPicture();  // a wall under warm lamps, as bright as a light
+  warm(cv::Rect(0, 0, 640, 260)).setTo(cv::Scalar(110, 248, 255));
   for (int i = 0; i < 10; ++i) {
     const CourseSight sight = lights.Look(warm);
     EXPECT_FALSE(sight.sighting || sight.text) << "it would say that there is no light";

@@ -300,6 +300,25 @@ TEST_F(CourseTopicsTest, CheckThemselvesWithoutASubscriber) {
   EXPECT_FALSE(topics_->looks());
 }
 
+// What was wrong before a pause was given as the reason, where the camera is off by now.
+TEST_F(CourseTopicsTest, CheckThemselvesWithoutTheFaultsFromBeforeAPause) {
+  entry_.still = Milliseconds(300);
+  Start(false);
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Run(Milliseconds(500));
+  worker_.fault = Error{5912, "the detector failed: out of luck"};
+  Shoot(20);
+  msg::Image deep = Picture();
+  deep.encoding = "mono16";
+  Shoot(1, deep);
+  EXPECT_EQ(Failing(), "the detector failed: out of luck");
+  EXPECT_TRUE(topics_->SetChecked(false));
+  pictures_.reset();
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Run(Milliseconds(500));
+  EXPECT_EQ(Failing(), "no publisher of robot1/image_rgb");
+}
+
 TEST_F(CourseTopicsTest, PublishNothingInACheck) {
   Start(false);
   const auto text = Listen("qr_detector/qr_info", texts_);

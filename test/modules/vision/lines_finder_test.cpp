@@ -365,6 +365,36 @@ TEST(OnlyLine, FartherAwayThanALaneIsWideIsADoubt) {
   EXPECT_EQ(far.ycy, "center");
 }
 
+// Of another lane, which crosses beside it: its line passed for one of this lane, and the robot was
+// in the middle of both by chance.
+TEST(LineAcross, IsNoneOfALaneAlongWhichTheCameraLooks) {
+  world::Scene lane = Lane();
+  world::Line across;
+  across.points_m = {{-0.9, -0.6}, {-0.9, -1.6}};
+  lane.lines.push_back(across);
+  LinesParameters parameters = Mounted();
+  parameters.region = {0.5, 1, 0, 1};
+  parameters.along = true;
+  const auto lines = [&](double y_m) {
+    return FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines;
+  };
+  EXPECT_EQ(lines(0).contours, 2U);
+  EXPECT_EQ(lines(0).ycy, "center") << lines(0).doubt;
+  EXPECT_EQ(lines(-0.25).ycy, "right");
+  EXPECT_EQ(lines(0.25).ycy, "left");
+}
+
+TEST(LinesAlong, ThatAreNoLaneApartAreADoubt) {
+  world::Scene lane = Lane();
+  lane.lines.pop_back();
+  LinesParameters parameters = Mounted();
+  parameters.along = true;
+  const auto lines =
+      FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, -0.1, 0)), parameters).lines;
+  EXPECT_EQ(lines.doubt, "no two of the lines are as far apart as those of a lane");
+  EXPECT_EQ(lines.ycy, "center");
+}
+
 // Of lanes side by side, the line between them worn away.
 TEST(LinesOfTwoLanes, AreNotThoseOfOne) {
   world::Scene lanes = Hall();

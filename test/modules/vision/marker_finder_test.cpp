@@ -122,18 +122,69 @@ cv::Mat WarmWall() {
   return bgr;
 }
 
-TEST(Light, BeforeAWallOfItsColourIsInDoubtUnlessItsCoreIsSeen) {
+MarkerLook LookBeforeWarmWall(int radius_px, const cv::Scalar& color) {
+  cv::Mat bgr = WarmWall();
+  cv::circle(bgr, {200, 150}, radius_px, color, cv::FILLED, cv::LINE_AA);
+  return LookForMarker(bgr, LightParameters());
+}
+
+// Each picture of a hall in warm light was a doubt.
+TEST(Light, BeforeAWallOfItsColourIsSeenAndThatThereIsNone) {
   const MarkerLook wall = LookForMarker(WarmWall(), LightParameters());
   EXPECT_FALSE(wall.marker);
-  EXPECT_THAT(wall.doubt, ::testing::HasSubstr("54 %"));
+  EXPECT_EQ(wall.doubt, "");
+  for (const int radius_px : {12, 40, 70}) {
+    const MarkerLook lamp = LookBeforeWarmWall(radius_px, {60, 253, 254});
+    ASSERT_TRUE(lamp.marker) << radius_px;
+    EXPECT_NEAR(lamp.marker->size_px, 2 * radius_px + 1, 5);
+    EXPECT_EQ(lamp.doubt, "");
+  }
+  EXPECT_EQ(LookForMarker(WarmWall(), {}).doubt, "") << "of a sign that does not shine";
+}
+
+TEST(Light, BeforeAWallOfItsColourMayHaveAWhiteCore) {
   cv::Mat bgr = WarmWall();
   cv::circle(bgr, {200, 150}, 40, {60, 200, 255}, cv::FILLED, cv::LINE_AA);
   cv::circle(bgr, {200, 150}, 30, {235, 252, 255}, cv::FILLED, cv::LINE_AA);
   const MarkerLook lamp = LookForMarker(bgr, LightParameters());
   EXPECT_TRUE(lamp.marker);
   EXPECT_EQ(lamp.doubt, "");
+}
+
+TEST(Light, BeforeAWallOfItsColourIsNoPaperAndNoPoolOfLight) {
+  EXPECT_FALSE(LookBeforeWarmWall(40, {160, 220, 255}).marker) << "white paper";
+  cv::Mat bgr = WarmWall();
+  for (int radius_px = 90; radius_px > 0; radius_px -= 2) {
+    const double more = (90 - radius_px) * 0.7;
+    cv::circle(bgr, {200, 170}, radius_px, {100 - more / 4, 150 + more, 190 + more}, cv::FILLED);
+  }
+  EXPECT_FALSE(LookForMarker(bgr, LightParameters()).marker) << "a pool of a lamp's light";
+}
+
+// An amber lamp and amber paint are alike there; as far as a robot that stops.
+TEST(Light, BeforeAWallOfItsColourIsInDoubtWhereSomethingNearAndRoundHasItToo) {
+  EXPECT_THAT(LookBeforeWarmWall(60, {15, 130, 190}).doubt, ::testing::HasSubstr("may shine"));
+  EXPECT_EQ(LookBeforeWarmWall(25, {15, 130, 190}).doubt, "") << "farther away";
+}
+
+TEST(Light, BeforeAWallAsBrightAsItWouldBeIsInDoubt) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(0, 0, 640, 260)).setTo(cv::Scalar(110, 248, 255));
+  const MarkerLook look = LookForMarker(bgr, LightParameters());
+  EXPECT_FALSE(look.marker);
+  EXPECT_THAT(look.doubt, ::testing::HasSubstr("as bright as it would be"));
   EXPECT_EQ(LookForMarker(GreyPicture(), LightParameters()).doubt, "");
-  EXPECT_EQ(LookForMarker(WarmWall(), {}).doubt, "") << "of a sign that does not shine";
+}
+
+// The sky of an open place is as bright as a picture can be.
+TEST(Light, BeforeABrightSkyHasAllTheRedAndGreen) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(0, 0, 640, 260)).setTo(cv::Scalar(252, 244, 232));
+  cv::Mat paint = bgr.clone();
+  cv::circle(bgr, {300, 150}, 40, {30, 254, 254}, cv::FILLED, cv::LINE_AA);
+  EXPECT_TRUE(FindMarker(bgr, LightParameters()));
+  cv::circle(paint, {300, 150}, 40, {20, 200, 250}, cv::FILLED, cv::LINE_AA);
+  EXPECT_FALSE(FindMarker(paint, LightParameters()));
 }
 
 TEST(Light, IsNoYellowSignWithAWhiteDisc) {
