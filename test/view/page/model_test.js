@@ -190,7 +190,7 @@ test('a fault is recent for ten minutes, or until it is acknowledged', () => {
   assert.deepEqual(recent(f, {}, at + store.FAULTS_STAY_MS), []);
 });
 
-test('a fault after an acknowledgement is shown, also where the clock of the robot has gone back by hours', () => {
+test('the store shows a fault after an acknowledgement, also where the clock of the robot has gone back by hours', () => {
   const f = fixture();
   f.robot.fault('audio');
   const acknowledged = acknowledge(f);
