@@ -256,7 +256,8 @@ std::string UnknownActuator(const std::string& name, const Entries& history,
   return known.contains(name) ? "" : NoSuch("actuator", name, {known.begin(), known.end()});
 }
 
-// What explains a state is mostly among the newest entries; all are read only where it is not.
+// What explains a state is mostly among the newest entries; all are read only where it is not. A
+// damaged journal has fewer of them than it was asked for.
 std::variant<Entries, Failure> ReadWanted(const HistoryOptions& options, const Selection& wanted,
                                           const GlobalOptions& global, Console& console,
                                           Source& source) {
@@ -268,9 +269,14 @@ std::variant<Entries, Failure> ReadWanted(const HistoryOptions& options, const S
     read = FromDisk(*missing, wanted.since, limit, global, console, source);
   }
   const auto* newest = std::get_if<Entries>(&read);
-  const bool is_cut = newest_first && newest != nullptr && newest->entries.size() >= limit;
+  const bool is_cut = newest_first && newest != nullptr &&
+                      (newest->entries.size() >= limit || !newest->error.empty());
   if (!is_cut || !NeedsOlderEntries(*newest, WantedWhy(options))) return read;
-  return source.Read(wanted.since, kAll);
+  auto all = source.Read(wanted.since, kAll);
+  const auto* failure = std::get_if<Failure>(&all);
+  if (failure == nullptr || (source.link && source.link->interrupted())) return all;
+  console.Note("older entries could not be read: " + failure->error.message);
+  return read;
 }
 
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console) {

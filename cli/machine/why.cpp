@@ -48,7 +48,8 @@ void BeginAtHang(CauseChain& chain, const msg::GetHistory::Response& history) {
   }
 }
 
-// A request that was refused has a code, but it changes nothing: what failed is why it was refused.
+// A request that was refused has a code, but it changes nothing: what failed in this run of the
+// controller is why it was refused.
 bool IsRefusedRequest(const std::string& event) {
   return event == "switch_refused" || event == "switch_superseded" || event == "policy_refused" ||
          event == "policy_switch_refused";
@@ -58,11 +59,24 @@ NewestFirst NewestFailure(const msg::GetHistory::Response& history, const std::s
   const NewestFirst end = history.entries.rend();
   NewestFirst refused = end;
   for (NewestFirst entry = history.entries.rbegin(); entry != end; ++entry) {
+    if (refused != end && entry->epoch != refused->epoch) break;
     if (entry->code == kCodeOk || (!actuator.empty() && entry->actuator != actuator)) continue;
     if (!IsRefusedRequest(EventOf(history, entry))) return entry;
     if (refused == end) refused = entry;
   }
   return refused;
+}
+
+// The newest refused request, unless something has failed or changed since.
+NewestFirst LastRefusal(const msg::GetHistory::Response& history) {
+  const NewestFirst end = history.entries.rend();
+  for (NewestFirst entry = history.entries.rbegin(); entry != end; ++entry) {
+    const std::string event = EventOf(history, entry);
+    if (event == "switch_refused" || event == "policy_refused") return entry;
+    if (!entry->state.empty()) break;
+    if (entry->code != kCodeOk && !IsRefusedRequest(event)) break;
+  }
+  return end;
 }
 
 bool Contains(const CauseChain& chain, const msg::HistoryEntry& entry) {
@@ -90,17 +104,19 @@ Result<Why> FindWhy(const msg::GetHistory::Response& history, const WhyWanted& w
   if (newest == end && !state.empty()) {
     return Error{kCodeFailed, "these entries contain no change to " + state};
   }
-  Why why{{}, {}, {}, history.error};
+  Why why{{}, {}, {}, {}, history.error};
   if (newest != end && !wanted.failure_only) {
     why.state = State(newest->state);
     why.change = ChainFrom(history, newest);
   }
-  why.change.complete = why.change.complete && newest != end;
+  why.change.complete = wanted.failure_only || (why.change.complete && newest != end);
   const NewestFirst failed = state.empty() ? NewestFailure(history, wanted.actuator) : end;
   if (failed != end && !Contains(why.change, *failed)) {
     why.failure = ChainFrom(history, failed);
     BeginAtHang(why.failure, history);
   }
+  const NewestFirst refused = state.empty() ? LastRefusal(history) : end;
+  if (refused != end && refused != failed) why.refused = ChainFrom(history, refused);
   if (newest == end && failed == end) {
     return Error{kCodeFailed, "these entries contain no state change of the machine"};
   }
@@ -109,10 +125,12 @@ Result<Why> FindWhy(const msg::GetHistory::Response& history, const WhyWanted& w
 
 bool NeedsOlderEntries(const msg::GetHistory::Response& history, const WhyWanted& wanted) {
   const auto why = FindWhy(history, wanted);
-  if (!why || !why.value().change.complete || !why.value().failure.complete) return true;
-  if (!wanted.state.empty()) return false;
+  if (!why || !why.value().complete()) return true;
+  if (!wanted.failure_only && wanted.actuator.empty()) return false;
   const NewestFirst failed = NewestFailure(history, wanted.actuator);
-  return failed == history.entries.rend() || IsRefusedRequest(EventOf(history, failed));
+  if (failed == history.entries.rend()) return true;
+  return IsRefusedRequest(EventOf(history, failed)) &&
+         history.entries.front().epoch == failed->epoch;
 }
 
 }  // namespace musher::cli

@@ -22,7 +22,10 @@ struct Why {
   State state;         // empty: `change` is
   CauseChain change;   // to `state`; empty: not wanted, or before the entries
   CauseChain failure;  // the newest failure, if `change` does not contain it; else empty
+  CauseChain refused;  // a request after both that was refused; empty: none, or it is `failure`
   std::string damage;  // what is missing among the entries; empty: nothing
+
+  bool complete() const { return change.complete && failure.complete && refused.complete; }
 };
 
 // What to explain.
@@ -32,11 +35,13 @@ struct WhyWanted {
   bool failure_only = false;  // without the change of state
 };
 
-// The newest failure is a refused request only if nothing else failed. Fails if the entries of
-// `history` contain neither the change nor a failure, or not the change to the state that is named.
+// The newest failure is a refused request only if nothing else failed in that run of the
+// controller. Fails if the entries of `history` contain neither the change nor a failure, or not
+// the change to the state that is named.
 Result<Why> FindWhy(const msg::GetHistory::Response& history, const WhyWanted& wanted);
 
-// Whether entries before those of `history` may change that answer.
+// Whether entries before those of `history` are needed for that answer: for the change, for causes,
+// and for a failure that is asked for.
 bool NeedsOlderEntries(const msg::GetHistory::Response& history, const WhyWanted& wanted);
 
 // Whether the controller that recorded the last entries was neither stopped nor replaced.

@@ -53,28 +53,34 @@ std::string Causes(const CauseChain& chain, bool colour) {
   return text + std::string(23, ' ') + "    because of an event before these entries\n";
 }
 
+// Whether a cause is the failure of the actuator that the reason of the switch names.
+bool CauseIsReason(const CauseChain& change) {
+  const std::string& reason = change.entries.front().message;
+  return std::any_of(std::next(change.entries.begin()), change.entries.end(),
+                     [&reason](const msg::HistoryEntry& cause) {
+                       return cause.code != kCodeOk && !cause.actuator.empty() &&
+                              reason.find(": " + cause.actuator + ": ") != std::string::npos;
+                     });
+}
+
 std::string ChangeText(const Why& why, bool colour) {
   if (why.change.entries.empty()) return "";
   const msg::HistoryEntry& went = why.change.entries.front();
   const std::string number =
       went.switch_number == 0 ? "" : fmt::format(" (switch {})", went.switch_number);
-  // A switch that left an actuator behind, which no cause below names.
-  const bool is_reason =
-      went.code != kCodeOk &&
-      std::none_of(std::next(why.change.entries.begin()), why.change.entries.end(),
-                   [](const msg::HistoryEntry& entry) { return entry.code != kCodeOk; });
+  const bool has_reason = went.code != kCodeOk && !CauseIsReason(why.change);
   return Paint(LocalText(went.wall_ns), Style::kDim, colour) + "  the machine went to " +
          Paint(Printable(why.state), StyleOfState(why.state), colour) + number +
-         (is_reason ? ": " + Sentence(went.message, went.code, colour) : "") + '\n' +
+         (has_reason ? ": " + Sentence(went.message, went.code, colour) : "") + '\n' +
          Causes(why.change, colour);
 }
 
-std::string FailureText(const CauseChain& failure, bool colour) {
+std::string FailureText(const std::string& label, const CauseChain& failure, bool colour) {
   if (failure.entries.empty()) return "";
   const msg::HistoryEntry& failed = failure.entries.front();
-  return Paint(LocalText(failed.wall_ns), Style::kDim, colour) +
-         "  last failure: " + Sentence(failed.message, failed.code, colour) + Folded(failed.data) +
-         '\n' + Causes(failure, colour);
+  return Paint(LocalText(failed.wall_ns), Style::kDim, colour) + "  " + label + ": " +
+         Sentence(failed.message, failed.code, colour) + Folded(failed.data) + '\n' +
+         Causes(failure, colour);
 }
 
 }  // namespace
@@ -100,11 +106,12 @@ std::string HistoryCsv(const std::vector<msg::HistoryEntry>& entries, bool head)
 
 std::string WhyText(const Why& why, bool colour) {
   const std::string change = ChangeText(why, colour);
-  const std::string failure = FailureText(why.failure, colour);
+  const std::string failure = FailureText("last failure", why.failure, colour);
+  const std::string refused = FailureText("last request", why.refused, colour);
   const bool failure_first = why.change.entries.empty() || (!why.failure.entries.empty() &&
                                                             why.failure.entries.front().wall_ns >
                                                                 why.change.entries.front().wall_ns);
-  return failure_first ? failure + change : change + failure;
+  return refused + (failure_first ? failure + change : change + failure);
 }
 
 std::string ProgressText(const Progress& progress, bool colour) {

@@ -294,8 +294,9 @@ std::string WhyJson(const Why& why) {
   };
   return JsonLine({{"state", Known(why.state)},
                    {"chain", entries_of(why.change)},
-                   {"complete", why.change.complete},
+                   {"complete", why.complete()},
                    {"failure", entries_of(why.failure)},
+                   {"refused", entries_of(why.refused)},
                    {"damage", Known(why.damage)}});
 }
 

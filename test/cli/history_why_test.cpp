@@ -15,10 +15,10 @@
 namespace musher::cli::history_why_test {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using ::testing::StartsWith;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kEvening = 1'780'000'000 * kSecond;
@@ -30,7 +30,7 @@ class HistoryWhy : public ::testing::Test {
            const std::string& message, const std::string& state = "") {
     JournalEntry entry;
     entry.wall_ns = kEvening + static_cast<std::int64_t>(entries_.size()) * kSecond;
-    entry.epoch = 1;
+    entry.epoch = epoch_;
     entry.kind = "switch";
     entry.actuator = actuator;
     entry.code = code;
@@ -57,6 +57,7 @@ class HistoryWhy : public ::testing::Test {
   TempFolder folder_;
   const std::string file_ = folder_ / "journal.sqlite";
   std::vector<JournalEntry> entries_;
+  Epoch epoch_ = Epoch(1);
 };
 
 // It read the newest 1000 entries, and failed without a word about what they contained.
@@ -139,7 +140,27 @@ TEST_F(HistoryWhy, ARefusedRequestDoesNotHideACrash) {
   Add("", "machine_usable", 0, "the machine is Protected", "Protected");
   AddCrash("lidar");
   Add("", "switch_refused", kCodeStateInvalid, "switch to Active refused: lidar is lost");
-  EXPECT_THAT(Why().out, HasSubstr("last failure: lidar crashed"));
+  const Ran ran = Why();
+  EXPECT_THAT(ran.out, ContainsRegex("last request: switch to Active refused: lidar is lost[^\n]*\n"
+                                     "[^\n]*last failure: lidar crashed"));
+}
+
+// A crash of last month was "the last failure".
+TEST_F(HistoryWhy, ACrashOfAnEarlierControllerDoesNotHideARefusedRequest) {
+  AddCrash("lidar");
+  epoch_ = Epoch(2);
+  Add("", "machine_usable", 0, "the machine is Protected", "Protected");
+  Add("", "switch_refused", kCodeStateInvalid, "switch to Active refused: the battery is at 3 %");
+  EXPECT_THAT(Why().out, AllOf(HasSubstr("last failure: switch to Active refused"),
+                               Not(HasSubstr("lidar")), Not(HasSubstr("last request"))));
+}
+
+TEST_F(HistoryWhy, ARefusedRequestBeforeAChangeIsOver) {
+  AddCrash("lidar");
+  Add("", "switch_refused", kCodeStateInvalid, "switch to Active refused: lidar is lost");
+  Add("", "switch_done", 0, "switch 4 is done", "Active");
+  EXPECT_THAT(Why().out,
+              AllOf(HasSubstr("last failure: lidar crashed"), Not(HasSubstr("last request"))));
 }
 
 TEST_F(HistoryWhy, ARefusedRequestIsNamedWhereNothingElseFailed) {

@@ -13,6 +13,7 @@
 
 namespace musher::cli::why_test {
 
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr std::int32_t kTimeout = 107;
@@ -95,6 +96,32 @@ TEST_F(Explaining, AChangeThatLeftAnActuatorBehindHasItsReason) {
             "1970-01-01 00:00:00.002  the machine went to LowPower: switch 3 is done-degraded: "
             "legs: no brake (107 Robot: Timeout)\n"
             "1970-01-01 00:00:00.001    because switch to LowPower requested\n");
+}
+
+// The cause is another actuator than the one that the switch left behind, which nothing else named.
+TEST_F(Explaining, AFallbackNamesTheActuatorThatItLeftBehind) {
+  Add(0, "lidar is degraded: crashed", kTimeout);
+  history_.entries.back().actuator = "lidar";
+  Add(1, "switch 5 is done-degraded: legs: no brake", kTimeout, "Protected");
+  EXPECT_THAT(Text(), HasSubstr("went to Protected: switch 5 is done-degraded: legs: no brake"));
+  history_.entries.front().actuator = "legs";
+  EXPECT_THAT(Text(), HasSubstr("went to Protected\n")) << "its failure follows as the cause";
+}
+
+TEST_F(Explaining, IsIncompleteWithoutTheCauseOfTheFailure) {
+  Add(0, "the machine is Active", 0, "Active");
+  Add(0, "legs crashed", kTimeout);
+  EXPECT_THAT(WhyJson(FindWhy(history_, {}).value()), HasSubstr("\"complete\":true"));
+  history_.entries.back().cause = 77;
+  EXPECT_THAT(WhyJson(FindWhy(history_, {}).value()), HasSubstr("\"complete\":false"));
+}
+
+// Each `--why` read the whole journal of a robot that never failed.
+TEST_F(Explaining, OlderEntriesAreNotNeededWhereNothingFailedUnlessAFailureIsAskedFor) {
+  Add(0, "the machine is Active", 0, "Active");
+  EXPECT_FALSE(NeedsOlderEntries(history_, {}));
+  EXPECT_TRUE(NeedsOlderEntries(history_, {.failure_only = true}));
+  EXPECT_TRUE(NeedsOlderEntries(history_, {.actuator = "legs"}));
 }
 
 // The newest 1000 entries are read first.

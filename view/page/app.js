@@ -8,7 +8,7 @@ import {language, languageTag, otherLanguage, setLanguage, t} from './i18n.js';
 import {releaseButton, stopButton} from './estop.js';
 import {loginDialog, logout} from './login.js';
 import {batteryBar, commands, docsLink, levelShape, plainText, stateChip, stoppedChip} from './parts.js';
-import {acknowledgement, apply, freshness, initialState, mayAct, mayStop, recentFaults, statusOf} from './store.js';
+import {apply, freshness, initialState, mayAct, mayStop, recentFaults, statusOf} from './store.js';
 import * as actuators from './actuators.js';
 import * as application from './application.js';
 import * as cameras from './cameras.js';
@@ -17,10 +17,11 @@ import * as machine from './machine.js';
 import * as timeline from './timeline.js';
 
 const ACKNOWLEDGED = 'musher.acknowledged';
+const MOST_MACHINES = 32;
 
 function stored(key) {
   try {
-    return JSON.parse(localStorage.getItem(key)) ?? {};
+    return {...JSON.parse(localStorage.getItem(key))};
   } catch {
     return {};
   }
@@ -42,9 +43,10 @@ const ctx = {
     ctx.ui.alarm = text;
     redraw();
   },
-  // A person has seen the faults up to now.
-  acknowledge() {
-    Object.assign(ctx.ui.acknowledged, acknowledgement(ctx.state));
+  // A person has seen the faults up to `seen`. Other tabs store theirs, too; the newest machine is first.
+  acknowledge(seen) {
+    const all = {...seen, ...ctx.ui.acknowledged, ...stored(ACKNOWLEDGED), ...seen};
+    ctx.ui.acknowledged = Object.fromEntries(Object.entries(all).slice(0, MOST_MACHINES));
     try {
       localStorage.setItem(ACKNOWLEDGED, JSON.stringify(ctx.ui.acknowledged));
     } catch {

@@ -4,7 +4,8 @@ import {duration, when} from './format.js';
 import {t} from './i18n.js';
 import {batteryBar, card, codeNote, commands, docsLink, facts, levelShape, quoted, stateChip, stateMeaning,
   stoppedChip} from './parts.js';
-import {capabilitiesOf, freshness, levelOf, problems, recentFaults, robotNow, stateSince, statusOf} from './store.js';
+import {acknowledgement, capabilitiesOf, freshness, levelOf, problems, recentFaults, robotNow, stateSince,
+  statusOf} from './store.js';
 import {requestPlan, switchCard} from './switch.js';
 import {eventRow} from './why.js';
 
@@ -66,11 +67,12 @@ function problemItem(ctx, problem) {
 function faultList(ctx, below) {
   const faults = recentFaults(ctx.state, ctx.now, ctx.ui.acknowledged);
   if (faults.length === 0) return null;
+  const seen = acknowledgement(ctx.state);
   return h('div', {class: below ? 'past below' : 'past', key: 'past'},
     h('p', {class: 'quiet'}, t('faults.past', {count: faults.length})),
     h('ol', {class: 'events'}, faults.slice(0, 5).map(entry => eventRow(entry, {time: when(entry.ms, ctx.now)}))),
     h('p', {class: 'buttons'}, h('button', {class: 'button small',
-      onclick: () => ctx.acknowledge()}, t('faults.acknowledge'))));
+      onclick: () => ctx.acknowledge(seen)}, t('faults.acknowledge'))));
 }
 
 function attentionCard(ctx, status) {

@@ -166,13 +166,8 @@ export function freshness(state, now) {
 
 // When the machine came to its present state, by the history; 0: not known.
 export function stateSince(state) {
-  const status = statusOf(state);
-  for (let i = state.history.length - 1; i >= 0 && status; --i) {
-    const entry = state.history[i];
-    if (entry.state === '') continue;
-    return entry.state === status.state ? entry.ms : 0;
-  }
-  return 0;
+  const last = state.history.findLast(entry => entry.state);
+  return last && last.state === statusOf(state)?.state ? last.ms : 0;
 }
 
 function adviceFor(actuator) {
@@ -235,20 +230,19 @@ export function levelOf(entry) {
 
 export const FAULTS_STAY_MS = 10 * 60_000;
 
-// What a person acknowledges now: {machine_id: {epoch, id, ms}}. Epochs and ids only grow; times, which an entry without
-// an id is compared by, may go back.
+// What a person acknowledges who sees this state: {machine_id: {epoch, id, ms}}.
 export function acknowledgement({history, ...state}) {
   const {epoch = 0, id = 0} = history.findLast(entry => entry.id) ?? {};
   return {[shownMachine(state).machine_id]: {epoch, id, ms: history.at(-1)?.ms}};
 }
 
 // The faults of the last minutes that no person has acknowledged, the newest first: a robot that is well again hides
-// nothing.
+// nothing. Compared by place: clocks go back, epochs begin again with a lost file, and some entries have no id.
 export function recentFaults(state, now, acknowledged) {
-  const {epoch = -1, id, ms} = acknowledged[shownMachine(state).machine_id] ?? {};
+  const {epoch, id, ms} = acknowledged[shownMachine(state).machine_id] ?? {};
+  const seen = state.history.findLastIndex(e => (e.id ? e.epoch === epoch && e.id <= id : e.ms === ms));
   const since = robotNow(state, now) - FAULTS_STAY_MS;
-  return state.history.filter(e => e.ms > since && levelOf(e) === 'bad'
-    && (e.epoch > epoch || e.epoch === epoch && (e.id ? e.id > id : e.ms > ms))).reverse();
+  return state.history.slice(seen + 1).filter(e => e.ms > since && levelOf(e) === 'bad').reverse();
 }
 
 const OFFERED = ['Active', 'Protected', 'DeActive', 'LowPower', 'SelfCheck', 'OTA', 'TearDown'];

@@ -190,17 +190,39 @@ test('a fault is recent for ten minutes, or until it is acknowledged', () => {
   assert.deepEqual(recent(f, {}, at + store.FAULTS_STAY_MS), []);
 });
 
-test('a fault after an acknowledgement is shown, also where the clock of the robot has gone back by hours', () => {
+test('the store shows a fault after an acknowledgement, also where the clock of the robot has gone back by hours', () => {
   const f = fixture();
   f.robot.fault('audio');
   const acknowledged = acknowledge(f);
   f.robot.epoch += 1;
+  f.robot.nextId = 1;
   f.now -= 3 * 3600_000;
   f.send({op: 'time', time_ms: f.now});
   assert.deepEqual(recent(f, acknowledged), []);
   f.robot.fault('camera');
   assert.deepEqual(recent(f, acknowledged), [badOf(f)]);
   assert.deepEqual(recent(f, acknowledge(f, acknowledged)), [], 'the second acknowledgement is kept');
+});
+
+test('a fault after an acknowledgement is shown that has neither epoch nor id, as recorded before a controller leads', () => {
+  const f = fixture();
+  f.robot.fault('audio');
+  const acknowledged = acknowledge(f);
+  f.now += 1000;
+  f.send({op: 'history', reset: false, entries: [{...f.robot.history.at(-1), epoch: 0, id: 0, code: 100, event: '',
+    wall_ns: String(f.now * 1e6)}]});
+  assert.deepEqual(recent(f, acknowledged), [f.state.history.at(-1)]);
+  assert.deepEqual(recent(f, acknowledge(f, acknowledged)), []);
+});
+
+test('a fault after an acknowledgement is shown, also where the epochs begin again', () => {
+  const f = fixture();
+  f.robot.fault('audio');
+  const acknowledged = acknowledge(f);
+  f.robot.epoch = 1;
+  f.robot.nextId = 1;
+  f.robot.fault('camera');
+  assert.deepEqual(recent(f, acknowledged)[0], badOf(f));
 });
 
 test('an acknowledgement on one machine hides no fault of another', () => {
