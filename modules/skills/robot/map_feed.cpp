@@ -22,7 +22,7 @@ GroundMap MapFeed::Ask() {
     auto made = transport::MakeSubscription<msg::OccupancyGrid>(
         node_, topic_, [this](const msg::OccupancyGrid& grid, const auto&) { OnGrid(grid); },
         transport::kLatchedQos);
-    if (!made) return {.expected = true};
+    if (!made) return {false, nullptr, true};
     subscription_ = std::move(made).value();
   }
   return {asked_ - subscribed_ < kAwaited, cells_, true};
