@@ -19,6 +19,7 @@ constexpr std::size_t kMostCopied = 4 << 20;  // cells of a map that is copied f
 constexpr double kAroundPathM = 10;           // the part of a larger map that is copied
 constexpr double kAroundRobotM = 25;          // if that is too large as well
 constexpr double kLocalM = 5;                 // first the part so near to the robot
+constexpr double kNearM = 8;                  // what is seen there counts more than all that is
 
 PlannerRules RulesOf(const PlannerRobot& robot) {
   PlannerRules rules;
@@ -351,6 +352,16 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
   }
   if (IsClear(plan.value().path, seen, keep_m)) return {std::move(plan), PathCode::kNone, false};
   auto around = FindAround(planner, request, plan.value(), seen, robot, stop);
+  if (!around) {
+    // What closes the way farther off may have gone before the robot is there.
+    std::vector<Point> near = seen;
+    std::erase_if(near, [&](const Point& point) {
+      return std::hypot(point.x_m - request.start.at.x_m, point.y_m - request.start.at.y_m) >
+             kNearM;
+    });
+    const bool in_the_way = near.size() < seen.size() && !IsClear(plan.value().path, near, keep_m);
+    if (in_the_way) around = FindAround(planner, request, plan.value(), near, robot, stop);
+  }
   if (!around) return {std::move(plan), PathCode::kNone, false};
   return {std::move(*around), PathCode::kNone, true};
 }

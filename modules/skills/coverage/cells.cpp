@@ -216,9 +216,14 @@ Cell WithLanes(const GrowingCell& growing, double lane_width_m, bool whole) {
   const double low = slices.front().y_m - growing.below_m;
   const double high = slices.back().y_m + growing.above_m;
   constexpr double kEnough = 0.02;  // of a lane: what remains uncovered
+  // A lane beside another one that is nearer than this covers hardly more: the strip of a lane is
+  // some centimetres wider than the robot, and has it only once.
+  const double apart_m = lane_width_m / 4;
+  const double span_m = slices.back().y_m - slices.front().y_m;
   // More than two for each slice would only be the same slices again.
-  const double lanes = std::min(std::ceil((high - low) / lane_width_m - kEnough),
-                                2.0 * static_cast<double>(slices.size()));
+  const double lanes =
+      std::min({std::ceil((high - low) / lane_width_m - kEnough),
+                2.0 * static_cast<double>(slices.size()), 1 + std::floor(span_m / apart_m)});
   Cell cell;
   std::size_t last = slices.size();
   for (int i = 0; i < static_cast<int>(lanes); ++i) {

@@ -22,10 +22,10 @@ GroundMap MapFeed::Ask() {
     auto made = transport::MakeSubscription<msg::OccupancyGrid>(
         node_, topic_, [this](const msg::OccupancyGrid& grid, const auto&) { OnGrid(grid); },
         transport::kLatchedQos);
-    if (!made) return {};
+    if (!made) return {false, nullptr, true};
     subscription_ = std::move(made).value();
   }
-  return {asked_ - subscribed_ < kAwaited, cells_};
+  return {asked_ - subscribed_ < kAwaited, cells_, true};
 }
 
 void MapFeed::Tend() {

@@ -31,6 +31,7 @@ namespace musher::skills {
 struct GroundMap {
   bool awaited = false;                              // it may still come
   std::shared_ptr<const navigation::CellMap> cells;  // null: none has come; unknown cells are free
+  bool expected = false;                             // the file of the robot names its topic
 };
 
 // A picture as it came: 8 bits a channel, blue, green, red; row by row without gaps.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "musher/modules/skills/skills/points_text.hpp"
 #include "musher/navigation/planner/cell_map.hpp"
@@ -22,8 +23,9 @@ using Kind = TravelStep::Kind;
 constexpr std::string_view kIndex = "index";
 constexpr std::string_view kSkipped = "skipped_m";
 constexpr std::string_view kBegin = "begin";
-constexpr std::string_view kCuts = "cuts";     // points that the map has as blocked, from and to
-constexpr std::string_view kAtEnd = "at_end";  // of the path
+constexpr std::string_view kCuts = "cuts";  // points that the map has as blocked, from and to
+constexpr std::string_view kLacksMap = "lacks_map";
+constexpr std::string_view kAtEnd = "at_end";         // of the path
 constexpr std::string_view kParts = "skipped_parts";  // of the path, from index to index
 
 // From an obstacle on the path to the point at which the path is tried again.
@@ -31,7 +33,8 @@ constexpr double kSkipM = 1;
 constexpr std::size_t kMostPoints = 200'000;
 constexpr double kMapMarginM = 0.1;   // of the body to what the map has, as planners keep it
 constexpr double kLeastPieceM = 0.3;  // of a lane between two things of the map
-constexpr std::size_t kMostAreas = 500;
+constexpr std::size_t kMostAreas = 2500;
+constexpr std::size_t kCornersAStep = 40;  // ten strips, or one area of more corners
 constexpr double kLeastCovered = 0.9;
 
 std::size_t IndexOf(const Tick& tick) {
@@ -75,6 +78,12 @@ Result<std::vector<coverage::Region>> RegionsOf(const skill::Values& parameters)
   }
   for (const Points& hole : holes.value()) regions.front().holes.push_back(RingOf(hole));
   return regions;
+}
+
+std::size_t CornersOf(const coverage::Region& region) {
+  std::size_t corners = region.boundary.size();
+  for (const coverage::Ring& hole : region.holes) corners += hole.size();
+  return corners;
 }
 
 double LengthOf(const std::vector<coverage::Edge>& lines) {
@@ -154,28 +163,46 @@ Next Explore::Step(Tick& tick) {
 Next Explore::Go(Tick& tick) {
   if (tick.state == stopping_) return Stop(tick);
   DoNotGiveWay();
-  if (path_.empty()) {
-    // A run that was restored has the cuts with which it began.
-    const bool maps = !robot_.flies() && tick.data.Find(kCuts) == nullptr;
-    const GroundMap map = maps ? robot_.map() : GroundMap{};
-    if (map.awaited && map.cells == nullptr) {
-      tick.Report(10, "Waiting for the map");
-      return Next::Stay();
-    }
-    map_ = map.cells;
-    const Result<> limit = CheckLostLimit(tick.parameters);
-    const Result<> made = limit ? MakePath(tick) : limit;
-    map_.reset();
-    if (!made) return Next::Fail(made.error().message);
+  if (!made_) {
+    if (const auto next = MakePath(tick)) return *next;
   }
   tick.Detail("path_length", plan_.length_m);
+  tick.Detail("left_out_by_map", cut_m_);
   tick.Detail("skipped", tick.data.Number(kSkipped));
   tick.Detail("lanes", static_cast<std::int64_t>(plan_.lanes));
   if (tick.state == initializing_) return Initialize(tick);
   return tick.state == to_start_ ? GoToStart(tick) : Execute(tick);
 }
 
-Result<> Explore::MakePath(Tick& tick) {
+std::optional<Next> Explore::MakePath(Tick& tick) {
+  if (left_.empty()) {
+    // A run that was restored has the cuts with which it began, or, of an older version, none.
+    const bool maps = !robot_.flies() && tick.data.Find(kBegin) == nullptr;
+    const GroundMap map = maps ? robot_.map() : GroundMap{};
+    if (map.awaited && map.cells == nullptr) {
+      tick.Report(10, "Waiting for the map");
+      return Next::Stay();
+    }
+    map_ = map.cells;
+    lacks_map_ = map.expected && map.cells == nullptr;
+    const Result<> begun = BeginPath(tick);
+    if (!begun) return Next::Fail(begun.error().message);
+  }
+  for (std::size_t corners = 0; !left_.empty() && corners < kCornersAStep;) {
+    const auto added = AddNearest(tick);
+    if (!added) return Next::Fail(added.error().message);
+    corners += added.value();
+  }
+  if (!left_.empty()) {
+    tick.Report(15, "Planning coverage path...");
+    return Next::Stay();
+  }
+  const Result<> ended = EndPath(tick);
+  return ended ? std::nullopt : std::optional(Next::Fail(ended.error().message));
+}
+
+Result<> Explore::BeginPath(const Tick& tick) {
+  if (const Result<> limit = CheckLostLimit(tick.parameters); !limit) return limit.error();
   const auto regions = RegionsOf(tick.parameters);
   if (!regions) return regions.error();
   const double least = tick.parameters.Number("least_covered");
@@ -193,54 +220,63 @@ Result<> Explore::MakePath(Tick& tick) {
                                distance_m, kLeastM));
   }
   // A run that was restored has the path with which it began.
-  if (tick.data.Find(kBegin) == nullptr) {
-    const auto pose = robot_.pose().value_or(navigation::Pose());
-    tick.data.Set(kBegin, skill::Numbers{pose.at.x_m, pose.at.y_m, pose.at.z_m});
-  }
-  const auto begin = tick.data.Get<skill::Numbers>(kBegin, {0, 0, 0});
-  const double height_m = robot_.flies() ? begin[2] : 0;
+  const auto pose = robot_.pose().value_or(navigation::Pose());
+  begin_ = tick.data.Get<skill::Numbers>(kBegin, {pose.at.x_m, pose.at.y_m, pose.at.z_m});
+  begin_.resize(3);
+  cuts_ = tick.data.Get<skill::Numbers>(kCuts, {});
   if (robot_.pose()) {
-    const Result<> flies = CheckInTheAir(robot_, height_m);
+    const Result<> flies = CheckInTheAir(robot_, robot_.flies() ? begin_[2] : 0);
     if (!flies) return flies.error();
   }
-  // Always the nearest area next.
-  std::vector<coverage::Region> left = regions.value();
-  coverage::GroundPoint here{begin[0], begin[1]};
-  while (!left.empty()) {
-    const auto nearest = std::ranges::min_element(left, {}, [&](const coverage::Region& region) {
-      double away_m = std::numeric_limits<double>::infinity();
-      for (const auto& corner : region.boundary) {
-        away_m = std::min(away_m, coverage::Distance(here, corner));
-      }
-      return away_m;
-    });
-    const Result<> added = AddPath(*nearest, tick, here, height_m);
-    if (!added) {
-      path_.clear();
-      return added;
-    }
-    if (!path_.empty()) here = {path_.back().at.x_m, path_.back().at.y_m};
-    left.erase(nearest);
-  }
-  if (tick.data.Find(kCuts) == nullptr) tick.data.Set(kCuts, skill::Numbers{});
-  if (path_.empty()) return BadArea("the map leaves no room for the robot in the boundary");
-  SetIndex(tick, std::min(IndexOf(tick), path_.size() - 1));
+  left_ = regions.value();
   return Ok();
 }
 
-Result<> Explore::AddPath(const coverage::Region& region, Tick& tick,
-                          const coverage::GroundPoint& start, double height_m) {
+Result<std::size_t> Explore::AddNearest(const Tick& tick) {
+  const coverage::GroundPoint here =
+      path_.empty() ? coverage::GroundPoint{begin_[0], begin_[1]}
+                    : coverage::GroundPoint{path_.back().at.x_m, path_.back().at.y_m};
+  const auto nearest = std::ranges::min_element(left_, {}, [&](const coverage::Region& region) {
+    double away_m = std::numeric_limits<double>::infinity();
+    for (const auto& corner : region.boundary) {
+      away_m = std::min(away_m, coverage::Distance(here, corner));
+    }
+    return away_m;
+  });
+  const coverage::Region region = std::move(*nearest);
+  left_.erase(nearest);
+  const Result<> added = AddPath(region, here, tick);
+  if (!added) return added.error();
+  return CornersOf(region);
+}
+
+// What is saved before the path is complete would be the half of one.
+Result<> Explore::EndPath(Tick& tick) {
+  map_.reset();
+  if (path_.empty()) return BadArea("the map leaves no room for the robot in the boundary");
+  tick.data.Set(kBegin, begin_);
+  tick.data.Set(kCuts, cuts_);
+  if (lacks_map_) tick.data.Set(kLacksMap, true);
+  SetIndex(tick, std::min(IndexOf(tick), path_.size() - 1));
+  made_ = true;
+  return Ok();
+}
+
+Result<> Explore::AddPath(const coverage::Region& region, const coverage::GroundPoint& start,
+                          const Tick& tick) {
+  const double height_m = robot_.flies() ? begin_[2] : 0;
   const double distance_m = tick.parameters.Number("interpolation_distance");
   const auto plan = coverage::PlanCoverage(
       region, {tick.parameters.Number("lane_width"), tick.parameters.Number("robot_radius")},
       start);
   if (!plan) return plan.error();
   const coverage::Plan& area = plan.value();
-  if ((plan_.length_m + area.length_m) / distance_m > static_cast<double>(kMostPoints)) {
+  const double whole_m = plan_.length_m + cut_m_ + area.length_m;
+  if (whole_m / distance_m > static_cast<double>(kMostPoints)) {
     return BadArea(
         fmt::format("the path of {:.0f} m has more than {} points; expected a larger "
                     "interpolation_distance",
-                    plan_.length_m + area.length_m, kMostPoints));
+                    whole_m, kMostPoints));
   }
   plan_.length_m += area.length_m;
   plan_.lanes += area.lanes;
@@ -274,8 +310,8 @@ Result<> Explore::AddPath(const coverage::Region& region, Tick& tick,
     if (!(pose.at == points[point]) && point + 1 < count) ++point;
     along.push_back(point + 1 < count && on_lane[point + 1]);
   }
-  if (map_) NoteCuts(*map_, path, along, tick);
-  AddUncut(path, along, tick);
+  if (map_) NoteCuts(*map_, path, along);
+  AddUncut(path, along);
   return Ok();
 }
 
@@ -295,17 +331,16 @@ bool Explore::Fits(const navigation::CellMap& map, const navigation::Point& at) 
 }
 
 void Explore::NoteCuts(const navigation::CellMap& map, const navigation::Path& path,
-                       const std::vector<bool>& on_lane, Tick& tick) const {
+                       const std::vector<bool>& on_lane) {
   std::vector<bool> fits;
   for (const navigation::Pose& pose : path) fits.push_back(Fits(map, pose.at));
   if (std::ranges::find(fits, false) == fits.end()) return;
-  skill::Numbers cuts = tick.data.Get<skill::Numbers>(kCuts, {});
   const auto cut = [&](std::size_t from, std::size_t to) {
     const auto first = static_cast<double>(uncut_ + from), end = static_cast<double>(uncut_ + to);
-    if (!cuts.empty() && cuts.back() == first) {
-      cuts.back() = end;
+    if (!cuts_.empty() && cuts_.back() == first) {
+      cuts_.back() = end;
     } else {
-      cuts.insert(cuts.end(), {first, end});
+      cuts_.insert(cuts_.end(), {first, end});
     }
   };
   for (std::size_t from = 0; from < path.size();) {
@@ -318,22 +353,19 @@ void Explore::NoteCuts(const navigation::CellMap& map, const navigation::Path& p
     if (!fits[from] || lane_m < kLeastPieceM) cut(from, to);
     from = to;
   }
-  tick.data.Set(kCuts, cuts);
 }
 
-void Explore::AddUncut(const navigation::Path& path, const std::vector<bool>& on_lane,
-                       const Tick& tick) {
-  const auto cuts = tick.data.Get<skill::Numbers>(kCuts, {});
-  const auto is_cut = [&](std::size_t index) {
-    for (std::size_t i = 0; i + 1 < cuts.size(); i += 2) {
-      if (static_cast<double>(index) >= cuts[i] && static_cast<double>(index) < cuts[i + 1]) {
-        return true;
-      }
-    }
-    return false;
-  };
+void Explore::AddUncut(const navigation::Path& path, const std::vector<bool>& on_lane) {
+  std::vector<bool> is_cut;
+  std::size_t cut = 0;  // in ascending order, from and to
   for (std::size_t i = 0; i < path.size(); ++i) {
-    if (is_cut(uncut_ + i)) {
+    const auto index = static_cast<double>(uncut_ + i);
+    while (cut + 1 < cuts_.size() && cuts_[cut + 1] <= index) cut += 2;
+    is_cut.push_back(cut + 1 < cuts_.size() && cuts_[cut] <= index);
+  }
+  CountCuts(path, on_lane, is_cut);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (is_cut[i]) {
       CloseArea();
       continue;
     }
@@ -342,6 +374,23 @@ void Explore::AddUncut(const navigation::Path& path, const std::vector<bool>& on
   }
   CloseArea();
   uncut_ += path.size();
+}
+
+void Explore::CountCuts(const navigation::Path& path, const std::vector<bool>& on_lane,
+                        const std::vector<bool>& is_cut) {
+  double cut_m = 0;
+  bool in_lane = false, has_rest = false;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const bool last = i + 1 == path.size();
+    const bool cut = !last && (is_cut[i] || is_cut[i + 1]);
+    if (cut) cut_m += navigation::Distance(path[i].at, path[i + 1].at);
+    const bool lane = !last && on_lane[i];
+    if (in_lane && !lane && !has_rest && plan_.lanes > 0) --plan_.lanes;
+    has_rest = lane && ((in_lane && has_rest) || !cut);
+    in_lane = lane;
+  }
+  cut_m_ += cut_m;
+  plan_.length_m = std::max(plan_.length_m - cut_m, 0.0);
 }
 
 void Explore::CloseArea() {
@@ -545,7 +594,7 @@ Next Explore::AtEnd(Tick& tick, Next next) const {
   const bool succeeds = next.kind() == Next::Kind::kSucceed;
   const bool ends =
       succeeds || next.kind() == Next::Kind::kFail || next.kind() == Next::Kind::kCancel;
-  if (!ends || path_.empty()) return next;
+  if (!ends || !made_) return next;
   const bool at_end = succeeds || tick.data.Get(kAtEnd, false);
   const std::vector<coverage::Edge> uncovered = Uncovered(tick, at_end);
   tick.Detail("covered", 100 * ShareCovered(uncovered));
@@ -564,6 +613,9 @@ Next Explore::Finish(Tick& tick) const {
   if (IsMostlyBlocked(tick)) return FailBlocked(tick);
   const double covered = ShareCovered(Uncovered(tick, true));
   std::string what = fmt::format("({:.1f} m in {} lanes", plan_.length_m, plan_.lanes);
+  constexpr double kLeastSaidM = 0.05;
+  if (cut_m_ >= kLeastSaidM) what += fmt::format(", {:.1f} m left out by the map", cut_m_);
+  if (tick.data.Get(kLacksMap, false)) what += ", without a map";
   if (skipped_m > 0) what += fmt::format(", {:.1f} m blocked", skipped_m);
   if (plan_.cells_left_out > 0) {
     what += fmt::format(", {} parts cannot be reached", plan_.cells_left_out);
@@ -583,6 +635,7 @@ Next Explore::OnLimit(Tick& tick) {
   if (tick.state == to_start_) {
     return AtEnd(tick, Next::Fail("Navigate timeout: the start was not reached"));
   }
+  if (!made_) return Next::Fail("Timeout: the path was not computed");
   const double done = static_cast<double>(IndexOf(tick)) / static_cast<double>(path_.size());
   return AtEnd(tick, Next::Fail(fmt::format("Timeout: {:.0f} % of the path were explored; the "
                                             "detail uncovered has the others, as a boundary",

@@ -14,7 +14,8 @@
 //
 // A flyer stays at its height, and has to be in the air. Heights of corners do not count. On the
 // ground what the map has as blocked is left out of the path from the begin, and counts as no part
-// of the area; cells that it does not know belong to it.
+// of the area; cells that it does not know belong to it. Areas are planned in several steps, some
+// corners in each.
 //
 //   INITIALIZING         the path is computed, planner and controller are reachable
 //   NAVIGATING_TO_START  60 s, on a path of the planner
@@ -25,11 +26,12 @@
 // It fails once more than half of the path was blocked, and as partial at its end when less than
 // `least_covered` of the lanes is covered: of what was blocked and of what no path leads to nothing
 // is known. What is late or lost is waited for (travel_skill.hpp); it continues where it was, as
-// after a pause. Details: those of navigate_to, path_length, skipped (both m) and lanes; at every
-// end covered (%) and, unless that is all, uncovered: what is left, in strips of a lane, as a
-// boundary for the next run.
+// after a pause. Details: those of navigate_to, path_length, left_out_by_map, which is no part of
+// it, skipped (all m) and lanes; at every end covered (%) and, unless that is all, uncovered: what
+// is left, in strips of a lane, as a boundary for the next run.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,10 +53,14 @@ class Explore : public TravelSkill {
   skill::Next Initialize(skill::Tick& tick);
   skill::Next GoToStart(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
-  Result<> MakePath(skill::Tick& tick);
-  // The path of one area, after those of before.
-  Result<> AddPath(const coverage::Region& region, skill::Tick& tick,
-                   const coverage::GroundPoint& start, double height_m);
+  // A part of the work for the path; nullopt: it is made.
+  std::optional<skill::Next> MakePath(skill::Tick& tick);
+  Result<> BeginPath(const skill::Tick& tick);
+  // The path of the nearest of the areas that are left, after those of before; its corners.
+  Result<std::size_t> AddNearest(const skill::Tick& tick);
+  Result<> AddPath(const coverage::Region& region, const coverage::GroundPoint& start,
+                   const skill::Tick& tick);
+  Result<> EndPath(skill::Tick& tick);
   // The path of the planner to the next point of the path, or, where that is blocked, to a later
   // one. kDone: there, or there is no later one.
   TravelStep Approach(skill::Tick& tick);
@@ -67,10 +73,12 @@ class Explore : public TravelSkill {
   bool Fits(const navigation::CellMap& map, const navigation::Point& at) const;
   // Notes of a path where the map leaves it no room.
   void NoteCuts(const navigation::CellMap& map, const navigation::Path& path,
-                const std::vector<bool>& on_lane, skill::Tick& tick) const;
+                const std::vector<bool>& on_lane);
   // Adds to the path what of this one is not cut out.
-  void AddUncut(const navigation::Path& path, const std::vector<bool>& on_lane,
-                const skill::Tick& tick);
+  void AddUncut(const navigation::Path& path, const std::vector<bool>& on_lane);
+  // Takes what is cut out of the sums.
+  void CountCuts(const navigation::Path& path, const std::vector<bool>& on_lane,
+                 const std::vector<bool>& is_cut);
   void CloseArea();
   // The last point of its area.
   std::size_t EndOf(std::size_t index) const;
@@ -90,12 +98,18 @@ class Explore : public TravelSkill {
   skill::Next AtEnd(skill::Tick& tick, skill::Next next) const;
   skill::Next Finish(skill::Tick& tick) const;
 
-  coverage::Plan plan_;                     // sums of all areas; without corners
-  navigation::Path path_;                   // empty: not computed yet
+  bool made_ = false;                   // the path
+  std::vector<coverage::Region> left_;  // areas of which it has no path yet
+  skill::Numbers begin_;                // where the robot was
+  skill::Numbers cuts_;                 // see kCuts
+  double cut_m_ = 0;                    // that they take out of the path
+  coverage::Plan plan_;                 // sums of all areas, without the cuts; no corners
+  navigation::Path path_;
   std::vector<bool> on_lane_;               // of the line from each point to the next one
   std::vector<std::size_t> last_of_areas_;  // points of the path, in ascending order
   std::size_t uncut_ = 0;                   // points of the paths so far, with what is cut out
   std::shared_ptr<const navigation::CellMap> map_;  // only while the path is made
+  bool lacks_map_ = false;                          // it was to have one
   bool approaches_ = false;                         // it is on a path of the planner
   std::string obstacle_;                            // why it has left out a part
   skill::StateId to_start_ = skill::kIdle;

@@ -34,18 +34,28 @@ skill::Next FlightSkill::Step(skill::Tick& tick) {
   }
   const auto now = robot_.pose();
   if (!now || !navigation::IsFinite(*now)) return WaitForOdometry(tick);
+  const bool was_blind = tick.data.Find(kBlindSince) != nullptr;
   tick.data.Remove(kBlindSince);
-  if (const auto lost = WhyLost(*now, tick)) return skill::Next::Fail(*lost);
+  if (const auto lost = WhyLost(*now, was_blind, tick)) return skill::Next::Fail(*lost);
+  last_ = now;
   return Fly(*now, tick);
 }
 
-std::optional<std::string> FlightSkill::WhyLost(const navigation::Pose& now,
-                                                const skill::Tick& tick) {
+std::optional<std::string> FlightSkill::WhyLost(const navigation::Pose& now, bool was_blind,
+                                                skill::Tick& tick) {
   if (const auto jump = guard_.OnPose(now, Duration::zero(), robot_.Now())) return jump->message;
+  const double height_change_m = was_blind && last_ ? std::abs(now.at.z_m - last_->at.z_m) : 0;
+  if (height_change_m > kOffPlaceM) {
+    return fmt::format("its height has jumped by {:.1f} m while no odometry came", height_change_m);
+  }
   if (tick.data.Find(kPlace) == nullptr) return std::nullopt;
   const navigation::Pose place = Remembered(tick);
   const double off_m = std::hypot(now.at.x_m - place.at.x_m, now.at.y_m - place.at.y_m);
   if (off_m <= kOffPlaceM) return std::nullopt;
+  if (!KeepsItsPlace()) {
+    Remember({{now.at.x_m, now.at.y_m, place.at.z_m}, place.yaw_rad}, tick);
+    return std::nullopt;
+  }
   return fmt::format("it is {:.1f} m off its place: it was carried there, or its pose is wrong",
                      off_m);
 }
@@ -74,6 +84,7 @@ void FlightSkill::OnEnd(const skill::Ended& ended) {
 void FlightSkill::OnPause() {
   robot_.StopMotion();
   hold_.Reset();
+  last_.reset();
 }
 
 void FlightSkill::TakesRetries(skill::Table& table) {

@@ -4,8 +4,10 @@
 // the velocity command is zero, and a flyer in the air is held at its place
 // (robot/flight_hold.hpp).
 //
-// A pose that jumps farther than a body can move, and a flyer that is more than kOffPlaceM beside
-// its place, end the skill: where that place is now is not known, and it flies to none blindly.
+// A pose that jumps farther than a body can move, a height that has changed by more than kOffPlaceM
+// while no odometry came, and a flyer that is more than kOffPlaceM beside its place, end the skill:
+// where that place is now is not known, and it flies to none blindly. A skill that needs no place
+// takes a new one.
 //
 // Heights are absolute: metres above the zero of the map, never above the start.
 
@@ -24,7 +26,7 @@ std::string HeightText(double height_m);
 
 class FlightSkill : public skill::Skill {
  public:
-  static constexpr double kOffPlaceM = 1.5;  // horizontally
+  static constexpr double kOffPlaceM = 1.5;  // horizontally, or in height
 
   explicit FlightSkill(Robot& robot);
 
@@ -36,6 +38,8 @@ class FlightSkill : public skill::Skill {
  protected:
   // A step with odometry.
   virtual skill::Next Fly(const navigation::Pose& now, skill::Tick& tick) = 0;
+  // False: one that is carried off goes on where it is then.
+  virtual bool KeepsItsPlace() const { return true; }
 
   // Above the zero of the map: that of the robot, or the lower one of the parameter `ceiling`.
   double Ceiling(const skill::Tick& tick) const;
@@ -61,11 +65,14 @@ class FlightSkill : public skill::Skill {
  private:
   skill::Next WaitForOdometry(skill::Tick& tick);
   // That the pose cannot be believed, or that the flyer was carried away; nullopt: neither.
-  std::optional<std::string> WhyLost(const navigation::Pose& now, const skill::Tick& tick);
+  // `was_blind`: the last step had no odometry.
+  std::optional<std::string> WhyLost(const navigation::Pose& now, bool was_blind,
+                                     skill::Tick& tick);
 
   Robot& robot_;
   PositionHold hold_;
   navigation::MotionGuard guard_;
+  std::optional<navigation::Pose> last_;  // since the begin or a pause
 };
 
 }  // namespace musher::skills

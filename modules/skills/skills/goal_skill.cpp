@@ -119,7 +119,11 @@ Next GoalSkill::Step(Tick& tick) {
     taken_ = true;
   }
   if (tick.state == initializing_) return Initialize(tick);
-  if (tick.state == recovering_) return Recover(tick);
+  if (tick.state == recovering_) {
+    const bool stands = recovers_by_ == RecoveryKind::kWait || recovers_by_ == RecoveryKind::kClear;
+    if (stands && trouble_ == Trouble::kBlocked) NoteBlockedTime(tick);
+    return Recover(tick);
+  }
   if (tick.state == giving_way_) return LetPass(tick);
   NoteBlockedTime(tick);
   return tick.state == planning_ ? Plan(tick) : Execute(tick);

@@ -10,6 +10,8 @@ namespace {
 constexpr double kWithinM = 0.1;
 constexpr double kStandsBelowM = 0.1;
 constexpr double kSpareS = 30;
+constexpr double kBrakedMps = 0.15;
+constexpr double kLongestBrakingS = 1;  // a wind does not brake
 constexpr std::string_view kHeld = "held_s";
 constexpr const char* kOnTheGround = "The robot stands on the ground; take off first";
 
@@ -43,6 +45,12 @@ skill::Next Hover::Check(const navigation::Pose& now, skill::Tick& tick) {
     return skill::Next::Fail("Invalid duration: it is negative");
   }
   if (now.at.z_m < kStandsBelowM) return skill::Next::Fail(kOnTheGround);
+  const bool moves = navigation::Speed(robot().velocity()) > kBrakedMps;
+  if (moves && ToSeconds(tick.elapsed) < kLongestBrakingS) {
+    KeepWhile(0, now, now, tick);
+    tick.Report(0, "Braking");
+    return skill::Next::Stay();
+  }
   navigation::Pose place = now;
   if (altitude_m > 0) place.at.z_m = altitude_m;
   Remember(place, tick);

@@ -6,8 +6,9 @@
 //                 30 s, and as long as it still descends
 //
 // It has landed when its height stands still for 1 s, within 0.3 m of the ground. A flyer that is
-// held up in the air does not land: it hovers, and the skill fails at its limit. The height of the
-// ground is absolute: metres above the zero of the map.
+// held up in the air does not land: it hovers, and the skill fails at its limit. One that is
+// carried off by wind, or was moved in a pause, lands where it is then. The height of the ground is
+// absolute: metres above the zero of the map.
 
 #include "musher/modules/skills/skills/flight_skill.hpp"
 
@@ -22,6 +23,7 @@ class Land : public FlightSkill {
 
  private:
   skill::Next Fly(const navigation::Pose& now, skill::Tick& tick) override;
+  bool KeepsItsPlace() const override { return false; }
 
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;

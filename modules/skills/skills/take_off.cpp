@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kReachedM = 0.1;
 constexpr double kSurelyInTheAirM = 0.3;      // the zero of an odometry is not just at the ground
+constexpr double kLeastRiseM = 0.1;           // from where it may stand; less may be its odometry
 constexpr std::string_view kFrom = "from_m";  // where it may have stood
 constexpr double kLowestShare = 0.8;  // of a low altitude, which is less than kReachedM above it
 constexpr double kMostProgress = 95;
@@ -54,11 +55,11 @@ skill::Next TakeOff::Check(const navigation::Pose& now, skill::Tick& tick) {
   if (!may_stand && now.at.z_m >= ReachedAt(altitude_m)) {
     return skill::Next::Succeed("Reached altitude");
   }
-  if (altitude_m <= now.at.z_m) {
+  if (may_stand && altitude_m < now.at.z_m + kLeastRiseM) {
     return skill::Next::Fail(
-        fmt::format("Invalid altitude: {:.2f} m is not above the robot, which is at {:.2f} m and "
-                    "may stand on the ground",
-                    altitude_m, now.at.z_m));
+        fmt::format("Invalid altitude: {:.2f} m is not {:g} m above the robot, which is at {:.2f} "
+                    "m and may stand on the ground",
+                    altitude_m, kLeastRiseM, now.at.z_m));
   }
   tick.data.Set(kFrom, now.at.z_m);
   navigation::Pose place = now;

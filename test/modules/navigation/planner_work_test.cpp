@@ -189,6 +189,28 @@ TEST(PlannerWork, GoesAroundAllThatIsRemembered) {
   }
 }
 
+// It had driven into the box: a door that was seen closed took the detour away.
+TEST(PlannerWork, GoesAroundWhatIsNearAlsoWhereTheWayIsClosedFartherOff) {
+  const CellMap map = testing::Carved(40, 12, 0.05, {{0.2, 0.2, 39.8, 11.8}});
+  const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
+  ASSERT_TRUE(planner);
+  std::vector<Point> box, seen;
+  for (int i = -6; i <= 6; ++i) box.push_back({8, 6 + 0.05 * i, 0});
+  for (int i = 4; i < 237; ++i) seen.push_back({26, 0.05 * i, 0});
+  const Pose start{{5, 6, 0}, 0}, goal{{35, 6, 0}, 0};
+  const PathReply closed = Find(planner.value(), start, goal, Ground(), seen);
+  ASSERT_TRUE(closed.plan);
+  EXPECT_FALSE(closed.around_seen);
+  seen.insert(seen.end(), box.begin(), box.end());
+  const PathReply reply = Find(planner.value(), start, goal, Ground(), seen);
+  ASSERT_TRUE(reply.plan);
+  EXPECT_TRUE(reply.around_seen);
+  EXPECT_EQ(reply.plan.value().path.back().at, goal.at);
+  for (const Pose& pose : reply.plan.value().path) {
+    for (const Point& point : box) EXPECT_GT(Distance(pose.at, point), 0.29);
+  }
+}
+
 TEST(PlannerWork, PlansOnTheWholeMapWhereNothingLeadsAroundNearTheRobot) {
   CellMap map = testing::Carved(
       40, 8, 0.05,

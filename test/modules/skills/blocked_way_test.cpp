@@ -133,6 +133,17 @@ TEST_F(BlockedWay, DoesInTurnWhatItsParametersListAndFailsAfterTheirLimit) {
   EXPECT_LT(*first_s, 12);
 }
 
+// Its limit had not counted the waits: it stood there three times as long.
+TEST_F(BlockedWay, CountsWhatItWaitsTowardsItsLimit) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
+  ASSERT_TRUE(Start("navigate_to", {{"goal_pos", "[4, 0]"},
+                                    {"at_obstacle", "wait"},
+                                    {"blocked_after", "1"},
+                                    {"blocked_again", "1"},
+                                    {"blocked_limit", "20"}}));
+  ExpectFailure(35, "Blocked for 2");
+}
+
 TEST_F(BlockedWay, RefusesLimitsAndRecoveriesThatAreNone) {
   const auto why = [this](const std::string& name, const std::string& value) {
     EXPECT_TRUE(Start("navigate_to", {{"goal_pos", "[4, 0]"}, {name, value}}));

@@ -1,11 +1,16 @@
 // explore: to the start and along the path, past obstacles, and what it refuses. The path itself is
 // in coverage_test.cpp.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+#include <memory>
 #include <set>
 
+#include "musher/behavior/skill/snapshot.hpp"
 #include "musher/navigation/planner/cell_map.hpp"
 #include "musher/navigation/trajectory/trajectory.hpp"
 #include "musher/test/modules/skills/moving_robot.hpp"
@@ -61,6 +66,26 @@ class Explore : public ::testing::Test, public SkillsOnARobot {
     return true;
   }
   std::set<std::pair<int, int>> places_;
+
+  // Of four corners each.
+  static std::int64_t Strips(const std::string& boundary) {
+    const auto closed = std::ranges::count(boundary, ']');  // 5 a strip, and that of the list
+    return (closed - 1) / 5;
+  }
+  // 20 m by 20 m.
+  static std::shared_ptr<navigation::CellMap> MapWith(
+      const std::function<bool(double x_m, double y_m)>& is_blocked) {
+    auto map = std::make_shared<navigation::CellMap>();
+    map->resolution_m = 0.1;
+    map->size_x = map->size_y = 200;
+    map->blocked.assign(200 * 200, 0);
+    for (int x = 0; x < 200; ++x) {
+      for (int y = 0; y < 200; ++y) {
+        if (is_blocked(0.1 * x + 0.05, 0.1 * y + 0.05)) map->blocked[map->IndexOf({x, y, 0})] = 1;
+      }
+    }
+    return map;
+  }
 
   std::string WhyRefused(const std::string& boundary, Texts more = {}) {
     more.insert(more.begin(), {"boundary", boundary});
@@ -246,18 +271,9 @@ TEST_F(Explore, IsPartialWhereItCannotReachAPartOfItsArea) {
 
 // A wall across the first two lanes, and a pillar that is as wide as a lane.
 TEST_F(Explore, LeavesOutWhatItsMapHas) {
-  auto map = std::make_shared<navigation::CellMap>();
-  map->resolution_m = 0.1;
-  map->size_x = map->size_y = 200;
-  map->blocked.assign(200 * 200, 0);
   const auto is_blocked = [](double x_m, double y_m) {
     return (x_m > 7.7 && x_m < 8.3 && y_m < 4) || (x_m > 11 && x_m < 13 && y_m > 6);
   };
-  for (int x = 0; x < 200; ++x) {
-    for (int y = 0; y < 200; ++y) {
-      if (is_blocked(0.1 * x + 0.05, 0.1 * y + 0.05)) map->blocked[map->IndexOf({x, y, 0})] = 1;
-    }
-  }
   robot.ground_map = {true, nullptr};
   robot.blocked = [&](const navigation::Point& at) {
     return is_blocked(at.x_m, at.y_m) || is_blocked(at.x_m + 0.2, at.y_m) ||
@@ -271,9 +287,11 @@ TEST_F(Explore, LeavesOutWhatItsMapHas) {
   Go();
   RunFor(1);
   EXPECT_EQ(feedback().message, "Waiting for the map");
-  robot.ground_map = {false, map};
+  robot.ground_map = {false, MapWith(is_blocked)};
   EXPECT_TRUE(RunToItsEnd(180));
   EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(feedback().message,
+            "Exploration completed (61.3 m in 4 lanes, 4.7 m left out by the map)");
   EXPECT_EQ(feedback().details.Number("skipped"), 0) << "it has met no obstacle";
   EXPECT_EQ(feedback().details.Number("covered"), 100);
   for (const int y : {2, 6, 10, 14}) {
@@ -286,12 +304,101 @@ TEST_F(Explore, LeavesOutWhatItsMapHas) {
   }
 }
 
+// It had reported 66 m in 4 lanes after half a metre.
+TEST_F(Explore, SaysHowLittleItsMapHasLeft) {
+  robot.ground_map = {false, MapWith([](double x_m, double y_m) { return x_m > 2 || y_m > 2; })};
+  bool is_blocked = false;
+  robot.blocked = [&](const navigation::Point& at) { return is_blocked && at.x_m > 0.9; };
+  for (is_blocked = false;; is_blocked = true) {
+    robot.at = {};
+    Go();
+    EXPECT_TRUE(RunToItsEnd(60));
+    EXPECT_NEAR(feedback().details.Number("path_length"), 1.25, 0.06);
+    EXPECT_NEAR(feedback().details.Number("left_out_by_map"), 64.75, 0.06);
+    EXPECT_EQ(feedback().details.Get<std::int64_t>("lanes", 0), 1);
+    if (is_blocked) break;
+    EXPECT_THAT(
+        feedback().message,
+        ::testing::MatchesRegex("Exploration completed .1.[23] m in 1 lanes, 64.[78] m left "
+                                "out by the map."));
+  }
+  EXPECT_THAT(feedback().message, HasSubstr("m of the path of 1."));
+}
+
+TEST_F(Explore, SaysThatItHasNoMap) {
+  robot.ground_map = {false, nullptr, true};
+  Go();
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().message, "Exploration completed (66.0 m in 4 lanes, without a map)");
+}
+
+// The first version with maps had saved where it began, and no cuts.
+TEST_F(Explore, HasThePathWithWhichItBeganAfterARestart) {
+  for (const bool had_map : {false, true}) {
+    robot.at = {};
+    robot.travelled_m = 0;
+    const auto map = MapWith([](double x_m, double) { return x_m > 8; });
+    robot.ground_map = {false, had_map ? map : nullptr};
+    Go();
+    ASSERT_TRUE(RunToState("EXECUTING"));
+    RunFor(3);
+    const double length_m = feedback().details.Number("path_length");
+    auto saved = manager->Save();
+    ASSERT_TRUE(saved) << saved.error().message;
+    if (!had_map) saved.value().runs.at(0).data.Remove("cuts");
+    robot.ground_map = {false, had_map ? nullptr : map};
+    manager = std::make_unique<skill::Manager>(registry.All());
+    ASSERT_THAT(manager->Restore(saved.value()), ::testing::IsEmpty());
+    RunFor(1);
+    EXPECT_NEAR(feedback().details.Number("path_length"), length_m, 1e-6);
+    EXPECT_TRUE(RunToItsEnd(120));
+    EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  }
+}
+
+// They held up the loop for many seconds, and more than 500 were refused, also those of
+// `uncovered`.
+TEST_F(Explore, PlansManyAreasInSeveralSteps) {
+  std::string boundary;
+  for (int i = 0; i < 600; ++i) {
+    const int x = i % 30, y = i / 30;
+    boundary += fmt::format("{}[[{}, {}], [{}, {}], [{}, {}]]", i == 0 ? "[" : ", ", 3 * x, 3 * y,
+                            3 * x + 2, 3 * y, 3 * x, 3 * y + 2);
+  }
+  ASSERT_TRUE(Start("explore", {{"boundary", boundary + "]"}, {"robot_radius", "0.2"}}));
+  Step();
+  EXPECT_EQ(feedback().message, "Planning coverage path...");
+  EXPECT_EQ(feedback().details.Number("path_length"), 0);
+  ASSERT_TRUE(manager->Cancel("explore", "the test"));
+  EXPECT_TRUE(RunToItsEnd(3));
+  EXPECT_EQ(feedback().status, Status::kCancelled);
+  EXPECT_EQ(feedback().details.Text("uncovered"), "");
+  ASSERT_TRUE(Start("explore", {{"boundary", boundary + "]"}, {"robot_radius", "0.2"}}));
+  EXPECT_TRUE(RunToState("NAVIGATING_TO_START", 10)) << feedback().message;
+  EXPECT_GE(feedback().details.Get<std::int64_t>("lanes", 0), 600);
+}
+
+// The strip of a lane had it twice where a lane is as wide as the robot.
+TEST_F(Explore, DrivesAStripOfANarrowLaneOnce) {
+  for (const char* width : {"1", "0.8", "0.5"}) {
+    robot.at = {};
+    ASSERT_TRUE(Start("explore", {{"boundary", "[[0, 0], [12, 0], [12, 3.9], [0, 3.9]]"},
+                                  {"lane_width", width}}));
+    ASSERT_TRUE(RunToState("EXECUTING"));
+    RunFor(10);
+    ASSERT_TRUE(manager->Cancel("explore", "the test"));
+    EXPECT_TRUE(RunToItsEnd(3));
+    const std::string uncovered = feedback().details.Text("uncovered");
+    ASSERT_TRUE(Start("explore", {{"boundary", uncovered}, {"lane_width", width}}));
+    RunFor(1);
+    EXPECT_EQ(feedback().details.Get<std::int64_t>("lanes", 0), Strips(uncovered)) << uncovered;
+    ASSERT_TRUE(manager->Cancel("explore", "the test"));
+    EXPECT_TRUE(RunToItsEnd(3));
+  }
+}
+
 TEST_F(Explore, SaysThatItsMapLeavesNoRoom) {
-  auto map = std::make_shared<navigation::CellMap>();
-  map->resolution_m = 0.1;
-  map->size_x = map->size_y = 200;
-  map->blocked.assign(200 * 200, 1);
-  robot.ground_map = {false, map};
+  robot.ground_map = {false, MapWith([](double, double) { return true; })};
   Go();
   Step();
   EXPECT_EQ(feedback().message, "the map leaves no room for the robot in the boundary");

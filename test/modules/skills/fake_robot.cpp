@@ -11,11 +11,10 @@
 namespace musher::skills::testing {
 namespace {
 
-constexpr double kLagS = 0.2;
 constexpr Duration kStep = std::chrono::milliseconds(100);
 
-double Approached(double value, double target, double step_s) {
-  return value + (target - value) * (1 - std::exp(-step_s / kLagS));
+double Approached(double value, double target, double share) {
+  return value + (target - value) * share;
 }
 
 }  // namespace
@@ -32,10 +31,11 @@ void FakeRobot::Advance(Duration step) {
 void FakeRobot::Move(double step_s) {
   const double c = std::cos(body.yaw_rad);
   const double s = std::sin(body.yaw_rad);
-  motion.x_m_s = Approached(motion.x_m_s, c * command.x_m_s - s * command.y_m_s, step_s);
-  motion.y_m_s = Approached(motion.y_m_s, s * command.x_m_s + c * command.y_m_s, step_s);
-  motion.z_m_s = Approached(motion.z_m_s, command.z_m_s, step_s);
-  motion.yaw_rad_s = Approached(motion.yaw_rad_s, command.yaw_rad_s, step_s);
+  const double share = 1 - std::exp(-step_s / lag_s);
+  motion.x_m_s = Approached(motion.x_m_s, c * command.x_m_s - s * command.y_m_s, share);
+  motion.y_m_s = Approached(motion.y_m_s, s * command.x_m_s + c * command.y_m_s, share);
+  motion.z_m_s = Approached(motion.z_m_s, command.z_m_s, share);
+  motion.yaw_rad_s = Approached(motion.yaw_rad_s, command.yaw_rad_s, share);
   const bool flies = body.at.z_m > ground_m;
   body.at.x_m += (motion.x_m_s + (flies ? wind.x_m_s : 0)) * step_s;
   body.at.y_m += (motion.y_m_s + (flies ? wind.y_m_s : 0)) * step_s;

@@ -26,6 +26,7 @@ class FakeRobot : public Robot {
   navigation::Velocity motion{};   // in the map
   navigation::Velocity wind{};     // of a body in the air, in the map
   navigation::Velocity command{};  // of the body; zero when none is sent
+  double lag_s = 0.2;              // of its motion to the command
   double ground_m = 0;
   double stopped_above_m = -1;  // a flyer descends no lower: held up by something
   std::optional<double> ceiling;
