@@ -45,10 +45,12 @@ class Generator {
   std::string OneOf(const std::vector<std::string>& texts) {
     return texts[static_cast<std::size_t>(Number(0, static_cast<int>(texts.size()) - 1))];
   }
-  std::string Entry() { return OneOf({"x", "x", "y", "y", "z"}); }
+  std::string Entry() { return OneOf({"x", "y", "z"}); }
   Comparison Compares() { return {Entry(), OneOf({"<", "==", ">"}), Number(0, 3)}; }
   Assignment Assigns() {
-    return OneIn(2) ? Assignment{Entry(), "+=", 1} : Assignment{Entry(), ":=", Number(0, 3)};
+    const std::string entry = Entry();
+    const int unit = entry == "z" ? 10 : 1;  // ms
+    return OneIn(2) ? Assignment{entry, "+=", unit} : Assignment{entry, ":=", unit * Number(0, 3)};
   }
   std::string Milliseconds() { return OneIn(3) ? "{z}" : std::to_string(10 * Number(0, 3)); }
 
