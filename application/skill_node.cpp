@@ -87,6 +87,7 @@ class MachinesByProcess {
 
 // What a skill actuator serves, for all nodes that run its skills.
 struct Servers {
+  transport::EventLoop& loop;
   std::unique_ptr<Client> action;
   std::unique_ptr<transport::Client<msg::GetSkill>> look;
   std::unique_ptr<transport::Client<msg::CancelSkill>> cancel;
@@ -98,7 +99,7 @@ struct SkillGoal {
   std::string action;
   std::string skill;
   transport::GoalId id{};
-  bool accepted = false;  // its server has replied so
+  bool accepted = false;  // as far as known
   bool released = false;  // its node was halted, or has read the outcome
   int cancels = 0;        // without a reply yet
   int looks = 0;          // for its run, after its server does not know the goal
@@ -106,6 +107,7 @@ struct SkillGoal {
   double progress = 0;
   std::optional<transport::GoalOutcome<Action>> outcome;
   bool stopped = false;  // its server has ended it, or does not know it, after it was lost
+  transport::LoopHandlePtr again;  // a look for its run
 
   bool lost() const { return outcome && outcome->end == transport::GoalEnd::kLost; }
   bool MayRun() const { return !outcome || (lost() && !stopped); }
@@ -114,14 +116,10 @@ struct SkillGoal {
 void Cancel(const std::shared_ptr<SkillGoal>& goal);
 
 // Its actuator has restarted, and may go on with the run, without the goal. A run that has another
-// goal, or none that runs, is not touched, and no run where the goal was not accepted: it is that
-// of another client. An actuator that does not reply is asked again; one without the service, some
-// times.
+// goal, or none that runs, is not touched. Where it is not known that the goal was accepted, the
+// run may be that of another client: its end is awaited. An actuator that does not reply is asked
+// again; one without the service, some times.
 void CancelContinuedRun(const std::shared_ptr<SkillGoal>& goal) {
-  if (!goal->accepted) {
-    goal->stopped = true;
-    return;
-  }
   const bool has_service = !goal->servers->look->Servers().empty();
   if (goal->looks++ >= kMostLooks && !goal->seen && !has_service) {
     goal->stopped = true;
@@ -141,6 +139,13 @@ void CancelContinuedRun(const std::shared_ptr<SkillGoal>& goal) {
       return;
     }
     own->seen = true;
+    if (!own->accepted) {
+      transport::EventLoop& loop = own->servers->loop;
+      own->again = loop.At(loop.Now() + kCancelTime, [weak] {
+        if (const auto goal_of_it = weak.lock()) CancelContinuedRun(goal_of_it);
+      });
+      return;
+    }
     msg::CancelSkill::Request cancel;
     cancel.skill = own->skill;
     cancel.by = kCancelledBy;
@@ -303,7 +308,6 @@ class SkillNodes::Wire {
     events.on_feedback = [weak = std::weak_ptr(goal)](const Action::Feedback& feedback) {
       const auto own = weak.lock();
       if (!own) return;
-      own->accepted = true;
       own->progress = ProgressIn(feedback.status).value_or(own->progress);
     };
     events.on_end = [weak = std::weak_ptr(goal)](const auto& outcome) {
@@ -329,8 +333,8 @@ class SkillNodes::Wire {
     if (!look) return look.error();
     auto cancel = transport::MakeClient<msg::CancelSkill>(node_, name("/cancel_skill"));
     if (!cancel) return cancel.error();
-    known = std::make_shared<Servers>(
-        Servers{std::move(action).value(), std::move(look).value(), std::move(cancel).value()});
+    known = std::make_shared<Servers>(Servers{node_.loop(), std::move(action).value(),
+                                              std::move(look).value(), std::move(cancel).value()});
     return known;
   }
 

@@ -174,9 +174,9 @@ class ActionClient {
   // The goals of this client that have not ended.
   std::size_t goals() const { return raw_->goals(); }
 
-  // Sends a goal at once if a server is matched, else as soon as one is. Without a reply within
-  // `timeout` the goal is lost; should the server accept it all the same, the client cancels it
-  // there. Dropping the client drops the callbacks; its goals go on.
+  // Sends a goal at once if a server is matched, else as soon as one is. Without a reply, a status
+  // or feedback of it in time the goal is lost; should the server accept it all the same, the
+  // client cancels it there. Dropping the client drops the callbacks; its goals go on.
   GoalId SendGoal(const typename A::Goal& goal, Duration timeout, GoalEvents<A> events) {
     const msg::RequestId id = raw_->NextId();
     typename A::SendGoal::Request request;

@@ -141,7 +141,10 @@ void RawActionClient::OnSendReply(const GoalId& id,
                                   const Result<std::span<const std::byte>>& reply) {
   std::optional<internal::SendGoalReply> decoded;
   if (reply) decoded = msg::Decode<internal::SendGoalReply>(reply.value());
-  if (!decoded) {
+  const Goal& goal = goals_.at(id);
+  if (!decoded && (goal.listed || !goal.feedback.empty())) {
+    OnAccepted(id);  // its reply alone is lost
+  } else if (!decoded) {
     // The server may have accepted it all the same, or may accept it later.
     CancelLost(id, kCancelRepeats);
     End(id, GoalEnd::kLost, {},
@@ -226,7 +229,9 @@ void RawActionClient::OnStatuses(const msg::GoalStatusArray& statuses) {
     const auto goal = goals_.find(status.goal_info.goal_id.uuid);
     if (goal == goals_.end()) continue;  // another client's
     const auto state = static_cast<GoalState>(status.status);
-    goal->second.has_ended = IsTerminal(state);  // also before the acceptance is known
+    // Both also before the acceptance is known.
+    goal->second.has_ended = IsTerminal(state);
+    if (goal->second.state == GoalState::kUnknown) goal->second.listed = true;
     listed[goal->first] = state;
   }
   const std::weak_ptr self = self_;

@@ -5,7 +5,7 @@
 //   sent --accepted--> active --result of the server-----> succeeded, canceled, aborted
 //     \                      \--server or goal is lost---> lost
 //      \--rejected-------------------------------------->  rejected
-//       \--no reply in time----------------------------->  lost, and cancelled, 11 times at most
+//       \--no reply, status, feedback in time----------->  lost, and cancelled, 11 times at most
 //
 // The result is requested once the goal is accepted, and again when a server is matched or lost (it
 // may have restarted, or a reply was lost with the connection) or when the status topic shows that
@@ -81,7 +81,7 @@ class RawActionClient {
     std::shared_ptr<const Events> events;  // shared: a callback may drop the client
     Duration timeout{};                    // of the request that sends it
     GoalState state = GoalState::kUnknown;
-    bool listed = false;               // in the last status
+    bool listed = false;               // in the last status, or in one before the acceptance
     bool has_ended = false;            // by its status; the result has to come
     std::vector<msg::Bytes> feedback;  // received before it was known to be accepted
     std::int64_t result_call = 0;      // 0: none

@@ -26,19 +26,20 @@ bool Hooks::IsHeld(NodeId node, bool after) const {
   const auto found = hooks_.find({node, after});
   if (found == hooks_.end()) return false;
   const State& state = found->second;
-  return state.hook.enabled && state.hook.holds && state.held_in == ticks_;
+  return state.hook.enabled && state.hook.holds && state.held_in == ticks_ && !state.run_ended;
 }
 
 bool Hooks::Acts(NodeId node, bool after) const {
   const auto found = hooks_.find({node, after});
   if (found == hooks_.end() || !found->second.hook.enabled) return false;
   const State& state = found->second;
-  return state.hook.holds ? IsHeld(node, after) && !state.released : state.replaced_in == ticks_;
+  if (!state.hook.holds) return state.replaced_in == ticks_;
+  return state.held_in == ticks_ && !state.released;
 }
 
 void Hooks::EndHolds() {
   for (auto& [at, state] : hooks_) {
-    state.held_in = 0;
+    state.run_ended = true;
     state.released = false;
   }
 }
@@ -54,7 +55,7 @@ Hooks::State* Hooks::Find(NodeId node, bool after) {
 
 bool Hooks::Holds(State& state) {
   // Ticks without it in between: its branch was halted, and it is reached again.
-  const bool arrives = state.held_in + 1 < ticks_;
+  const bool arrives = std::exchange(state.run_ended, false) || state.held_in + 1 < ticks_;
   if (std::exchange(state.released, false) && !arrives) return false;
   state.held_in = ticks_;
   if (arrives && on_reached_) on_reached_(state.hook.node);
@@ -64,6 +65,7 @@ bool Hooks::Holds(State& state) {
 Status Hooks::Pass(State& state) {
   const Hook hook = state.hook;
   state.replaced_in = ticks_;
+  state.held_in = 0;
   if (!hook.holds && on_reached_) on_reached_(hook.node);
   if (hook.once) Remove(hook.node, hook.after);
   return hook.instead;

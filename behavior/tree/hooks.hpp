@@ -55,6 +55,7 @@ class Hooks {
   // Whether the node was held in the last tick, and its branch was not halted since.
   bool IsHeld(NodeId node, bool after = false) const;
   // Whether its hook held the node in the last tick, and it was not released since, or replaced it.
+  // Also after a halt of the tree: the node would start with its next run.
   bool Acts(NodeId node, bool after = false) const;
   void Clear() { hooks_.clear(); }
   // None holds any more.
@@ -77,6 +78,7 @@ class Hooks {
   struct State {
     Hook hook;
     bool released = false;
+    bool run_ended = false;         // since it was held
     std::uint64_t held_in = 0;      // tick
     std::uint64_t replaced_in = 0;  // tick
   };

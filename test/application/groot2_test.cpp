@@ -76,6 +76,10 @@ class Watched : public TreeActuator {
   testing::CourseData data_;
 };
 
+std::string Header(char type) {
+  return {2, type, 'a', 'b', 'c', 'd'};
+}
+
 class AGroot2Client : public ::testing::Test {
  protected:
   explicit AGroot2Client(bool hooks = false, Duration silence = std::chrono::seconds(60))
@@ -100,7 +104,6 @@ class AGroot2Client : public ::testing::Test {
     }
     zmq_connect(breakpoints_, ("tcp://127.0.0.1:" + std::to_string(kPort + 1)).c_str());
   }
-  static std::string Header(char type) { return {2, type, 'a', 'b', 'c', 'd'}; }
   Parts Ask(const Parts& request) { return Ask(socket_, request); }
   static Parts Ask(void* socket, const Parts& request) {
     for (std::size_t i = 0; i < request.size(); ++i) {
@@ -445,24 +448,53 @@ TEST_F(AGroot2DebuggerThatIsLost, HoldsNothingAnyMoreAndTheTreeIsHalted) {
   EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "nothing moves by itself";
 }
 
-TEST(AGroot2Session, KeepsAHookOfALostClientThatActsWhereNothingHaltsTheTree) {
+// Without a server, of a tree that is ticked by hand.
+struct AGroot2Session : ::testing::Test {
+  void Insert(const std::string& client, const std::string& hooks) {
+    EXPECT_EQ(session.Reply(client, {Header('I'), hooks}).size(), 1U);
+  }
+  nlohmann::json Hooks() {
+    return nlohmann::json::parse(session.Reply("other", {Header('D')}).at(1));
+  }
+
   tree::Logged logged;
-  const auto tree = tree::MakeTree(
+  std::unique_ptr<tree::Tree> tree = tree::MakeTree(
       tree::Main("<Sequence><Say name=\"a\" does=\"R\"/><Say name=\"b\" does=\"S\"/></Sequence>"),
       logged.factory);
-  groot2::Session session([&] { return TreeView{.tree = tree.get(), .revision = 1}; },
-                          logged.factory, {.hooks = true});
-  const auto hooks = [&] {
-    return session.Reply("other", Parts{std::string{2, 'D', 'a', 'b', 'c', 'd'}}).at(1);
-  };
+  groot2::Session session{[this] { return TreeView{.tree = tree.get(), .revision = 1}; },
+                          logged.factory,
+                          {.hooks = true}};
+};
+
+TEST_F(AGroot2Session, KeepsAHookOfALostClientThatActsWhereNothingHaltsTheTree) {
   const std::string held = HookJson(2, 0, "SKIPPED");
-  session.Reply("lost", Parts{std::string{2, 'I', 'a', 'b', 'c', 'd'},
-                              "[" + held + "," + HookJson(3, 0, "SKIPPED") + "]"});
+  Insert("lost", "[" + held + "," + HookJson(3, 0, "SKIPPED") + "]");
   EXPECT_EQ(tree::Ticks(*tree, 2), "RR");
   session.Forget("lost");
-  EXPECT_EQ(nlohmann::json::parse(hooks()), nlohmann::json::parse("[" + held + "]"));
+  EXPECT_EQ(Hooks(), nlohmann::json::parse("[" + held + "]"));
   EXPECT_EQ(tree::Ticks(*tree, 2, 2), "RR");
   EXPECT_EQ(logged.Take(), "") << "it does not move by itself";
+}
+
+TEST_F(AGroot2Session, KeepsItAlsoWhereTheTreeWasHaltedBefore) {
+  const std::string held = HookJson(2, 0, "SKIPPED");
+  Insert("lost", held);
+  EXPECT_EQ(tree::Ticks(*tree, 2), "RR");
+  ASSERT_TRUE(tree->Halt(tree::At(20)));  // the robot leaves Active
+  session.Forget("lost");
+  EXPECT_EQ(Hooks(), nlohmann::json::parse("[" + held + "]"));
+  EXPECT_EQ(tree::Ticks(*tree, 2, 3), "RR");
+  EXPECT_EQ(logged.Take(), "") << "it does not begin by itself";
+}
+
+TEST_F(AGroot2Session, RemovesTheHooksOfTheLostClientOnly) {
+  const std::string own = HookJson(3, 0, "SKIPPED");
+  Insert("lost", HookJson(2, 1, "SUCCESS"));
+  Insert("other", own);
+  session.Forget("lost");
+  EXPECT_EQ(Hooks(), nlohmann::json::parse("[" + own + "]"));
+  session.Forget("other");
+  EXPECT_EQ(Hooks(), nlohmann::json::array());
 }
 
 TEST_F(AGroot2DebuggerThatIsLost, HaltsATreeInWhichItReplacesANode) {
@@ -482,21 +514,6 @@ TEST_F(AGroot2DebuggerThatIsLost, HaltsATreeThatItsHooksWouldReach) {
   harness_.Tick(watched_, 1);
   EXPECT_TRUE(testing::Until([&] { return Ask(other_, {Header('D')}).at(1) == "[]"; }));
   EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts", "first halted"));
-}
-
-TEST_F(AGroot2DebuggerThatIsLost, LosesItsHooksAlsoWhereAnotherClientIsThere) {
-  Ask({Header('I'), HookJson(kFirstUid, 1, "SUCCESS")});
-  const std::string own = HookJson(4, 0, "SKIPPED");
-  Ask(other_, {Header('I'), own});
-  std::string hooks;
-  EXPECT_TRUE(testing::Until(
-      [&] {
-        Ask(other_, {Header('I'), own});  // it may be lost in between, on a busy computer
-        hooks = Ask(other_, {Header('D')}).at(1);
-        return nlohmann::json::parse(hooks).size() == 1;
-      },
-      std::chrono::seconds(20)));
-  EXPECT_EQ(nlohmann::json::parse(hooks), nlohmann::json::parse("[" + own + "]"));
 }
 
 }  // namespace musher::groot2_test

@@ -261,6 +261,51 @@ TEST_F(RunSkill, DoesNotCancelAContinuedRunWhereItsOwnGoalWasNeverAccepted) {
   EXPECT_THAT(restarted.log, IsEmpty()) << "the run is another client's";
 }
 
+TEST_F(RunSkill, AwaitsTheEndOfAContinuedRunThatMayBeThatOfItsOwnGoal) {
+  auto robot = std::make_unique<FakeRobot>(network_.MakeNode("robot"));
+  Make(kWaitOrHome);
+  Run(0.5);
+  network_.Pause(robot->node());
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(6);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  network_.Crash(robot->node());
+  auto restarted = std::make_unique<FakeRobot>(network_.MakeNode("robot"),
+                                               FakeRobot::Options{.continues = "wait"});
+  Run(4);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(0.5);
+  EXPECT_THAT(restarted->log, IsEmpty()) << "neither cancelled nor taken for ended";
+  network_.Crash(restarted->node());
+  FakeRobot idle(network_.MakeNode("robot"));
+  Run(4);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(0.5);
+  EXPECT_THAT(idle.log, ElementsAre("home starts"));
+}
+
+TEST_F(RunSkill, CancelsAContinuedRunAlsoWhereTheReplyToItsGoalWasLost) {
+  const auto node = network_.MakeNode("robot");
+  transport::Endpoints topics(*node, "");
+  const auto status = topics.PublishFunction<msg::GoalStatusArray>("skill_execution/_action/status",
+                                                                   transport::kLatchedQos);
+  topics.Serve<msg::SkillExecution::SendGoal>(
+      "skill_execution/_action/send_goal", [&status](const auto& request, const auto& /*reply*/) {
+        status({{{{request.goal_id, {}}, msg::GoalStatus::kStatusExecuting}}});
+      });
+  topics.PublishFunction<msg::SkillOffers>(
+      "skills", transport::kLatchedQos)({"show", "/skill_execution", {{"wait", "", {}}}});
+  Make(kWait);
+  Run(0.5);
+  EXPECT_EQ(Tick(), Status::kRunning);
+  Run(6);
+  EXPECT_EQ(Tick(), Status::kRunning) << "its status says that it runs";
+  network_.Crash(*node);
+  FakeRobot restarted(network_.MakeNode("robot"), {.continues = "wait"});
+  Run(6);
+  EXPECT_THAT(restarted.log, ElementsAre("wait is cancelled by a behaviour tree that has lost it"));
+}
+
 TEST_F(RunSkill, SharesOneClientWithTheOtherNodesThatRunSkillsOfAnActuator) {
   FakeRobot robot(network_.MakeNode("robot"));
   const auto feedback = transport::MakePublisher<msg::SkillExecution::FeedbackMessage>(

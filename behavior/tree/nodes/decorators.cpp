@@ -87,19 +87,19 @@ class Delay : public Decorator {
 
  private:
   Status OnTick(Tick& tick) override {
-    if (!since_) since_ = tick.now;
-    if (tick.now - *since_ < Milliseconds(delay_ms_.Get())) return Status::kRunning;
+    if (!until_) until_ = tick.now + Milliseconds(delay_ms_.Get());
+    if (tick.now < *until_) return Status::kRunning;
     const Status status = TickChild(tick);
-    if (status != Status::kRunning) since_.reset();
+    if (status != Status::kRunning) until_.reset();
     return status;
   }
   void OnHalt(Tick& tick) override {
-    since_.reset();
+    until_.reset();
     child().Reset(tick);
   }
 
-  InPort<unsigned> delay_ms_;
-  std::optional<Time> since_;
+  InPort<unsigned> delay_ms_;  // is read at the start, like the limit of a Timeout
+  std::optional<Time> until_;
 };
 
 // A child that ends in the tick at which the time is over has ended in time only if that was its
@@ -110,9 +110,11 @@ class Timeout : public Decorator {
 
  private:
   Status OnTick(Tick& tick) override {
-    const unsigned limit_ms = limit_ms_.Get();
-    if (!since_) since_ = tick.now;
-    if (limit_ms > 0 && tick.now - *since_ >= Milliseconds(limit_ms)) {
+    if (!since_) {
+      limit_ = Milliseconds(limit_ms_.Get());
+      since_ = tick.now;
+    }
+    if (limit_ > Duration::zero() && tick.now - *since_ >= limit_) {
       since_.reset();
       child().Reset(tick);
       return Status::kFailure;
@@ -127,6 +129,7 @@ class Timeout : public Decorator {
   }
 
   InPort<unsigned> limit_ms_;
+  Duration limit_{};  // since its start
   std::optional<Time> since_;
 };
 

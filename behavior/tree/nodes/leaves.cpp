@@ -78,16 +78,15 @@ class Sleep : public StatefulAction {
 
  private:
   Status OnStart(const Tick& tick) override {
-    since_ = tick.now;
+    until_ = tick.now + Milliseconds(time_ms_.Get());
     return OnRunning(tick);
   }
   Status OnRunning(const Tick& tick) override {
-    const bool over = tick.now - since_ >= Milliseconds(time_ms_.Get());
-    return over ? Status::kSuccess : Status::kRunning;
+    return tick.now >= until_ ? Status::kSuccess : Status::kRunning;
   }
 
   InPort<unsigned> time_ms_;
-  Time since_{};
+  Time until_{};
 };
 
 class WasEntryUpdated : public Action {

@@ -88,14 +88,7 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
       topics,
       {.port = config_.groot2_port,
        .hooks = config_.groot2_hooks,
-       .on_lost =
-           [this] {
-             Log(LogLevel::kWarning,
-                 "Groot2 is lost, and it had hooks: halted until musher-meilin start");
-             Halt();
-             mission_.Stand();
-             OnPause();
-           }},
+       .on_lost = [this] { OnDebuggerLost(); }},
       [this] { return view(); }, factory());
   if (!served) Log(LogLevel::kWarning, served.error().message);
 }
@@ -155,6 +148,15 @@ void MeilinActuator::OnPause() {
 
 void MeilinActuator::OnResume() {
   robot_.CancelAll();
+}
+
+void MeilinActuator::OnDebuggerLost() {
+  Halt();
+  mission_.Stand();
+  OnPause();
+  const char* const regions = mission_.GoesOnWith().empty() ? " full, meilin or final" : "";
+  Log(LogLevel::kWarning,
+      std::string("Groot2 is lost, and it had hooks: halted until musher-meilin start") + regions);
 }
 
 Result<> MeilinActuator::OnStartCommand() {

@@ -64,6 +64,7 @@ class MeilinActuator : public TreeActuator {
 
   Result<> OnStartCommand() override;
 
+  void OnDebuggerLost();
   Result<> MayBegin() const;
   void LogStart(const Result<std::string>& begun);
   void OnMap(const std::string& text);

@@ -184,6 +184,7 @@ void Mission::OnPause() {
   board_->SetState(kPaused);
   if (!board_->segment_open.Get()) return;
   board_->segment_open.Set(false);
+  board_->segment_index.Set(board_->segment_index.Get() - 1);  // of those that are done
   const QueuePtr queue = board_->queue.Get();
   if (queue == nullptr) return;
   std::vector<Segment> segments = {board_->current_segment.Get()};
@@ -195,7 +196,7 @@ void Mission::Stand() {
   RefuseLateStart("its debugger was lost before the match could begin");
   const bool ran = IsRunning();
   OnPause();
-  begun_ = false;
+  begun_ = autostart_ = false;
   if (ran && !failed_) board_->SetState(kWaitingStart);
 }
 
@@ -577,7 +578,10 @@ void Mission::Accept(std::vector<Segment> segments, const std::string& plan_id) 
   board_->plan_id.Set(plan_id);
   board_->segment_index.Set(-1);
   board_->refused_plan.Set("");
-  if (!begun_) return;  // it waits for its start
+  if (!begun_) {  // it waits for its start
+    if (!failed_) board_->SetState(kWaitingStart);
+    return;
+  }
   board_->last_error.Set("");
   board_->SetState(kPlanReady);
   restart_ = restart_ || ended_;

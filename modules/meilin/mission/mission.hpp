@@ -68,7 +68,7 @@ class Mission {
   // The tree is halted.
   void OnPause();
   // The tree is halted and rests, because what a person has watched it by is lost. Nothing moves
-  // until Start(), also not by a new plan; it goes on with what it had.
+  // until Start(), also not by a new plan or `autostart`; it goes on with what it had.
   void Stand();
 
   // The word of a person. The text says what begins; an error why nothing does.
@@ -162,7 +162,7 @@ class Mission {
   Robot& robot_;
   const Settings& settings_;
   const MatchConfig match_;
-  bool autostart_;  // until the first start
+  bool autostart_;  // until the first start, or Stand()
   std::optional<MissionBoard> board_;
   tree::Board* root_ = nullptr;
   PlanForms forms_;

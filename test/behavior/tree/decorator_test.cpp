@@ -74,6 +74,17 @@ TEST_F(Decorators, TimeoutHaltsTheChild) {
   EXPECT_EQ(Run("<Timeout msec=\"20\">" + Say("R") + "</Timeout>", 4), "RRFR a^ a a! a^ ");
   EXPECT_EQ(Run("<Timeout msec=\"20\">" + Say("RS") + "</Timeout>", 2), "RS a^ a ");
 }
+TEST_F(Decorators, DelayAndTimeoutReadTheirTimeWhenTheyStart) {
+  for (const std::string node : {"Delay delay_msec", "Timeout msec"}) {
+    const std::string kind = node.substr(0, node.find(' '));
+    tree = MakeTree(Main("<" + node + "=\"{time}\">" + Say("R") + "</" + kind + ">"), factory);
+    ASSERT_TRUE(tree->board().Set("time", 30));
+    std::string letters = Ticks(*tree, 1);
+    ASSERT_TRUE(tree->board().Set("time", 0));
+    letters += Ticks(*tree, 3, 1);
+    EXPECT_EQ(letters + " " + Take(), kind == "Delay" ? "RRRR a^ " : "RRRF a^ a a a! ");
+  }
+}
 TEST_F(Decorators, TimeoutOfZeroIsNoLimit) {
   EXPECT_EQ(Run("<Timeout msec=\"0\">" + Say("R") + "</Timeout>", 3), "RRR a^ a a ");
 }

@@ -95,6 +95,25 @@ TEST_F(Hooked, AReleaseDoesNotOutlastItsBranch) {
   EXPECT_EQ(Run(2), "RR ") << "its next start is held";
 }
 
+TEST_F(Hooked, ANodeThatIsReachedAgainInTheTickOfItsReleaseIsReportedAgain) {
+  Make("<Repeat num_cycles=\"2\"><Sequence><Say name=\"a\" does=\"S\"/></Sequence></Repeat>");
+  constexpr NodeId kHeld = 2;
+  Set({.node = kHeld});
+  EXPECT_EQ(Run(2), "RR ");
+  EXPECT_TRUE(hooks->Release(kHeld, Status::kSkipped, false));
+  EXPECT_EQ(Run(2), "RR a^ ");
+  EXPECT_THAT(reached, ElementsAre(kHeld, kHeld));
+}
+
+TEST_F(Hooked, AHookThatHeldANodeBeforeAHaltOfItsTreeActsUntilTheNextTick) {
+  MakeSequence("R");
+  Set({.node = kB});
+  Run(2);
+  ASSERT_TRUE(tree->Halt(At(100)));
+  EXPECT_FALSE(hooks->IsHeld(kB));
+  EXPECT_TRUE(hooks->Acts(kB));
+}
+
 TEST_F(Hooked, ANodeThatRunsIsNotHeldAndIsHaltedAsAlways) {
   MakeSequence("R");
   Run(1);

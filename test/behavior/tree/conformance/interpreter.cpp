@@ -133,6 +133,10 @@ class Node {
     if (comparison.by == ">") return value > comparison.number;
     return value == comparison.number;
   }
+  int TimeMs(const std::string& port) const {
+    const std::string& value = model.ports.at(port);
+    return value == "{z}" ? world.board.at(entries.at("z")) : std::stoi(value);
+  }
   void Assign(const Assignment& assignment) const {
     int& value = world.board.at(entries.at(assignment.entry));
     value = assignment.by == "+=" ? value + assignment.number : assignment.number;
@@ -205,8 +209,7 @@ class SayRun : public Run {
 
 class SleepRun : public Run {
  public:
-  explicit SleepRun(Node& node)
-      : node_(node), until_ms_(node.world.now_ms + node.model.Number("msec")) {}
+  explicit SleepRun(Node& node) : node_(node), until_ms_(node.world.now_ms + node.TimeMs("msec")) {}
   Status Tick() override {
     return node_.world.now_ms < until_ms_ ? Status::kRunning : Status::kSuccess;
   }
@@ -515,7 +518,7 @@ class AgainRun : public Run {
 class DelayRun : public Run {
  public:
   explicit DelayRun(Node& node)
-      : node_(node), until_ms_(node.world.now_ms + node.model.Number("delay_msec")) {}
+      : node_(node), until_ms_(node.world.now_ms + node.TimeMs("delay_msec")) {}
   Status Tick() override {
     return node_.world.now_ms < until_ms_ ? Status::kRunning : node_.children[0]->Tick();
   }
@@ -528,7 +531,7 @@ class DelayRun : public Run {
 class TimeoutRun : public Run {
  public:
   explicit TimeoutRun(Node& node)
-      : node_(node), limit_ms_(node.model.Number("msec")), begun_ms_(node.world.now_ms) {}
+      : node_(node), limit_ms_(node.TimeMs("msec")), begun_ms_(node.world.now_ms) {}
   Status Tick() override {
     const bool over = limit_ms_ > 0 && node_.world.now_ms - begun_ms_ >= limit_ms_;
     return over ? Status::kFailure : node_.children[0]->Tick();
@@ -652,7 +655,8 @@ std::unique_ptr<Run> Node::Start() {
 }
 
 Interpreter::Interpreter(const Model& main)
-    : root_(std::make_unique<Node>(main, *this, Node::Entries{{"x", "x"}, {"y", "y"}})) {}
+    : root_(
+          std::make_unique<Node>(main, *this, Node::Entries{{"x", "x"}, {"y", "y"}, {"z", "z"}})) {}
 
 Interpreter::~Interpreter() = default;
 

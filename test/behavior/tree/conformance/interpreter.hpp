@@ -42,7 +42,7 @@ struct Model {
   std::string kind;
   std::string name{};                            // of a leaf Say
   std::string does{};                            // what its ticks return: "RRS"
-  std::map<std::string, std::string> ports{};    // numbers, results
+  std::map<std::string, std::string> ports{};    // numbers, results; of a time also {z}
   std::vector<int> queue{};                      // of LoopInt, which sets x
   std::optional<Comparison> compares{};          // ScriptCondition, Precondition
   std::optional<Assignment> assigns{};           // Script
@@ -71,7 +71,7 @@ class Interpreter {
   std::vector<bool> Running() const;
 
   std::string log;
-  std::map<std::string, int> board{{"x", 0}, {"y", 0}};
+  std::map<std::string, int> board{{"x", 0}, {"y", 0}, {"z", 0}};
   std::int64_t now_ms = 0;
 
  private:

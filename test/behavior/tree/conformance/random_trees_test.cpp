@@ -45,12 +45,14 @@ class Generator {
   std::string OneOf(const std::vector<std::string>& texts) {
     return texts[static_cast<std::size_t>(Number(0, static_cast<int>(texts.size()) - 1))];
   }
-  std::string Entry() { return OneOf({"x", "y"}); }
+  std::string Entry() { return OneOf({"x", "y", "z"}); }
   Comparison Compares() { return {Entry(), OneOf({"<", "==", ">"}), Number(0, 3)}; }
   Assignment Assigns() {
-    return OneIn(2) ? Assignment{Entry(), "+=", 1} : Assignment{Entry(), ":=", Number(0, 3)};
+    const std::string entry = Entry();
+    const int unit = entry == "z" ? 10 : 1;  // ms
+    return OneIn(2) ? Assignment{entry, "+=", unit} : Assignment{entry, ":=", unit * Number(0, 3)};
   }
-  std::string Milliseconds() { return std::to_string(10 * Number(0, 3)); }
+  std::string Milliseconds() { return OneIn(3) ? "{z}" : std::to_string(10 * Number(0, 3)); }
 
   Model Node(int depth) {
     const int which = depth == 0 ? 0 : Number(0, 9);
@@ -120,7 +122,7 @@ class Generator {
     }
     if (kind == "SubTree") {
       const bool crossed = OneIn(2);
-      decorator.entries = {{"x", crossed ? "y" : "x"}, {"y", crossed ? "x" : "y"}};
+      decorator.entries = {{"x", crossed ? "y" : "x"}, {"y", crossed ? "x" : "y"}, {"z", "z"}};
       if (!crossed && OneIn(2)) ports["_autoremap"] = "true";
     }
     decorator.children.push_back(Tree(depth));
@@ -142,11 +144,12 @@ std::string TextOf(const std::vector<bool>& running) {
   return text;
 }
 
-// "S n0^ n1 | x=1 y=0 | R..R"
+// "S n0^ n1 | x=1 y=0 z=0 | R..R"
 std::string ShownOf(Interpreter& interpreter, Status status) {
   return std::string(1, Letter(status)) + " " + std::exchange(interpreter.log, "") +
          "| x=" + std::to_string(interpreter.board.at("x")) +
-         " y=" + std::to_string(interpreter.board.at("y")) + " | " + TextOf(interpreter.Running());
+         " y=" + std::to_string(interpreter.board.at("y")) +
+         " z=" + std::to_string(interpreter.board.at("z")) + " | " + TextOf(interpreter.Running());
 }
 std::string ShownOf(Tree& tree, std::string log, const Result<Status>& status) {
   if (!status) return status.error().message;
@@ -157,7 +160,7 @@ std::string ShownOf(Tree& tree, std::string log, const Result<Status>& status) {
   for (NodeId id = 0; id < tree.size(); ++id)
     running.push_back(tree.status(id) == Status::kRunning);
   return std::string(1, Letter(status)) + " " + std::move(log) + "| x=" + number("x") +
-         " y=" + number("y") + " | " + TextOf(running);
+         " y=" + number("y") + " z=" + number("z") + " | " + TextOf(running);
 }
 
 // Where both differ; "" for nowhere.
@@ -166,7 +169,7 @@ std::string DifferenceOf(const Model& model, Generator& random) {
   const std::string document = DocumentOf(model);
   const auto tree = MakeTree(document, logged.factory);
   if (tree == nullptr) return "the tree is not built:\n" + document;
-  for (const char* key : {"x", "y"}) {
+  for (const char* key : {"x", "y", "z"}) {
     if (const Result<> set = tree->board().Set(key, 0); !set) return set.error().message;
   }
   Interpreter interpreter(model);

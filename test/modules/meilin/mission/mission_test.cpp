@@ -211,6 +211,23 @@ TEST(MeilinMission, AfterAPauseTheHaltedSegmentIsTheNext) {
   EXPECT_THAT(match.robot.Texts(),
               ::testing::ElementsAre("move 1.20 2.40 0", "move 1.20 2.40 0", "move 1.20 3.60 0"));
 }
+// The tree may be ticked before it takes the segment again, and what is saved then outlives a
+// crash.
+TEST(MeilinMission, AHaltedSegmentDoesNotCountAsDoneBeforeItIsTakenAgain) {
+  Match match("meilin_stage.xml");
+  match.robot.decide = [](const FakeGoal&) {
+    return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
+  };
+  ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0), MoveStep(0, 2, 0)}));
+  match.RunFor(0.2);
+  match.Pause();
+  match.mission.AfterTick(tree::Status::kRunning, "", match.robot.Now());
+  EXPECT_EQ(match.mission.SavedProgress().next, 0);
+  match.RunFor(1.2);
+  match.Pause();
+  match.mission.AfterTick(tree::Status::kRunning, "", match.robot.Now());
+  EXPECT_EQ(match.mission.SavedProgress().next, 1) << "the first one is done";
+}
 TEST(MeilinMission, APauseDuringAClimbEndsIt) {
   Match match("meilin_stage.xml");
   match.robot.decide = [](const FakeGoal&) {
@@ -276,6 +293,28 @@ TEST(AMissionWhoseDebuggerIsLost, RefusesAStartThatWaitsForThePose) {
   EXPECT_EQ(reply, "its debugger was lost before the match could begin");
   match.RunFor(3);
   EXPECT_FALSE(match.mission.begun());
+}
+TEST(AMissionWhoseDebuggerIsLost, DoesNotBeginByItselfWithItsFirstPose) {
+  Match match(Match::Waiting{}, "full_match.xml", MatchOf("match_blue.json"), Side::kBlue, true);
+  match.robot.fix.reset();
+  match.RunFor(0.1);
+  match.LoseDebugger();
+  match.robot.fix = PoseFix{0.3, 0, 0, match.robot.Now()};
+  match.RunFor(0.1);
+  EXPECT_FALSE(match.mission.begun());
+  EXPECT_TRUE(match.robot.goals.empty());
+}
+TEST(AMissionWhoseDebuggerIsLost, WaitsForItsStartWithAPlanThatComesAfterTheEndOfTheOneBefore) {
+  Match match("meilin_stage.xml");
+  ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0)}));
+  match.Run(20);
+  ASSERT_EQ(match.mission.state(), "MISSION_SUCCESS");
+  match.LoseDebugger();
+  ASSERT_TRUE(match.Offer({MoveStep(0, 2, 0)}));
+  match.RunFor(1);
+  EXPECT_EQ(match.mission.state(), "WAITING_START");
+  match.Begun("").Run(20);
+  EXPECT_EQ(match.robot.Texts().back(), "move 1.20 3.60 0");
 }
 TEST(ARestartedMission, BeginsByItselfOnceAlsoWhereAPersonHasStartedAndResetIt) {
   Match match(Match::Waiting{}, "full_match.xml", MatchOf("match_blue.json"), Side::kBlue, true);
