@@ -26,7 +26,8 @@ class Board {
         (command.mode == kStanding && command.gait_id == 0) ||
         (command.mode == kWalking && (command.gait_id == kStill || command.gait_id == 27));
     const bool possible = command.mode != kWalking || legs_.Arrived();
-    if (!known || !possible || (mode_ == kOff && command.mode == kWalking)) {
+    const bool off = mode_ == kOff && command.mode != kOff && command.mode != kStanding;
+    if (!known || !possible || off) {
       refused_ = true;
       return;
     }

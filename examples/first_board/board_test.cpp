@@ -59,6 +59,8 @@ TEST(Board, RefusesWhatItCannotDo) {
   EXPECT_NE(robot.board.Report(robot.now).life_count, robot.command.life_count);
   robot.Do(0, 0);
   EXPECT_EQ(robot.Do(11, 27, {0.5F, 0, 0}).switch_status, Status::kEstop) << "first it stands up";
+  robot.Do(7, 1);
+  EXPECT_FALSE(robot.board.legs().powered) << "nor does it lie down by its motors";
 }
 
 TEST(LegBoard, HasNoPowerInAnEmergency) {

@@ -11,7 +11,7 @@ struct Legs {
   double height_m = 0;                   // 0: it lies
   double forwards_m_s = 0, left_m_s = 0, turn_rad_s = 0;
   double wanted_height_m = 0;
-  bool powered = false;
+  bool powered = true;  // as a robot may be found
 
   void Power(bool on) { powered = on; }
   // The body rises or sinks to that height, which takes a second or two.

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <linux/input.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -12,6 +13,27 @@
 #include <utility>
 
 namespace musher::device {
+namespace {
+
+using Keys = std::array<unsigned char, KEY_MAX / CHAR_BIT + 1>;
+
+bool Has(const Keys& keys, std::uint16_t code) {
+  return ((keys.at(code / CHAR_BIT) >> (code % CHAR_BIT)) & 1U) != 0;
+}
+
+// Why that key cannot be read from the file; "": it can. A pipe may have the events of a device.
+std::string FaultOf(int fd, std::uint16_t code) {
+  struct stat status {};
+  if (fstat(fd, &status) < 0) return std::strerror(errno);
+  if (S_ISFIFO(status.st_mode)) return "";
+  Keys keys{};
+  const bool is_device =
+      S_ISCHR(status.st_mode) && ioctl(fd, EVIOCGBIT(EV_KEY, sizeof(keys)), keys.data()) >= 0;
+  if (!is_device) return "it is no input device";
+  return Has(keys, code) ? "" : "it has no key " + std::to_string(code);
+}
+
+}  // namespace
 
 InputKey::InputKey(transport::EventLoop& loop, std::string device, std::uint16_t code, OnKey on_key,
                    Log log)
@@ -26,6 +48,7 @@ InputKey::InputKey(transport::EventLoop& loop, std::string device, std::uint16_t
 void InputKey::Open() {
   fd_ = UniqueFd(open(device_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   if (!fd_.valid()) return Lose(std::strerror(errno));
+  if (const std::string fault = FaultOf(fd_.get(), code_); !fault.empty()) return Lose(fault);
   readable_ = loop_.WhenReadable(fd_.get(), [this] { Read(); });
   if (!fault_.empty()) log_("power key: " + device_ + " is available");
   fault_.clear();
@@ -49,10 +72,9 @@ void InputKey::Read() {
 }
 
 void InputKey::Ask() {
-  std::array<unsigned char, KEY_MAX / CHAR_BIT + 1> pressed{};
-  if (ioctl(fd_.get(), EVIOCGKEY(sizeof(pressed)), pressed.data()) < 0) return;  // no such device
-  const bool is_pressed = ((pressed.at(code_ / CHAR_BIT) >> (code_ % CHAR_BIT)) & 1U) != 0;
-  on_key_(is_pressed);
+  Keys pressed{};
+  if (ioctl(fd_.get(), EVIOCGKEY(sizeof(pressed)), pressed.data()) < 0) return;  // a pipe
+  on_key_(Has(pressed, code_));
 }
 
 void InputKey::Lose(const std::string& why) {

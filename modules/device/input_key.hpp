@@ -1,6 +1,7 @@
 #pragma once
 // One key of an input device of Linux (evdev), such as the power key of a computer: a file below
-// /dev/input. A device that is not there, or is unplugged, is opened again once in a second.
+// /dev/input. A device that is not there, is unplugged or has no such key is opened again once in a
+// second.
 //
 // Threads: the loop's.
 

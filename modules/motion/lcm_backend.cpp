@@ -99,6 +99,9 @@ void LcmBackend::OnGaitResult(const LcmSample& sample) {
     return Handle(link_.OnMalformed(kGaitResultChannel, accepted.error().message, loop_.Now()));
   }
   if (!link_.IsHostOfBoard(sample.sender)) return;
+  if (std::exchange(answers_of_, sample.sender) != sample.sender) answers_ = {};
+  const NewestOnly::Age age = answers_.Take(sample.packet->sequence, loop_.Now());
+  if (age == NewestOnly::Age::kOld) return;  // or doubled: it would answer to the steps, too
   Handle(definition_.OnAnswer(accepted.value(), loop_.Now()));
 }
 

@@ -64,6 +64,8 @@ class LcmBackend : public MotionBackend {
   std::unique_ptr<transport::LcmSocket> locations_;
   GaitDefinition definition_;
   OnDefined on_defined_;
+  std::string answers_of_;  // the sender
+  NewestOnly answers_;
   transport::LoopHandlePtr answer_timer_;  // of the definition
   Time armed_for_{};
   transport::LoopHandlePtr timer_;  // last: its callback uses the rest

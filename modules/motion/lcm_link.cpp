@@ -250,6 +250,7 @@ void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
 
 LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, Time now) {
   LinkOutput output;
+  WatchRate(now, output);  // a stream of commands puts OnTime() off
   ++in_second_;
   const bool was_silent = responses_.at && Silent(now);
   const NewestOnly::Age age = Take(responses_, sender, now, output);

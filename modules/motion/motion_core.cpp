@@ -344,6 +344,7 @@ void Decision::ForgetBody() {
   core_.second_look.reset();
   Quiet();
   core_.link.sent_at = Time::min();
+  core_.link.next_change = {};  // the time may have gone back
 }
 
 void Decision::Take(const motion_event::BoardRestarted&) {
@@ -473,7 +474,11 @@ void Decision::Quiet() {
 
 void Decision::Transmit() {
   BoardLink& link = core_.link;
-  if (link.IsChanged()) link.next_change = std::max(link.next_change, now_) + kLeastBoardPeriod;
+  if (link.IsChanged()) {
+    // One frame ahead at most, although some are sent before they are due.
+    const Time due = std::max(link.next_change, now_);
+    link.next_change = std::min(due, now_ + kLeastBoardPeriod) + kLeastBoardPeriod;
+  }
   link.sent_at = now_;
   link.sent = link.command;
   actions_.emplace_back(motion_action::Send{core_.link.command});
@@ -612,8 +617,11 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
   }
   Servo& servo = *core_.servo;
   servo.source = command.source;
+  // The next frame of the stream changes its motion once the link permits one.
+  const bool early =
+      changes && !begins && core_.link.active && now_ < core_.link.next_change - kLeastBoardPeriod;
   // A body that lies changes no motion: the stream ends soon, unless the report was only old.
-  const bool waits = changes && !core_.job && servo.down_since;
+  const bool waits = changes && !core_.job && (servo.down_since || early);
   if (!waits) servo.command = MakeCommand(motion, command.requested.arguments);
   servo.last_frame = now_;
   ++core_.servo_commands;
@@ -637,7 +645,7 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
       servo.moving = true;
       Command(servo.command, true);  // it may not wait: it is permitted now
     }
-  } else if (servo.moving && !IsDown()) {
+  } else if (servo.moving && !waits && !IsDown()) {
     Command(servo.command, false);
   }
   ReportServo();
@@ -932,7 +940,8 @@ bool BoardLink::IsChanged() const {
 
 Time BoardLink::NextFrame() const {
   if (sent_at == Time::min()) return sent_at;
-  return IsChanged() ? next_change - kLeastBoardPeriod : sent_at + kBoardPeriod;
+  const Time repeated = sent_at + kBoardPeriod;
+  return IsChanged() ? std::min(next_change - kLeastBoardPeriod, repeated) : repeated;
 }
 
 Result<> MayPlay(const MotionRules& rules, const MotionCore& core,

@@ -21,14 +21,13 @@
 //   - A servo frame is taken from a source with the same or a higher priority than the source that
 //     controls the body.
 //   - A servo frame that differs from the last one is sent at once, 500 a second at most, of which
-//     the newest; one that does not is repeated 20 times a second.
+//     the newest, apart from begins and stops; one that does not is repeated 20 times a second.
 //   - A result command (one motion or several) is taken when the body is idle; get-down also
 //     during a dance; the machine's own lie-down always.
 //   - The capability of a motion is checked when a command arrives and again when its motion
 //     begins: the state may have changed in between.
 //   - A servo motion ends when the body lies, by a rule of its board: it does not stand up again
-//   for
-//     a stream that only goes on.
+//     for a stream that only goes on.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>

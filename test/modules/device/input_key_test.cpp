@@ -12,6 +12,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -103,6 +104,21 @@ TEST_F(Key, WithoutItsDeviceIsLoggedOnce) {
   EXPECT_THAT(log_.front(), HasSubstr("No such file"));
 }
 
+// The event loop refuses a folder, a file and /dev/null.
+TEST_F(Key, OfAFileThatIsNoInputDeviceIsLoggedOnce) {
+  const std::string file = folder_ / "file";
+  std::ofstream(file) << "text";
+  for (const std::string& device : {folder_ / ".", file, std::string("/dev/null")}) {
+    SCOPED_TRACE(device);
+    keys_.clear();
+    log_.clear();
+    const auto key = Start(device);
+    ASSERT_TRUE(Await(2)) << "it is opened again";
+    EXPECT_THAT(keys_, ::testing::Each(false));
+    EXPECT_THAT(log_, ElementsAre(HasSubstr("it is no input device")));
+  }
+}
+
 TEST_F(Key, OfADeviceOfTheKernelIsKnownWhenItIsPressedAlready) {
   const UniqueFd uinput(open("/dev/uinput", O_WRONLY | O_NONBLOCK | O_CLOEXEC));
   if (!uinput.valid()) GTEST_SKIP() << "/dev/uinput: " << std::strerror(errno);
@@ -125,6 +141,10 @@ TEST_F(Key, OfADeviceOfTheKernelIsKnownWhenItIsPressedAlready) {
   ASSERT_EQ(write(uinput.get(), press, sizeof(press)), static_cast<ssize_t>(sizeof(press)));
   const auto key = Start(device);
   EXPECT_THAT(keys_, ElementsAre(true));
+  std::string why;
+  const InputKey other(
+      loop_, device, KEY_A, [](bool) {}, [&](const std::string& line) { why = line; });
+  EXPECT_THAT(why, HasSubstr("it has no key 30"));
   ioctl(uinput.get(), UI_DEV_DESTROY);
   ASSERT_TRUE(Await(2));
   EXPECT_FALSE(keys_.back());

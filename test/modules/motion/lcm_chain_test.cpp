@@ -13,6 +13,7 @@ namespace musher::motion::testing::lcm_chain_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class LcmChain : public ::testing::Test {
  protected:
@@ -266,6 +267,19 @@ TEST_F(LcmChain, RefusesMotionsWhileAnotherProgramCommandsTheBoard) {
   EXPECT_THAT(answer.message, HasSubstr("192.168.44.100:7"));
   RunFor(Milliseconds(1000));
   EXPECT_EQ(AnswerOf(Request(132)).code, kCodeOk) << "it has ended";
+}
+
+TEST_F(LcmChain, AccusesTheBoardOfNoFloodWhileAFastStreamChanges) {
+  RunFor(Milliseconds(500));
+  for (int i = 0; i < 5000; ++i) {
+    ServoCommand command;
+    command.requested.id = kUserTrot;
+    command.requested.arguments.vel_des = {i % 2 == 0 ? 0.1F : 0.2F, 0, 0};
+    Do(motion_event::ServoArrived{command});
+    RunFor(Milliseconds(5));
+  }
+  RunFor(Milliseconds(1500));
+  EXPECT_THAT(log_, Not(Contains(HasSubstr("responses a second"))));
 }
 
 TEST_F(LcmChain, TakesASentenceOfTheLinkIntoTheLog) {

@@ -143,7 +143,8 @@ void MotionFaultTest::Watch(const MotionCore& before, const MotionEvent& event,
 void MotionFaultTest::CheckCommand(const BodyCommand& command, const MotionEvent& event) {
   const bool fresh = std::exchange(last_life_, command.life_count) != command.life_count;
   // A frame of a running walk was taken before; it waited for its turn on the link.
-  const bool goes_on = harness_.core.servo && command.id == last_sent_.id;
+  const bool waited = std::holds_alternative<motion_event::TimePassed>(event);
+  const bool goes_on = waited && harness_.core.servo && command.id == last_sent_.id;
   last_sent_ = command;
   if (fresh && !goes_on && !MayBegin(command, event)) {
     Violate("motion " + std::to_string(command.id) + " does not begin where it is forbidden");

@@ -100,6 +100,52 @@ TEST(MotionServo, IsStoppedAtOnceHoweverFastItsFramesCome) {
   EXPECT_EQ(harness.sent.back().at, harness.now);
 }
 
+TEST(MotionServo, ReachesTheBoardAtOnceAfterManyBeginsAndStops) {
+  Harness harness;
+  for (int i = 0; i < 100; ++i) {
+    harness.Servo(303);
+    harness.Servo(303, 0, {}, ServoCommand::kEnd);
+  }
+  harness.Servo(303, 0, {0.1F, 0, 0});
+  harness.Servo(303, 0, {0.3F, 0, 0});
+  harness.RunFor(Milliseconds(2));
+  EXPECT_EQ(harness.sent.back().command.vel[0], 0.3F);
+}
+
+TEST(MotionServo, ReachesTheBoardAt500HzAtMostAlsoWhenEachFrameHasAnotherMotion) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(1000));
+  harness.sent.clear();
+  for (int i = 0; i < 4000; ++i) {
+    harness.Servo(i % 2 == 0 ? 305 : 303);
+    harness.RunFor(std::chrono::microseconds(250));
+  }
+  EXPECT_LE(harness.sent.size(), 502U);
+  for (std::size_t i = 2; i < harness.sent.size(); ++i) {
+    ASSERT_GE(harness.sent[i].at - harness.sent[i - 2].at, Milliseconds(2));
+  }
+  for (int i = 0; i < 20; ++i) {
+    harness.Servo(305);
+    harness.RunFor(std::chrono::microseconds(250));
+  }
+  EXPECT_EQ(harness.sent.back().command.id, 305) << "the one that goes on begins";
+}
+
+// As of a simulation that begins again.
+TEST(MotionServo, ReachesTheBoardAtOnceAfterTimeHasGoneBack) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.now = Time{std::chrono::seconds(1)};
+  harness.Do(motion_event::WorldRestarted{});
+  harness.Body(kRecoveryStand);
+  for (const float speed : {0.1F, 0.3F}) {
+    harness.now += Milliseconds(10);
+    harness.Servo(303, 0, {speed, 0, 0});
+    EXPECT_EQ(harness.sent.back().at, harness.now);
+    EXPECT_EQ(harness.sent.back().command.vel[0], speed);
+  }
+}
+
 TEST(MotionServo, TakesFramesOfTypeStartLikeData) {
   Harness harness;
   harness.Servo(303, 0, {0.2F, 0, 0}, ServoCommand::kStart);

@@ -108,6 +108,25 @@ TEST(UserGait, TurnsItsBodyEitherWay) {
   EXPECT_THAT(gait.value().steps, HasSubstr("rpy_des = [0.0, 0.0, -0.1]"));
 }
 
+// Its w is 0, as in the programs that have roll, pitch and yaw there.
+TEST(UserGait, ThatTurnsItsBodyUpsideDownOrBackIsRefused) {
+  msg::MotionSequenceShow::Request sequence;
+  sequence.gait_list = {{true, false, false, true, 12}};
+  msg::MotionSequencePace pace;
+  pace.right_forefoot = {0, 0, 0, 0.03F};
+  pace.duration = 300;
+  for (const msg::Quaternion& half_turn :
+       {msg::Quaternion{0, 0, 1, 0}, msg::Quaternion{0, -1, 0, 0},
+        msg::Quaternion{0.6, 0.8, 0, 0}}) {
+    pace.centroid.orientation = half_turn;
+    sequence.pace_list = {pace};
+    const auto gait = UserGaitOf(sequence);
+    ASSERT_FALSE(gait);
+    EXPECT_EQ(gait.error().code, 3031);
+    EXPECT_THAT(gait.error().message, HasSubstr("the pose of the body"));
+  }
+}
+
 TEST(UserGait, OfThisTreeIsValid) {
   const std::string begin = SourceDir() + "/config/motion/gaits/400.";
   const auto gait = ReadUserGait(ReadFile(begin + "sections.toml"), ReadFile(begin + "steps.toml"));
