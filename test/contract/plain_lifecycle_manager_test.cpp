@@ -244,7 +244,7 @@ TEST_F(AnActuatorWithoutAController, LogsAClientWithAnotherDefinitionOfAReplyOnc
   PlainParticipant other(Domain());
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  const std::string tag = "typehash=RIHS01_0123;";
+  const std::string tag = "typehash=RIHS01_\n0123;";  // a log would have a line of its own by it
   dds_qset_userdata(qos, tag.data(), tag.size());
   const std::string topic = "rr/" + RobotFile::name_space() + "/arm/get_stateReply";
   const dds_entity_t named =
