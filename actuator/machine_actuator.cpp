@@ -268,16 +268,21 @@ class MachineActuator::Impl {
     return own_node_ ? *own_node_ : thread.node();
   }
 
-  // Each fault of a participant once: it may send any number of samples.
+  // Each fault of a participant once an hour: it may send any number of samples.
   void LogPeerFault(const transport::PeerFault& fault) {
     constexpr std::size_t kMost = 32;
+    const Time now = OwnNode(*node_).loop().Now();
+    if (now - peer_faults_since_ >= std::chrono::hours(1)) {
+      peer_faults_.clear();
+      peer_faults_since_ = now;
+    }
     const std::string what = fault.what + ", on " + fault.topic;
     if (peer_faults_.size() >= kMost || !peer_faults_.emplace(fault.participant, what).second) {
       return;
     }
     const std::string name = transport::NameOf(OwnNode(*node_), fault.participant);
-    Log(LogLevel::kWarning,
-        (name.empty() ? "a participant without a name" : name) + " " + what + "; logged once");
+    Log(LogLevel::kWarning, (name.empty() ? "a participant without a name" : name) + " " + what +
+                                "; logged once an hour");
   }
 
   void StartShell() {
@@ -358,6 +363,7 @@ class MachineActuator::Impl {
   std::atomic<bool> started_ = false;
   std::atomic<bool> stop_requested_ = false;
   std::set<std::pair<transport::ParticipantId, std::string>> peer_faults_;  // logged
+  Time peer_faults_since_{};
   std::function<void()> on_poll_;  // of a fault-injection test; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_reported_ = false;

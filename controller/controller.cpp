@@ -350,6 +350,7 @@ ControllerShell::Hooks Controller::ShellHooks() {
     ros2_tools_ = nullptr;
     extensions_.clear();
     services_ = nullptr;
+    ros_nodes_ = nullptr;
   };
   hooks.on_record = [this](const action::Record& record) {
     for (const auto& extension : extensions_) extension->OnRecord(record);

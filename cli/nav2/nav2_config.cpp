@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "musher/base/code.hpp"
+#include "musher/base/toml/names.hpp"
 #include "musher/cli/nav2/params_file.hpp"
 
 namespace musher::cli {
@@ -53,13 +54,6 @@ std::string Escaped(const std::string& text) {
     escaped += c;
   }
   return escaped;
-}
-
-// As ROS 2 accepts it for a node.
-bool IsNodeName(const std::string& name) {
-  return !name.empty() && name.size() <= 255 && std::ranges::all_of(name, [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_';
-  });
 }
 
 const ParamsNode* ParametersOf(const ParamsNode& node) {
@@ -127,7 +121,11 @@ class Reader {
         Read(node, path, key);
         continue;
       }
+      if (const ParamsNode* starts = parameters->Find("autostart")) {
+        starts_.emplace_back(key, IsTrue(starts));
+      }
       if (const ParamsNode* names = parameters->Find("node_names")) {
+        managers_.push_back(key);
         Manage(*parameters, *names, NamespaceOf(key));
       }
       with_parameters_.emplace_back(std::move(key), path);
@@ -154,10 +152,18 @@ class Reader {
     }
     return nodes_;
   }
-  bool managed() const { return managed_; }
+  bool managed() const { return !managers_.empty(); }
   // As their managers start them; nav2's does by `autostart` only. Without a manager in the files
-  // its launch files have one that does.
-  bool starts_at_once() const { return starts_at_once_; }
+  // its launch files have one that does. A manager may have it in another block than its names, or
+  // its names in a launch file. Which of two blocks ROS 2 would take is not decided here: one
+  // without `true` suffices to wait.
+  bool starts_at_once() const {
+    return std::ranges::all_of(starts_, [](const auto& start) { return start.second; }) &&
+           std::ranges::all_of(managers_, [this](const KeyWords& manager) {
+             return std::ranges::any_of(
+                 starts_, [&](const auto& start) { return IsFor(start.first, manager); });
+           });
+  }
 
  private:
   // Of a key that is for any namespace, the root.
@@ -168,8 +174,6 @@ class Reader {
 
   // The names are below the namespace of the manager.
   void Manage(const ParamsNode& manager, const ParamsNode& names, const std::string& name_space) {
-    managed_ = true;
-    starts_at_once_ = starts_at_once_ && IsTrue(manager.Find("autostart"));
     last_.clear();
     const auto bond_ms = MillisecondsOf(manager.Find("bond_timeout"));
     for (const std::string& name : names.list) Add(name, name_space, bond_ms);
@@ -187,8 +191,8 @@ class Reader {
   std::vector<std::pair<KeyWords, std::string>> with_parameters_;  // key, file
   std::vector<Node> nodes_;
   std::string last_;
-  bool managed_ = false;
-  bool starts_at_once_ = true;
+  std::vector<KeyWords> managers_;                 // with names, by their keys
+  std::vector<std::pair<KeyWords, bool>> starts_;  // key, `autostart`
 };
 
 // A config has one namespace. ROS 2 gives a node in another one none of the parameters.
@@ -199,12 +203,13 @@ std::optional<Error> FaultOf(const std::vector<Node>& nodes) {
                  "server of nav2"};
   }
   for (const Node& node : nodes) {
-    if (!IsNodeName(node.name)) {
-      return Error{kCodeParametersInvalid,
-                   "'" + node.name.substr(0, 64) + "' in node_names is no name of a ROS 2 node"};
+    if (!config_toml::IsName(node.name)) {
+      return Error{kCodeParametersInvalid, "'" + node.name.substr(0, 64) +
+                                               "' in node_names is not " +
+                                               std::string(config_toml::kNameRule)};
     }
     for (const std::string& word : WordsOf(node.name_space)) {
-      if (IsNodeName(word)) continue;
+      if (config_toml::IsName(word)) continue;
       return Error{
           kCodeParametersInvalid,
           "'" + word.substr(0, 64) + "' is no namespace of ROS 2; " + node.name + " is below it"};

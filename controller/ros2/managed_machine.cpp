@@ -52,12 +52,13 @@ void ManagedMachine::OnRecord() {
   endpoints_->Observe(machine.state, moves ? machine.current->target : State());
 }
 
-// The nodes of the command `ros2` have this prefix: a person has typed it.
+// The nodes of the command `ros2` have this prefix: a person has typed it. In a process with other
+// nodes one of these may have sent the request.
 Requester ManagedMachine::RequesterOf(transport::ParticipantId caller) const {
   const std::string service =
       transport::ResolveName(shell_.config().name_space, kMachineNode) + "/change_state";
   const std::string node = ros_nodes_.CallersOf(service, caller);
-  const bool person = node.find("/_ros2cli") != std::string::npos;
+  const bool person = node.starts_with("/_ros2cli") && node.find(", ") == std::string::npos;
   if (person) return {"ros2 lifecycle (" + node + ")", false};
   return {node.empty() ? "a ROS 2 manager" : node, true};
 }

@@ -12,7 +12,8 @@ constexpr std::size_t kProcessesKept = 4;  // of one actuator, with the latest s
 constexpr std::size_t kMostUnlisted = 64;
 // A heartbeat that was sent before the loss may arrive after it.
 constexpr Duration kTakenAgainAfter = std::chrono::seconds(1);
-constexpr std::size_t kMostPeerFaults = 64;  // recorded by one controller
+constexpr std::size_t kMostPeerFaults = 64;  // recorded in this time
+constexpr Duration kPeerFaultsPeriod = std::chrono::hours(1);
 // A participant that keeps publishing wrong pids must not fill the journal.
 constexpr Duration kUnprovenPeriod = std::chrono::minutes(1);
 
@@ -328,8 +329,13 @@ void ActuatorPeers::RecordOtherMachines(const msg::ActuatorStatus& status,
                               config_.name_space));
 }
 
-// Each fault of a participant once: it may send any number of samples.
+// Each fault of a participant once in the period: it may send any number of samples.
 void ActuatorPeers::RecordPeerFault(const transport::PeerFault& fault) {
+  const Time now = context_.loop().Now();
+  if (now - peer_faults_since_ >= kPeerFaultsPeriod) {
+    peer_faults_.clear();
+    peer_faults_since_ = now;
+  }
   if (peer_faults_.size() >= kMostPeerFaults) return;
   if (!peer_faults_.emplace(fault.participant, fault.what + " " + fault.topic).second) return;
   std::string source = dependencies_.node->RosNodeOf(fault.participant);
@@ -339,8 +345,8 @@ void ActuatorPeers::RecordPeerFault(const transport::PeerFault& fault) {
               (peer.host.empty() ? "" : " of host " + peer.host.substr(0, 64));
   }
   if (source.empty()) source = "a participant that does not say its process";
-  context_.records.Remark(kCodeParametersInvalid,
-                          source + " " + fault.what + ", on " + fault.topic + "; recorded once");
+  context_.records.Remark(kCodeParametersInvalid, source + " " + fault.what + ", on " +
+                                                      fault.topic + "; recorded once an hour");
 }
 
 // --- before the machine begins ---

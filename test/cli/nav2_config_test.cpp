@@ -101,6 +101,23 @@ TEST(AConfigFromNav2sParameters, WaitsForAManagerWhereNav2DoesNotStartByItself) 
   EXPECT_THAT(Nav2Config({{"nav2.yaml", kManaged}}, "robot").value(), Not(HasSubstr("[ros2]")));
 }
 
+// ROS 2 joins the blocks of all files that are for a node.
+TEST(AConfigFromNav2sParameters, WaitsForAManagerByAllBlocksThatAreForIt) {
+  const auto waits = [](const std::string& first, const std::string& second) {
+    return Read({{"a.yaml", first}, {"b.yaml", second}}).ros2.started_by_manager;
+  };
+  const auto block = [](const std::string& key, const std::string& line) {
+    return key + ":\n  ros__parameters:\n    " + line + "\n";
+  };
+  const std::string amcl = block("amcl", "a: 1");
+  EXPECT_TRUE(waits(block("manager", "autostart: false"), amcl)) << "a launch file has the names";
+  EXPECT_FALSE(waits(block("manager", "autostart: true"), amcl));
+  EXPECT_TRUE(waits(WithAutostart("    autostart: true\n"), block("manager", "autostart: false")));
+  EXPECT_FALSE(waits(WithAutostart(""), block("/**", "autostart: true")));
+  EXPECT_FALSE(waits(block("manager", "autostart: true"), WithAutostart("")));
+  EXPECT_TRUE(waits(WithAutostart(""), block("other", "autostart: true")));
+}
+
 // Of a manager that starts and one that does not.
 TEST(AConfigFromNav2sParameters, WaitsForAManagerWhereOneOfTwoDoesNotStartByItself) {
   const std::string other = "second:\n  ros__parameters:\n    node_names: [map_server]\n";
@@ -162,7 +179,9 @@ TEST(AConfigFromNav2sParameters, IsRefusedWithThePlaceOfTheFault) {
   EXPECT_THAT(refusal("amcl:\n  ros__parameters:\n  what is this\n"), HasSubstr("a.yaml:3: "));
   EXPECT_THAT(refusal("a: 1\n"), HasSubstr("no lifecycle manager"));
   EXPECT_THAT(refusal("m:\n  ros__parameters:\n    node_names: ['a\"b']\n"),
-              HasSubstr("is no name of a ROS 2 node"));
+              HasSubstr("in node_names is not a name of letters"));
+  EXPECT_THAT(refusal("m:\n  ros__parameters:\n    node_names: ['3d_camera']\n"),
+              HasSubstr("begins with no digit"));
   EXPECT_THAT(refusal("/dog1/amcl:\n  ros__parameters:\n    a: 1\n"
                       "/dog2/amcl:\n  ros__parameters:\n    a: 1\n"),
               HasSubstr("/dog1/amcl and /dog2/amcl are in different namespaces"));

@@ -244,7 +244,7 @@ TEST_F(AnActuatorWithoutAController, LogsAClientWithAnotherDefinitionOfAReplyOnc
   PlainParticipant other(Domain());
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  const std::string tag = "typehash=RIHS01_0123;";
+  const std::string tag = "typehash=RIHS01_\n0123;";  // a log would have a line of its own by it
   dds_qset_userdata(qos, tag.data(), tag.size());
   const std::string topic = "rr/" + RobotFile::name_space() + "/arm/get_stateReply";
   const dds_entity_t named =
@@ -362,8 +362,8 @@ TEST_F(AMachineAndItsManagers, AsOneNodeAPersonsRos2LifecycleEndsAPersonsPause) 
   EXPECT_EQ(arm_.CurrentState(), "Active");
 }
 
-// Its node has no services of its own: only ros_discovery_info has its name.
-TEST_F(AMachineAndItsManagers, AsOneNodeAPersonsRos2LifecycleOfHumbleEndsAPersonsPause) {
+// As in Humble, its node has no services of its own: only ros_discovery_info has its name.
+TEST_F(AMachineAndItsManagers, AsOneNodeAPersonsRos2LifecycleWithoutServicesEndsAPersonsPause) {
   BringActuatorsUp();
   PlainNav2Manager manager(Domain(), RobotFile::name_space(), {"musher"});
   ASSERT_TRUE(manager.Startup());
@@ -389,6 +389,25 @@ TEST_F(AMachineAndItsManagers, AsOneNodeItTakesTheNodeOfTheClientForTheRequester
   ASSERT_TRUE(controller_.Switch("SelfCheck").done());
   ASSERT_TRUE(controller_.Switch("DeActive").done());
   EXPECT_EQ(manager.ChangeState(kActivate), false);
+  EXPECT_EQ(arm_.CurrentState(), "DeActive");
+}
+
+// Nor is it one while its process has not published the node of each client.
+TEST_F(AMachineAndItsManagers, AsOneNodeItTakesNoProcessOfSeveralNodesForAPerson) {
+  BringActuatorsUp();
+  ASSERT_TRUE(controller_.AwaitSetUp());
+  PlainParticipant container(Domain());
+  for (const char* node : {"_ros2cli_4711", "manager"}) {
+    container.Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                     std::string("rr/") + node + "/get_type_descriptionReply");
+  }
+  PlainLifecycleClient manager(container, RobotFile::name_space() + "/musher");
+  ASSERT_TRUE(controller_.Switch("SelfCheck").done());
+  ASSERT_TRUE(controller_.Switch("DeActive").done());
+  EXPECT_EQ(manager.ChangeState(kActivate), false) << "no node is published";
+  PlainLifecycleClient tool(container, RobotFile::name_space() + "/musher");
+  EXPECT_TRUE(PublishNodes(container, {{"_ros2cli_4711", {tool.change_state_writer()}}}));
+  EXPECT_EQ(manager.ChangeState(kActivate), false) << "its own node is not published";
   EXPECT_EQ(arm_.CurrentState(), "DeActive");
 }
 

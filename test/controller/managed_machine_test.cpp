@@ -11,6 +11,8 @@
 
 namespace musher::testing::managed_machine_test {
 
+using ::testing::HasSubstr;
+
 constexpr std::uint8_t kConfigure = 1;
 constexpr std::uint8_t kActivate = 3;
 
@@ -80,6 +82,24 @@ TEST_F(TheMachineAsANode, HasTheProcessesOfAnotherDdsInItsStatus) {
   EXPECT_THAT(shell.Status().other_vendors, ::testing::ElementsAre("process 812 runs Fast DDS"));
   shell.SetOtherVendors({});
   EXPECT_THAT(shell.Status().other_vendors, ::testing::IsEmpty());
+}
+
+// A robot runs for months, and a new fault must not stay silent after many old ones.
+TEST_F(TheMachineAsANode, RecordsTheFaultOfAPeerAgainAfterAnHour) {
+  ASSERT_NO_FATAL_FAILURE(Run());
+  const auto recorded = [this](transport::ParticipantId peer) {
+    said_.clear();
+    first_.process->node().ReportPeerFault({peer, "rt/chat", "sends nonsense"});
+    return said_;
+  };
+  constexpr transport::ParticipantId kPeer = 7000;
+  EXPECT_THAT(recorded(kPeer), HasSubstr("sends nonsense, on rt/chat; recorded once an hour"));
+  EXPECT_EQ(recorded(kPeer), "");
+  for (transport::ParticipantId other = 1; other <= 100; ++other) recorded(other);
+  EXPECT_EQ(recorded(kPeer + 1), "") << "there are too many";
+  network_.RunFor(std::chrono::hours(1));
+  EXPECT_THAT(recorded(kPeer), HasSubstr("sends nonsense"));
+  EXPECT_THAT(recorded(kPeer + 1), HasSubstr("sends nonsense"));
 }
 
 }  // namespace musher::testing::managed_machine_test

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "musher/messages/before_iron.hpp"
@@ -14,10 +15,11 @@ namespace musher::transport {
 namespace {
 
 constexpr std::size_t kMostProcesses = 1000;  // any number of participants may come
+constexpr std::size_t kMostBytes = 1 << 20;   // of one process
 
 // `Info`: of this distribution of ROS 2, or of those before Iron.
 template <class Info>
-std::optional<std::map<EndpointId, std::string>> NodesIn(std::span<const std::byte> bytes) {
+std::optional<std::map<EndpointId, std::string>> NodesOf(std::span<const std::byte> bytes) {
   const auto info = msg::Decode<Info>(bytes);
   if (!info || msg::Encode(*info).size() != bytes.size()) return std::nullopt;
   std::map<EndpointId, std::string> nodes;
@@ -39,24 +41,36 @@ RosNodes::RosNodes(Node& node) : node_(node) {
   if (dds::ParticipantOf(node) == nullptr) return;
   ReaderCallbacks callbacks;
   callbacks.on_sample = [this](std::span<const std::byte> bytes, const SampleInfo& info) {
-    Read(bytes, info.writer);
+    Keep(bytes, info.writer);
   };
-  callbacks.on_writer_lost = [this](EndpointId process) { nodes_.erase(process); };
+  callbacks.on_writer_lost = [this](EndpointId process) { processes_.erase(process); };
   auto reader =
       node.MakeRawReader("ros_discovery_info", std::string(msg::ParticipantEntitiesInfo::kTypeName),
                          kLatchedFromManyQos, std::move(callbacks));
   if (reader) reader_ = std::move(reader).value();
 }
 
-void RosNodes::Read(std::span<const std::byte> bytes, EndpointId process) {
-  if (nodes_.size() >= kMostProcesses && !nodes_.contains(process)) return;
-  auto nodes = NodesIn<msg::ParticipantEntitiesInfo>(bytes);
-  if (!nodes) nodes = NodesIn<msg::ParticipantEntitiesInfoBeforeIron>(bytes);
-  if (nodes) nodes_[process] = *std::move(nodes);
+void RosNodes::Keep(std::span<const std::byte> bytes, EndpointId process) {
+  if (bytes.size() > kMostBytes) {
+    processes_.erase(process);
+    return;
+  }
+  if (processes_.size() >= kMostProcesses && !processes_.contains(process)) return;
+  processes_[process].newest.emplace(bytes.begin(), bytes.end());
+}
+
+const RosNodes::Nodes& RosNodes::NodesIn(Process& process) {
+  if (!process.newest) return process.nodes;
+  const msg::Bytes bytes = *std::exchange(process.newest, std::nullopt);
+  auto nodes = NodesOf<msg::ParticipantEntitiesInfo>(bytes);
+  if (!nodes) nodes = NodesOf<msg::ParticipantEntitiesInfoBeforeIron>(bytes);
+  if (nodes) process.nodes = *std::move(nodes);
+  return process.nodes;
 }
 
 std::string RosNodes::NodeOf(EndpointId endpoint) const {
-  for (const auto& [process, nodes] : nodes_) {
+  for (auto& [id, process] : processes_) {
+    const Nodes& nodes = NodesIn(process);
     const auto node = nodes.find(endpoint);
     if (node != nodes.end()) return node->second;
   }
@@ -71,8 +85,9 @@ std::string RosNodes::CallersOf(const std::string& service, ParticipantId partic
        dds::WritersOf(own->get(), participant, "rq/" + service + "Request")) {
     names.insert(NodeOf(writer));
   }
-  names.erase("");
-  return names.empty() ? node_.RosNodeOf(participant) : dds::ListOf(names);
+  // A client whose node is not known may be the caller.
+  const bool known = !names.empty() && !names.contains("");
+  return known ? dds::ListOf(names) : node_.RosNodeOf(participant);
 }
 
 }  // namespace musher::transport

@@ -6,10 +6,12 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "musher/messages/cdr.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher::transport {
@@ -25,15 +27,22 @@ class RosNodes {
   // "/dog1/planner"; empty: not known.
   std::string NodeOf(EndpointId endpoint) const;
   // The nodes of `participant` with a client of `service` ("dog1/musher/set_state"): one, or
-  // several, separated by ", ". If their process has not published them, Node::RosNodeOf().
+  // several, separated by ", ". If their process has not published all of them, Node::RosNodeOf().
   std::string CallersOf(const std::string& service, ParticipantId participant) const;
 
  private:
   using Nodes = std::map<EndpointId, std::string>;  // by their endpoints
-  void Read(std::span<const std::byte> bytes, EndpointId process);
+  // Every process of ROS 2 publishes its nodes at each change, and few are asked for: a sample is
+  // decoded when one is.
+  struct Process {
+    std::optional<msg::Bytes> newest;  // not yet decoded
+    Nodes nodes;
+  };
+  void Keep(std::span<const std::byte> bytes, EndpointId process);
+  static const Nodes& NodesIn(Process& process);
 
   Node& node_;
-  std::map<EndpointId, Nodes> nodes_;  // of each process, by its writer of the topic
+  mutable std::map<EndpointId, Process> processes_;  // by their writers of the topic
   std::unique_ptr<RawReader> reader_;
 };
 

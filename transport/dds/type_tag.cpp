@@ -1,5 +1,6 @@
 #include "musher/transport/dds/type_tag.hpp"
 
+#include <cctype>
 #include <cstddef>
 #include <string_view>
 
@@ -19,7 +20,9 @@ std::string OtherHash(const std::string& user_data, const std::string& tag) {
                        user_data.find(tag) == std::string::npos;
   if (!differs) return {};
   begin += kHash.size();
-  return user_data.substr(begin, user_data.find(';', begin) - begin);
+  std::string hash = user_data.substr(begin, user_data.find(';', begin) - begin);
+  std::erase_if(hash, [](unsigned char c) { return std::isalnum(c) == 0 && c != '_'; });
+  return hash.empty() ? "unreadable" : hash;
 }
 
 }  // namespace musher::transport::dds
