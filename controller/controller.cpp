@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -150,8 +151,18 @@ void Controller::BeginUnlessLed() {
   if (options_.before_begin) options_.before_begin();
   CountHeld();
   const Time now = node_.loop().Now();
-  // In a later turn: what was ended has left by then.
-  begin_later_ = node_.loop().At(now, [this, now] { BeginOnceReceived(now + kStatusWithin); });
+  // In a later turn: what was ended has left by then, or has sent its last.
+  begin_later_ = node_.loop().At(now, [this, now] {
+    if (options_.before_begin) shell_->ForgetEnded(RunsHere());
+    BeginOnceReceived(now + kStatusWithin);
+  });
+}
+
+// By its name, or by the pid that it reports: it may run without the name.
+ActuatorPeers::RunsHere Controller::RunsHere() const {
+  return [this](const std::string& actuator, pid_t pid) {
+    return NameLock::IsHeld(LockOf(actuator)) || (pid > 0 && (kill(pid, 0) == 0 || errno != ESRCH));
+  };
 }
 
 void Controller::CountHeld() {

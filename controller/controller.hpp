@@ -95,6 +95,7 @@ class Controller {
   void TakeStopsHere();
   void BeginAfter(Duration listen);
   void BeginUnlessLed();
+  ActuatorPeers::RunsHere RunsHere() const;
   void CountHeld();
   void BeginOnceReceived(Time deadline);
   void Begin();

@@ -186,6 +186,9 @@ Result<> Root::PostponeTrialBoot() const {
 
 Result<> Root::EndTrialBoot(const std::string& version, const Result<>& outcome) const {
   auto changed = Change([&](const SlotState& state) -> Result<SlotState> {
+    // A controller that was taken over meanwhile may have saved the same.
+    const bool kept = state.last && state.last->kept && state.last->version == version;
+    if (!state.on_trial_boot && kept && outcome) return state;
     if (!state.on_trial_boot) return Error{kCodeStateInvalid, "no trial boot is running"};
     return AfterTrialBoot(state, version, outcome);
   });

@@ -239,7 +239,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   auto target = ChooseTarget(options, std::move(lock), console);
   if (!target) return ExitCode::kUsage;
   auto good = CheckTarget(*target, options, global, console);
-  if (!good && target->run && target->run->on_trial_boot && EndTrialBoot(*target->run, good)) {
+  if (!good && target->run && target->run->DecidesTrial() && EndTrialBoot(*target->run, good)) {
     const std::string reason =
         "version " + target->run->version + " abandoned: " + good.error().message;
     console.PrintError(reason);

@@ -32,6 +32,15 @@ void PutOwnFolderFirstInPath() {
   if (!folder.empty()) PutFirstInPath(folder);
 }
 
+// Whether the name of the controller is held by a process that is not known to lead this machine.
+bool OthersHoldName(const MachineConfig& config) {
+  const auto domain = transport::DomainId({});
+  if (!domain) return false;
+  const std::string name = NameLock::NameOf(domain.value(), config.name_space, "musher/controller");
+  const NameLock::Holder holder = NameLock::HolderOf(name);
+  return NameLock::IsHeld(name) && !holder.trusted;
+}
+
 }  // namespace
 
 ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
@@ -63,12 +72,9 @@ int ControllerProcess::Run() {
   if (const auto begun = Begin(); !begun) {
     // A version on trial boot that cannot be started is abandoned for the previous one. That
     // another controller of the machine leads says nothing of the version.
-    const bool is_led = begun.error().code == kCodeTargetBusy;
+    const bool is_led = begun.error().code == kCodeTargetBusy && !OthersHoldName(config_);
     if (is_led) PostponeTrial();
-    start_again_ = run_ && run_->on_trial_boot && !is_led && EndTrialBoot(*run_, begun.error());
-    if (start_again_)
-      OnTrouble("version " + run_->version + " abandoned: " + begun.error().message);
-    if (start_again_) return static_cast<int>(ExitCode::kUsage);
+    if (!is_led && Abandon(begun.error())) return static_cast<int>(ExitCode::kUsage);
     SendProgress(Progress::kNotStarted, begun.error().message, begun.error().code);
     return static_cast<int>(ExitCode::kUsage);
   }
@@ -106,6 +112,7 @@ Result<> ControllerProcess::Begin() {
   release_watch_ = loop_.WhenReadable(release_.get(), [this] {
     pid_t sender = 0;
     if (NextSignal(release_, &sender) == 0) return;
+    released_ = true;
     controller_->shell().ReleaseControl("process " + std::to_string(sender) + " of this host");
   });
   if (run_) BeginRun();
@@ -138,8 +145,16 @@ void ControllerProcess::BeginRun() {
 
 // This start has not begun it: the next one does.
 void ControllerProcess::PostponeTrial() {
-  if (!run_ || !run_->on_trial_boot) return;
+  if (!run_ || !run_->DecidesTrial()) return;
   if (auto postponed = PostponeTrialBoot(*run_); !postponed) OnTrouble(postponed.error().message);
+}
+
+// A version on trial boot that cannot begin is abandoned for the previous one, which this process
+// then starts.
+bool ControllerProcess::Abandon(const Error& why) {
+  start_again_ = run_ && run_->DecidesTrial() && EndTrialBoot(*run_, why);
+  if (start_again_) OnTrouble("version " + run_->version + " abandoned: " + why.message);
+  return start_again_;
 }
 
 void ControllerProcess::OnTrialBootEnd(const Result<>& outcome) {
@@ -243,12 +258,17 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   });
 }
 
-// Another controller leads: this one is fenced, or was refused before it began.
+// Another controller leads, and this one is fenced; or it was refused before it began.
 void ControllerProcess::OnFenced(const std::string& message) {
   start_again_ = false;  // the machine is not taken down: another controller leads it
   const bool begun = controller_->shell().machine().phase == Phase::kFenced;
   exit_ = begun ? ExitCode::kNotDone : ExitCode::kUsage;
-  if (!begun) PostponeTrial();
+  const bool is_led = released_ || controller_->shell().rival();
+  if (!begun && is_led) PostponeTrial();
+  // What runs with another config stays: the previous version is due at the next start.
+  const auto& refused = controller_->shell().refused();
+  const bool can_begin = begun || is_led || !refused || refused->code == kCodeTargetBusy;
+  if (!can_begin && Abandon(*refused)) return loop_.Stop();
   log_.Write(message, kCodePermissionDenied);
   service_manager_.Fenced(message);
   SendProgress(begun ? Progress::kFenced : Progress::kNotStarted, message, kCodePermissionDenied);

@@ -58,6 +58,7 @@ class ControllerProcess {
   Result<> Begin();
   void BeginRun();
   void PostponeTrial();
+  bool Abandon(const Error& why);
   void OnTrialBootEnd(const Result<>& outcome);
   void StartAgain(const std::string& why);
   ControllerOptions Options();
@@ -79,7 +80,8 @@ class ControllerProcess {
   pid_t launcher_;
   const Start start_;
   bool start_again_ = false;
-  bool marked_ = false;  // that it takes the machine down for the slot that is due
+  bool released_ = false;  // to another controller of this host
+  bool marked_ = false;    // that it takes the machine down for the slot that is due
   ExitCode exit_ = ExitCode::kDone;
   UniqueFd signals_;
   UniqueFd release_;

@@ -130,12 +130,13 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
   auto running = taken_down ? std::nullopt : RunningSlot(root.value());
   std::string abandoned;  // why a version was abandoned
   while (true) {
+    const auto before = takes_trial ? root.value().LoadState() : std::nullopt;
     const auto boot = root.value().Boot(running, takes_trial);
     if (!boot) return fail(boot.error());
     const ota::Boot& b = boot.value();
     ChosenSlot chosen{
-        {root.value().path(), b.start, b.on_trial_boot, b.version.text, root.value().config().trial,
-         abandoned.empty() ? b.reason : abandoned, b.takes_down},
+        {root.value().path(), b.start, b.on_trial_boot, before && before->started, b.version.text,
+         root.value().config().trial, abandoned.empty() ? b.reason : abandoned, b.takes_down},
         {},
         {}};
     auto config = LoadConfig(root.value().ConfigFile(b.start), console);
@@ -150,7 +151,7 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
       running.reset();
       continue;
     }
-    if (!b.on_trial_boot) return std::nullopt;
+    if (!chosen.run.DecidesTrial()) return std::nullopt;
     const auto ended = EndTrialBoot(chosen.run, Error{kCodeFailed, "its state config is invalid"});
     if (!ended) return fail(ended.error());
     abandoned = "version " + b.version.text + " abandoned: its state config is invalid";

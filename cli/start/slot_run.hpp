@@ -28,12 +28,16 @@ struct SlotRun {
   std::string root;  // absolute
   ota::Slot slot = ota::Slot::kA;
   bool on_trial_boot = false;
+  // … that of a process which lives, and is to be taken over: until then it decides the outcome.
+  bool trial_of_another = false;
   std::string version;
   Duration trial{};    // time limit of a trial boot
   std::string reason;  // why this slot was chosen
   // The actuators run from this slot, which is not due: take them down, then start again.
   bool takes_down = false;
 
+  // Whether this start decides the trial boot before it leads the machine.
+  bool DecidesTrial() const { return on_trial_boot && !trial_of_another; }
   std::string Folder() const { return root + "/slots/" + std::string(ota::SlotName(slot)); }
 };
 

@@ -8,7 +8,9 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <mutex>
 #include <utility>
+#include <vector>
 
 #include "musher/base/host.hpp"
 #include "musher/base/program.hpp"
@@ -21,6 +23,15 @@ std::pair<UniqueFd, UniqueFd> MakePipe() {
   int ends[2] = {-1, -1};
   if (pipe2(ends, O_CLOEXEC) != 0) return {};
   return {UniqueFd(ends[0]), UniqueFd(ends[1])};
+}
+
+// Processes that go on after their object: each is reaped once it has ended, with a later one.
+void ReapLater(pid_t added) {
+  static std::mutex mutex;
+  static std::vector<pid_t>& pids = *new std::vector<pid_t>;  // used during static destruction
+  const std::lock_guard lock(mutex);
+  if (added > 0) pids.push_back(added);
+  std::erase_if(pids, [](pid_t pid) { return waitpid(pid, nullptr, WNOHANG) != 0; });
 }
 
 }  // namespace
@@ -40,10 +51,13 @@ DetachedPublisher::DetachedPublisher(const Publish& publish, std::optional<Durat
 DetachedPublisher::DetachedPublisher(const std::vector<std::string>& program) {
   auto [read_end, write_end] = MakePipe();
   if (!read_end.valid() || program.empty()) return;
+  ReapLater(0);
   const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
   ProgramSpec spec;
   spec.argv = program;
   spec.cwd = "/";  // it keeps no file system busy
+  // By these a controller finds the processes of an actuator, to end them with it.
+  spec.without = {"MUSHER_PROCESS", "MUSHER_STARTED_AS", "MUSHER_CONFIG"};
   spec.input = read_end.get();
   spec.output = null.get();
   spec.after_fork = [](char* const* /*environment*/) { setsid(); };
@@ -55,7 +69,7 @@ DetachedPublisher::DetachedPublisher(const std::vector<std::string>& program) {
 
 DetachedPublisher::~DetachedPublisher() {
   pipe_ = {};
-  if (pid_ > 0) waitpid(pid_, nullptr, WNOHANG);  // it may have ended
+  ReapLater(pid_);
 }
 
 void DetachedPublisher::Cancel() {
@@ -63,7 +77,11 @@ void DetachedPublisher::Cancel() {
   pipe_ = {};
   if (pid_ <= 0) return;
   kill(pid_, SIGTERM);
-  if (!begun_) waitpid(pid_, nullptr, 0);
+  if (begun_) {
+    ReapLater(pid_);
+  } else {
+    waitpid(pid_, nullptr, 0);
+  }
   pid_ = -1;
 }
 

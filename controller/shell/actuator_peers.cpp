@@ -373,6 +373,17 @@ bool ActuatorPeers::KeepForBegin(const Event& event) {
   return true;
 }
 
+// A process that was killed is reported as vanished only once its lease is over.
+void ActuatorPeers::ForgetEnded(const RunsHere& runs_here) {
+  for (auto& [actuator, all] : before_begin_) {
+    const std::string& name = config_.actuators[actuator].name;
+    std::erase_if(all, [&](const event::StatusSeen& seen) {
+      return seen.report.host == dependencies_.host && !runs_here(name, seen.report.pid);
+    });
+  }
+  std::erase_if(before_begin_, [](const auto& kept) { return kept.second.empty(); });
+}
+
 std::string ActuatorPeers::RunningWithAnotherConfig(const std::string& hash) const {
   std::string names;
   std::size_t count = 0;

@@ -7,6 +7,7 @@
 // Threads: loop thread only.
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -54,6 +55,10 @@ class ActuatorPeers {
   // Keeps an event from before the begin of the machine: an actuator latches its status once, so a
   // status received before would not be received again. Returns whether it is kept.
   bool KeepForBegin(const Event& event);
+  // Forgets the events of actuators of this host that do not run any more. `runs_here`: whether the
+  // actuator with that name, and the pid of its status, does.
+  using RunsHere = std::function<bool(const std::string& actuator, std::int32_t pid)>;
+  void ForgetEnded(const RunsHere& runs_here);
   // The last status of each actuator from before the begin of the machine.
   const std::map<ActuatorIndex, msg::ActuatorStatus>& statuses_before_begin() const {
     return statuses_before_begin_;

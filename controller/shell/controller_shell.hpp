@@ -76,6 +76,10 @@ class ControllerShell {
   bool IsOtherMachine(const MachineIdentity& machine) const;
   // Another controller of this machine whose heartbeat was received, if any.
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
+  // Why this controller was refused before it began, if it was.
+  const std::optional<Error>& refused() const { return refused_; }
+  // Call before Begin(): forgets what was received from actuators of this host that do not run.
+  void ForgetEnded(const ActuatorPeers::RunsHere& runs_here) { peers_->ForgetEnded(runs_here); }
   // The actuators' processes, with what was received of them before Begin().
   const ActuatorPeers& peers() const { return *peers_; }
   // Call instead of Begin(): refuses every caller in this process with `why` and calls

@@ -1,6 +1,8 @@
 #include "musher/lifecycle/step/emergency_stops.hpp"
 
 #include <algorithm>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "musher/lifecycle/refusal.hpp"
@@ -16,6 +18,31 @@ constexpr std::size_t kMostStopsKnown = 64;
 // longer.
 constexpr Duration kReleaseRepeat = Milliseconds(500);
 constexpr Duration kReleaseTime = Milliseconds(3000);
+// A person releases what is shown: the reasons of one source are kept up to this length.
+constexpr std::size_t kMostReasonBytes = 512;
+constexpr std::string_view kThen = "; then: ";
+constexpr std::string_view kMore = "more";
+
+bool Names(const std::string& reasons, std::string_view reason) {
+  for (std::size_t begin = 0; begin <= reasons.size();) {
+    const std::size_t end = std::min(reasons.find(kThen, begin), reasons.size());
+    if (std::string_view(reasons).substr(begin, end - begin) == reason) return true;
+    begin = end + kThen.size();
+  }
+  return false;
+}
+
+// "smoke; then: hand in the gripper": a later cause of the same source counts as much as the first.
+void AddReason(std::string& reasons, const std::string& reason) {
+  if (reason.empty() || Names(reasons, reason)) return;
+  if (reasons.empty() || Names(reason, reasons)) {
+    reasons = reason;
+    return;
+  }
+  if (Names(reasons, kMore)) return;
+  const std::size_t size = reasons.size() + 2 * kThen.size() + reason.size() + kMore.size();
+  reasons.append(kThen).append(size <= kMostReasonBytes ? reason : kMore);
+}
 
 }  // namespace
 
@@ -44,7 +71,7 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
       same != engaged.end()) {
     AddReleased(stops, same->id);
     same->id = stop.id;
-    if (same->reason.empty()) same->reason = stop.reason;  // the first cause is shown
+    AddReason(same->reason, stop.reason);
     return true;
   }
   if (engaged.size() > kMostStopsKnown) {

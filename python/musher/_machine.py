@@ -303,9 +303,12 @@ class Machine:
         reply = self._call("release_emergency_stop", ReleaseEmergencyStop, request, acts=True)
         if reply.code != 0:
             raise Failure(reply.code, reply.reason)
-        for stop in self._stops:
+        # Others go on: those that were not released, and those that are for other machines, too.
+        released = [stop for stop in self._stops if stop.is_one_of(request.seen_stops)]
+        self._stops = [stop for stop in self._stops if stop not in released]
+        for stop in released:
             stop.confirm()
-        self._drop_stops()
+            stop.close()
 
     def close(self) -> None:
         self._drop_stops()

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -294,6 +295,12 @@ class Stop : public OnLoop<EngagedStop> {
   void Confirm() {
     if (publisher_) publisher_->Cancel();
   }
+  // Whether a machine that releases the stops with these ids releases it as a whole: it is for no
+  // other machine.
+  bool IsOneOf(const std::vector<std::string>& ids) const {
+    return !message_.machine.empty() &&
+           std::ranges::count(ids, transport::StopIdText(StopId(message_.id))) != 0;
+  }
   pid_t PublisherPid() const { return publisher_ ? publisher_->pid() : 0; }
   void Close() {
     OnLoop::Close();
@@ -450,6 +457,7 @@ void AddClient(py::module_& native) {
                     const std::string&>())
       .def("publish_after_end", &Stop::PublishAfterEnd)
       .def("publisher_pid", &Stop::PublisherPid)
+      .def("is_one_of", &Stop::IsOneOf)
       .def("confirm", &Stop::Confirm)
       .def("report", &Stop::Report)
       .def("follow", &Stop::Follow)

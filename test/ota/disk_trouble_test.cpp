@@ -91,6 +91,19 @@ TEST_F(DiskTrouble, ADamagedConfirmedVersionIsReplacedByTheOther) {
   EXPECT_EQ(OpenRoot(*disk_).Boot().value().reason, "");
 }
 
+// A takeover in a trial boot: both controllers find the version good, and the second one rolled it
+// back.
+TEST_F(DiskTrouble, AVersionThatIsKeptMayBeKeptAgain) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+  ASSERT_TRUE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Ok()));
+  const auto kept = OpenRoot(*disk_).LoadState();
+  EXPECT_TRUE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Ok()));
+  EXPECT_FALSE(OpenRoot(*disk_).EndTrialBoot("1.2.0", Ok()));
+  EXPECT_FALSE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Error{kCodeFailed, "it is late"}));
+  EXPECT_EQ(OpenRoot(*disk_).LoadState(), kept);
+}
+
 // The slot's programs come first on PATH.
 TEST_F(DiskTrouble, AVersionWithAProgramThatWasNotSignedIsNotStarted) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));

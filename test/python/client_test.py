@@ -399,8 +399,28 @@ class StopsOfEndedPrograms(unittest.TestCase):
         node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
             ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=DOG))
         with musher.Machine(namespace=namespace, machine="dog") as dog:
-            self.assertEqual(dog.estop("smoke", timeout_s=DEADLINE_S), ["legs"])
-            self.assertEqual(dog._stops[-1].publisher_pid(), 0)
+            pids = []
+            confirm = _machine._native.Stop.confirm
+
+            def note(stop):
+                pids.append(stop.publisher_pid())
+                confirm(stop)
+
+            with mock.patch.object(_machine._native.Stop, "confirm", note):
+                self.assertEqual(dog.estop("smoke", timeout_s=DEADLINE_S), ["legs"])
+            self.assertNotEqual(pids[0], 0)
+            with self.assertRaises(ProcessLookupError):
+                os.kill(pids[0], 0)
+
+    # A controller ends the processes of an actuator with it, and finds them by its environment.
+    def test_the_process_that_publishes_has_not_the_mark_of_an_actuator(self):
+        marks = {"MUSHER_PROCESS": "1/2", "MUSHER_STARTED_AS": "0000000001/legs", "MUSHER_CONFIG": "/nowhere/robot.toml"}
+        with mock.patch.dict(os.environ, marks):
+            _, publisher = self.stop_dog("python_marked")
+        with open(f"/proc/{publisher}/environ", encoding="utf-8") as file:
+            names = {entry.split("=")[0] for entry in file.read().split("\0")}
+        self.assertIn("ROS_DOMAIN_ID", names)
+        self.assertEqual(names & set(marks), set())
 
     # The search for the machine may take a second, and each second counts.
     def test_the_controller_of_this_host_has_it_before_the_machine_is_searched_for(self):
@@ -470,6 +490,22 @@ class Stops(unittest.TestCase):
         before.emergency_stop, before.stop_ids = False, []
         dog.release_estop(seen=before)
         self.assertEqual(released, [["00000000000000a1"], ["00000000000000a1"], ["0" * 16]])
+
+    # A stop that another machine may not have received yet was not published any more.
+    def test_a_release_ends_only_the_own_stops_that_it_covers(self):
+        node = self.node()
+        self.publish(node, DOG, latched=True, stop_ids=["00000000000000a1"])
+        node.serve("musher/release_emergency_stop", ReleaseEmergencyStop, lambda _: ReleaseEmergencyStop.Response())
+        received = node.subscribe("musher/emergency_stop", EmergencyStop, latched=True)
+        dog = self.dog()
+        with contextlib.suppress(musher.Failure):
+            dog.estop("smoke", timeout_s=0.1)
+        dog.release_estop()
+        self.assertEqual(len(dog._stops), 1)
+        own = received.take(DEADLINE_S)
+        seen = self.publish(self.node(), DOG, latched=True, stop_ids=[f"{own.id:016x}"])
+        dog.release_estop(seen=seen)
+        self.assertEqual(dog._stops, [])
 
     def dog(self):
         machine = musher.Machine(namespace=self.NAMESPACE, machine="dog")

@@ -82,7 +82,10 @@ class RobotSearch {
             self->OnReader(endpoint);
           }
         },
-        [self = search.get()](transport::EndpointId id) { self->readers_.erase(id); });
+        [self = search.get()](transport::EndpointId id) {
+          self->readers_.erase(id);
+          self->unnamed_.erase(id);
+        });
     if (!watch) return watch.error();
     search->watch_ = std::move(watch).value();
     if (NameLock::IsHeldInDomain(domain_id, "/musher/controller")) {
@@ -91,10 +94,14 @@ class RobotSearch {
     return search;
   }
 
+  // Whether it is known of each reader of a command what it is.
+  bool settled() const { return unnamed_.empty(); }
+
  private:
   // The name of its node is discovered after it.
   void OnReader(const transport::DiscoveredEndpoint& endpoint) {
     transport::EventLoop& loop = node_.loop();
+    unnamed_.insert(endpoint.id);
     readers_[endpoint.id] =
         loop.At(loop.Now() + kNameWithin,
                 [this, id = endpoint.id, reader = endpoint.participant,
@@ -104,6 +111,7 @@ class RobotSearch {
   void OnNamedReader(transport::EndpointId id, transport::ParticipantId reader,
                      const std::string& topic) {
     if (!readers_.contains(id)) return;
+    unnamed_.erase(id);
     std::string name = node_.RosNodeOf(reader);
     for (const transport::PeerInfo& peer : node_.Peers()) {
       if (peer.id != reader || !name.empty()) continue;
@@ -135,6 +143,7 @@ class RobotSearch {
   bool found_ = false;
   std::function<void(const Error&)> on_found_;
   std::map<transport::EndpointId, transport::LoopHandlePtr> readers_;  // of commands
+  std::set<transport::EndpointId> unnamed_;                            // of readers_
   std::unique_ptr<transport::TopicWatch> watch_;
 };
 
@@ -177,7 +186,9 @@ int RunPlay(const PlayCommandOptions& options) {
     if (!begun) return Fail(begun.error());
     search = std::move(begun).value();
     loop.RunUntil([&] { return exit != 0; }, loop.Now() + kFindRobots);
+    loop.RunUntil([&] { return exit != 0 || search->settled(); }, loop.Now() + 2 * kNameWithin);
     if (exit != 0) return exit;
+    play.withholds_commands = [&search] { return !search->settled(); };
   }
   const auto player =
       Player::Start(*node.value(), *source.value(), play, [&](const Result<>& result) {

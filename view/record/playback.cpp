@@ -109,8 +109,13 @@ bool IsCommand(std::string_view topic, std::string_view type) {
          std::ranges::any_of(kEnds, [&](std::string_view end) { return name.ends_with(end); });
 }
 
-bool IsViewer(std::string_view node) {
-  const std::string_view name = node.substr(node.rfind('/') + 1);
+bool IsViewer(std::string_view nodes) {
+  constexpr std::string_view kNext = ", ";
+  if (const auto next = nodes.find(kNext); next != std::string_view::npos) {
+    return IsViewer(nodes.substr(0, next)) && IsViewer(nodes.substr(next + kNext.size()));
+  }
+  if (nodes.find(' ') != std::string_view::npos) return false;  // "/rviz2 and 2 more"
+  const std::string_view name = nodes.substr(nodes.rfind('/') + 1);
   constexpr std::string_view kBegins[] = {"rviz", "rqt", "foxglove_bridge", "plotjuggler",
                                           "rosbag2_recorder"};
   return std::ranges::any_of(kBegins,

@@ -53,8 +53,9 @@ bool IsOfMachine(std::string_view topic, std::string_view type);
 // trajectories, goals. Measurements, pictures and transforms are only looked at.
 bool IsCommand(std::string_view topic, std::string_view type);
 
-// Whether a ROS 2 node of that name ("/rviz2") is a tool that shows or records what it reads.
-bool IsViewer(std::string_view node);
+// Whether a ROS 2 node of that name ("/rviz2"), or each of "/rqt, /rviz2", is a tool that shows or
+// records what it reads.
+bool IsViewer(std::string_view nodes);
 
 // Whether a writer of this type ("musher_msgs::msg::dds_::MachineStatus_") belongs to a robot that
 // runs: to a controller or an actuator.

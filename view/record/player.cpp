@@ -27,6 +27,7 @@ Result<std::unique_ptr<Player>> Player::Start(transport::Node& node, PlaySource&
 Result<> Player::MakeWriters() {
   for (const PlayedChannel& channel : source_.channels()) {
     const std::string name = options_.remapping.NameOf(channel.topic);
+    commands_.push_back(IsCommand(name, channel.type));
     if (options_.clock && name == std::string("/") + transport::kClockTopic) {
       writers_.emplace_back();
       continue;
@@ -66,7 +67,9 @@ void Player::Go() {
       timer_ = node_.loop().At(due, [this] { Go(); });
       return;
     }
-    if (auto& writer = writers_[next_->channel]) {
+    const bool withheld =
+        commands_[next_->channel] && options_.withholds_commands && options_.withholds_commands();
+    if (auto& writer = writers_[next_->channel]; writer && !withheld) {
       if (auto written = writer->Write(std::move(next_->data)); !written) return End(written);
       ++published_;
     }

@@ -46,6 +46,8 @@ struct PlayOptions {
   bool clock = true;                       // publishes /clock instead of a recorded one
   Duration discovery = Milliseconds(500);  // before the first message, for subscribers to match
   Remapping remapping;
+  // While it returns true, commands (IsCommand) are not published, and are lost; may be empty.
+  std::function<bool()> withholds_commands{};
 };
 
 class Player {
@@ -75,6 +77,7 @@ class Player {
   PlayOptions options_;
   OnEnd on_end_;
   std::vector<std::unique_ptr<transport::RawWriter>> writers_;  // null: not played
+  std::vector<bool> commands_;                                  // whether the channel is one
   std::unique_ptr<transport::Publisher<msg::Clock>> clock_;
   std::optional<PlaySchedule> schedule_;
   std::optional<PlayedMessage> next_;

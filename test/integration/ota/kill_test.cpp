@@ -406,6 +406,40 @@ TEST_F(Killed, ATakeoverInTheTrialBootContinuesIt) {
   EXPECT_EQ(Versions()["last"]["kept"], true);
 }
 
+// It ended the trial boot of the controller that lives, which then rolled the good version back.
+TEST_F(Killed, ATakeoverThatIsRefusedInTheTrialBootLeavesItToTheControllerThatLeads) {
+  const std::string go = folder_ / "go";
+  Make("1.1.0", {.set_up = "touch " + (folder_ / "runs") + "; until [ -e " + go +
+                           " ]; do sleep 0.05; done"});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  Process first(Command({"up", root_}));
+  ASSERT_TRUE(AwaitFile(folder_ / "runs"));
+  const Ended refused = Musher({"--namespace", "elsewhere", "up", root_, "--takeover", "--detach"});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--namespace differs from the config"));
+  std::ofstream(go) << "";
+  EXPECT_NE(first.LineWith("version 1.1.0 in slot b is kept"), "");
+  EXPECT_EQ(Where(), "Active from b");
+}
+
+// Each start was of the version that cannot begin.
+TEST_F(Killed, AVersionThatIsRefusedWhereNoControllerLeadsHasHadItsTrialBoot) {
+  Make("1.1.0", {.policy = "# another config\n"});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  const std::string built = folder_ / "built-1.0.0";
+  const Ended other = RunToEnd({"env", "PATH=" + built + "/bin:" + BinDir() + ":/usr/bin:/bin",
+                                BinDir() + "/musher", "up", built + "/robot.toml", "--detach"});
+  ASSERT_EQ(other.exit, 0) << other.err;
+  KillController();
+  const Ended refused = UpDetached();
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("with a different config than"));
+  EXPECT_EQ(Musher({"down", "--without-controller"}).exit, 0);
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_EQ(Where(), "Active from a");
+}
+
 // It went on without the lock, from a slot that the installer may yet have written into.
 TEST_F(Killed, AStartBesideAnInstallerThatIsStoppedIsRefused) {
   Make("1.1.0", {.large_bytes = 64 << 20});

@@ -37,6 +37,21 @@ TEST_F(ReceivedStops, OfAFloodAsManyAreMergedAsAMachineKeeps) {
   EXPECT_EQ(Merge({}, flood).engaged, StopsOf(machine_).engaged);
 }
 
+// A person saw the first reason only, and released the second with it.
+TEST_F(ReceivedStops, OfOneSourceShowEveryReason) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{7, "anna@bench", "smoke"}});
+  Do(event::EmergencyStopSeen{{8, "anna@bench", "hand in the gripper"}});
+  Do(event::EmergencyStopSeen{{9, "anna@bench", "smoke"}});
+  ASSERT_TRUE(machine_.emergency.stop);
+  EXPECT_EQ(machine_.emergency.stop->reason, "smoke; then: hand in the gripper");
+  for (StopId id = 10; id < 100; ++id) {
+    Do(event::EmergencyStopSeen{{id, "anna@bench", "reason " + std::to_string(id.value())}});
+  }
+  EXPECT_LE(machine_.emergency.stop->reason.size(), 512U);
+  EXPECT_TRUE(machine_.emergency.stop->reason.ends_with("; then: more"));
+}
+
 TEST_F(ReceivedStops, AreSavedOnceTheLastSaveHasEndedAndNotAnEarlierOne) {
   StartUp();
   Do(event::EmergencyStopSeen{{7, "a panel", ""}});

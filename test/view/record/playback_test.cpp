@@ -69,6 +69,10 @@ TEST(Playback, AToolThatShowsWhatItReadsIsNoDriver) {
   EXPECT_TRUE(IsViewer("/rviz2"));
   EXPECT_TRUE(IsViewer("/dog1/foxglove_bridge"));
   EXPECT_TRUE(IsViewer("/rqt_gui_py_node_12"));
+  EXPECT_TRUE(IsViewer("/foxglove_bridge, /rviz2"));
+  EXPECT_FALSE(IsViewer("/base_controller_node, /foxglove_bridge"));
+  EXPECT_FALSE(IsViewer("/foxglove_bridge, /base_controller_node"));
+  EXPECT_FALSE(IsViewer("/rviz2, /rviz3 and 2 more"));
   EXPECT_FALSE(IsViewer("/base_driver"));
   EXPECT_FALSE(IsViewer("process 7 of rviz-host"));
   EXPECT_FALSE(IsViewer(""));

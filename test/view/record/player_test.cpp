@@ -141,6 +141,28 @@ TEST_F(Playing, ARemappedTopicHasItsOtherName) {
   EXPECT_THAT(texts_, IsEmpty());
 }
 
+TEST_F(Playing, CommandsThatAreWithheldAreLostAndNothingElseIs) {
+  std::vector<std::string> commands;
+  const auto wheels = transport::MakeSubscription<msg::String>(
+      *dog_, "cmd_vel", [&](const msg::String& message, const transport::SampleInfo&) {
+        commands.push_back(message.data);
+      });
+  int asked = 0;
+  PlayOptions options;
+  options.remapping = Remapping::Of({"/chat:=/cmd_vel"}).value();
+  options.withholds_commands = [&] { return ++asked == 2; };
+  Play(options);
+  network_.RunFor(std::chrono::seconds(3));
+  EXPECT_THAT(commands, ElementsAre("one", "three"));
+  EXPECT_EQ(player_->published(), 2U);
+  options = {};
+  options.withholds_commands = [] { return true; };
+  ASSERT_TRUE(source_.Rewind());
+  Play(options);
+  network_.RunFor(std::chrono::seconds(3));
+  EXPECT_THAT(texts_, ElementsAre("one", "two", "three"));
+}
+
 TEST_F(Playing, ADamagedRecordingIsPlayedUpToTheDamageAndTheReasonIsGiven) {
   source_.broken_at = 2;
   Play({});
