@@ -46,6 +46,10 @@ class ParametersReader {
     Number("most_coverage", 0.01, 1, lines.most_coverage);
     const auto mount = hall_.mounts.find(picture);
     if (mount != hall_.mounts.end()) lines.mount = mount->second;
+    if (lines.along && !lines.mount) {
+      reader_.Fault(reader_.At("along"), "along",
+                    "needs a mount of the camera of \"" + picture + '"');
+    }
     lines.lane_m = hall_.lane_m;
     lines.least_width_m = hall_.least_line_m;
     lines.most_width_m = hall_.most_line_m;

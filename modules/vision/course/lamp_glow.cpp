@@ -9,20 +9,25 @@
 namespace musher::vision {
 namespace {
 
-// How bright it looks, 0 to 255.
-double LumaOf(const cv::Vec3b& hsv) {
-  constexpr double kSixth = 30;  // of OpenCV's hues
+constexpr double kSixth = 30;  // of OpenCV's hues
+constexpr double kRedHue = 0, kGreenHue = 2 * kSixth, kBlueHue = 4 * kSixth;
+
+// The red, green or blue of a pixel, 0 to 255.
+double ChannelOf(const cv::Vec3b& hsv, double hue) {
   const double value = hsv[2], least = value * (1 - hsv[1] / 255.0);
   // A colour is full within a sixth of its hue, on either side, and falls to nothing in the next.
-  const auto channel = [&](double hue) {
-    const double off = std::abs(hsv[0] - hue), apart = std::min(off, 6 * kSixth - off) / kSixth;
-    return least + (value - least) * std::clamp(2 - apart, 0.0, 1.0);
-  };
-  return 0.3 * channel(0) + 0.59 * channel(2 * kSixth) + 0.11 * channel(4 * kSixth);
+  const double off = std::abs(hsv[0] - hue), apart = std::min(off, 6 * kSixth - off) / kSixth;
+  return least + (value - least) * std::clamp(2 - apart, 0.0, 1.0);
+}
+
+// How bright it looks, 0 to 255.
+double LumaOf(const cv::Vec3b& hsv) {
+  return 0.3 * ChannelOf(hsv, kRedHue) + 0.59 * ChannelOf(hsv, kGreenHue) +
+         0.11 * ChannelOf(hsv, kBlueHue);
 }
 
 struct Mean {
-  double value = 0, saturation = 0, luma = 0;
+  double value = 0, saturation = 0, luma = 0, red = 0, green = 0;
   int count = 0;
 };
 
@@ -50,12 +55,16 @@ Mean MeanBetween(const cv::Mat& hsv, const cv::Rect& box, double least, double m
     mean.value += pixel[2];
     mean.saturation += pixel[1];
     mean.luma += LumaOf(pixel);
+    mean.red += ChannelOf(pixel, kRedHue);
+    mean.green += ChannelOf(pixel, kGreenHue);
     ++mean.count;
   });
   if (mean.count == 0) return mean;
   mean.value /= mean.count;
   mean.saturation /= mean.count;
   mean.luma /= mean.count;
+  mean.red /= mean.count;
+  mean.green /= mean.count;
   return mean;
 }
 
@@ -200,9 +209,9 @@ bool Shines(const cv::Mat& hsv, const cv::Rect& box) {
   if (middle.saturation < kWhite && rim.luma < kBrightRim * middle.luma) return false;
   // No paint has all of the red and of the green that a picture can have where white has not: a
   // lamp before a bright wall or the sky, which cannot be brighter than these in the picture.
-  constexpr double kAllRedAndGreen = 218, kNotYetWhite = 251;
-  if (std::min(middle.luma, rim.luma) > kAllRedAndGreen && around.luma < kNotYetWhite &&
-      middle.saturation >= kWhite) {
+  constexpr double kAllRed = 248, kAllGreen = 240, kNotYetWhite = 251;
+  if (std::min(middle.red, rim.red) > kAllRed && std::min(middle.green, rim.green) > kAllGreen &&
+      around.luma < kNotYetWhite && middle.saturation >= kWhite) {
     return true;
   }
   const double bright = std::max(middle.value, rim.value);
@@ -235,7 +244,11 @@ std::vector<cv::Rect> FindWhiteCores(const cv::Mat& hsv, const HsvRange& color) 
 LampsInWarmLight FindLampsInWarmLight(const cv::Mat& bgr, const HsvRange& color,
                                       const Region& searched) {
   constexpr double kLeastContrast = 14;  // of green; paint in the colour of lamps is darker in it
-  constexpr double kLeastMoreSaturated = 20, kMostPaler = 32, kLeastShare = 0.9;
+  constexpr double kLeastMoreSaturated = 20, kLeastShare = 0.9;
+  // Of saturation. White paper has that of what is around it, and is paler in a second light; a
+  // lamp is paler only where it has all the green that a picture can have.
+  constexpr double kOwnColor = 10, kMostPaler = 32;
+  constexpr double kAllGreen = 240, kOverexposed = 245;
   constexpr double kEdge = 1.2, kBeyond = 1.7;  // what is around it, in shares of its half sides
   constexpr int kNoisePx = 3;
   constexpr int kScale = 2;  // a quarter of the pixels takes a quarter of the time
@@ -255,16 +268,21 @@ LampsInWarmLight FindLampsInWarmLight(const cv::Mat& bgr, const HsvRange& color,
     return around ? LevelBetween(channel, box, 0, 0.8).value_or(0) - *around : 0;
   };
   for (const cv::Rect& box : SharpRounds(green)) {
-    if (more(green, box) >= kLeastContrast && more(saturation, box) >= -kMostPaler &&
-        ShareOf(hsv, box, color) >= kLeastShare) {
+    if (more(green, box) < kLeastContrast) continue;
+    const double more_saturated = more(saturation, box);
+    const bool has_color = more_saturated >= -kMostPaler && ShareOf(hsv, box, color) >= kLeastShare;
+    const bool all_green = LevelBetween(green, box, 0, 0.8).value_or(0) >= kAllGreen;
+    if (has_color && (more_saturated >= kOwnColor || all_green)) {
       lamps.shining.push_back(whole(box));
+    } else if (has_color || LevelBetween(green, box, 0, 0.4).value_or(0) >= kOverexposed) {
+      lamps.round.push_back(whole(box));
     }
   }
   for (const cv::Rect& box : SharpRounds(saturation)) {
     if (more(saturation, box) < kLeastMoreSaturated || ShareOf(hsv, box, color) < kLeastShare) {
       continue;
     }
-    const bool shines = more(green, box) >= kLeastContrast;
+    const bool shines = more(green, box) >= kLeastContrast || Shines(hsv, box);
     (shines ? lamps.shining : lamps.round).push_back(whole(box));
   }
   // What leaves no room for something brighter.

@@ -27,10 +27,12 @@ std::vector<cv::Rect> FindWhiteCores(const cv::Mat& hsv, const HsvRange& color);
 // Where much of a picture has the lamps' colour, because the hall's light has it.
 struct LampsInWarmLight {
   // Round things with a sharp edge that have the colour and more green light than what is around
-  // them, and are not paler: white paper is, and so is a white lamp.
+  // them, and are more saturated, or have all the green that a picture can have.
   std::vector<cv::Rect> shining;
-  std::vector<cv::Rect> round;  // those that are only more saturated: paint, or an amber lamp
-  double too_bright = 0;        // share of the searched region before which no lamp would be seen
+  // Those that are only more saturated, or only have more green, or are white from brightness:
+  // paint, paper, or a lamp.
+  std::vector<cv::Rect> round;
+  double too_bright = 0;  // share of the searched region before which no lamp would be seen
 };
 LampsInWarmLight FindLampsInWarmLight(const cv::Mat& bgr, const HsvRange& color,
                                       const Region& searched);

@@ -234,6 +234,7 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   const Floor floor(parameters.mount, region, bgr.size());
   LinesOnFloor on_floor = LinesOf(bgr(region), seen.mask, floor, RulesOf(parameters));
   std::vector<YellowLine>& lines = on_floor.lines;
+  const bool found_any = !lines.empty();
   if (parameters.along && floor.in_metres()) {
     std::erase_if(lines, [](const YellowLine& line) { return !line.leads_away; });
   }
@@ -249,6 +250,7 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   if (lines.empty() && !on_floor.odd.empty()) {
     message.doubt = "what has the colour of the lines " + on_floor.odd;
   }
+  if (lines.empty() && found_any) message.doubt = "no line leads away from the camera";
   if (lines.empty()) return found;
 
   const Middle middle(lines, region.width, floor, parameters);

@@ -12,9 +12,10 @@
 //         of the body beside it (`ycy_center`). Otherwise "center".
 //         Two lines nearer to each other than a lane are one line; of two that are farther apart
 //         the nearer one counts alone. With `along` a line that lies across the camera's view is
-//         none, and two lines that are not a lane apart are a doubt. Of one line the middle is half
-//         a lane beside it, towards the centre. Without the camera's mount only the line's side is
-//         known: the robot is too near to it, so that a line on the left is "left".
+//         none; a doubt are a single line, two that are not a lane apart, and only lines across.
+//         Else the middle of one line is half a lane beside it, towards the centre.
+//         Without the camera's mount only the line's side is known: the
+//         robot is too near to it, so that a line on the left is "left".
 //   dy    The line whose centroid is nearest to the vertical centre line: farther away than the
 //         target by more than the threshold (higher in the picture) is "front", nearer "back".
 //   walk  Of the same line: its lower edge is nearer to the bottom of the picture than the limit,

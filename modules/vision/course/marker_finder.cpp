@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 
 #include "musher/modules/vision/course/floor_color.hpp"
 #include "musher/modules/vision/course/lamp_glow.hpp"
@@ -122,24 +123,36 @@ std::string Percent(double share) {
   return std::to_string(std::lround(100 * share)) + " %";
 }
 
+struct WarmLook {
+  MarkerLook look;
+  std::optional<Marker> doubtful;  // the near round thing that is the doubt
+};
+
+// Whether the marker is that round thing, or at least as near.
+bool Explains(const Marker& marker, const Marker& doubtful) {
+  constexpr double kSame = 0.6;  // of its area
+  return marker.size_px >= doubtful.size_px ||
+         (marker.box & doubtful.box).area() > kSame * doubtful.box.area();
+}
+
 // In a picture of which `coverage` has the colour of lamps.
-MarkerLook LookInWarmLight(const cv::Mat& bgr, double coverage,
-                           const MarkerParameters& parameters) {
+WarmLook LookInWarmLight(const cv::Mat& bgr, double coverage, const MarkerParameters& parameters) {
   constexpr double kMostTooBright = 0.05;
   constexpr double kNear = 0.13;  // of the picture's width: about as far as the robot stops
   const LampsInWarmLight lamps = FindLampsInWarmLight(bgr, parameters.yellow, parameters.region);
-  MarkerLook look;
-  look.marker = Largest(lamps.shining, bgr.size(), parameters);
-  if (look.marker) return look;
+  WarmLook warm;
+  warm.look.marker = Largest(lamps.shining, bgr.size(), parameters);
   const auto round = Largest(lamps.round, bgr.size(), parameters);
   if (round && round->size_px > kNear * bgr.cols) {
-    look.doubt = "a round thing has the colour of the light, as " + Percent(coverage) +
-                 " of the picture have: it may shine";
+    warm.doubtful = round;
+    warm.look.doubt = "a near round thing may shine: " + Percent(coverage) +
+                      " of the picture have the colour of the light";
   } else if (lamps.too_bright > kMostTooBright) {
-    look.doubt = Percent(lamps.too_bright) +
-                 " of the region have the colour of the light and are as bright as it would be";
+    warm.look.doubt =
+        Percent(lamps.too_bright) +
+        " of the region have the colour of the light and are as bright as it would be";
   }
-  return look;
+  return warm;
 }
 
 }  // namespace
@@ -162,11 +175,19 @@ MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters)
   cv::cvtColor(bgr, hsv, cv::COLOR_BGR2HSV);
   cv::Mat mask = MaskOfHsv(hsv, parameters.yellow);
   constexpr double kMostCoverage = 0.25;  // of a lamp that is so near that the robot stops
+  constexpr double kSome = 0.03;          // a wall of the colour, with which a lamp merges
   const double coverage = cv::countNonZero(mask) / double(mask.total());
-  if (parameters.shines && coverage > kMostCoverage) {
-    look = LookInWarmLight(bgr, coverage, parameters);
-    // What is clearly more saturated than the rest, too.
-    mask = MaskOfLines(bgr, parameters.yellow, kMostCoverage).mask;
+  std::optional<Marker> doubtful, merged;
+  if (parameters.shines && coverage > kSome) {
+    WarmLook warm = LookInWarmLight(bgr, coverage, parameters);
+    if (coverage > kMostCoverage) {
+      look = std::move(warm.look);
+      doubtful = warm.doubtful;
+      // What is clearly more saturated than the rest, too.
+      mask = MaskOfLines(bgr, parameters.yellow, kMostCoverage).mask;
+    } else if (warm.look.marker && Shines(hsv, warm.look.marker->box)) {
+      merged = warm.look.marker;
+    }
   }
   CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
   for (const Contour& outline : OutlinesOf(mask)) {
@@ -181,7 +202,9 @@ MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters)
     const bool is_nearer = core && (!look.marker || core->size_px > look.marker->size_px);
     if (is_nearer) look.marker = core;
   }
-  if (look.marker) look.doubt.clear();
+  // An outline of its own is more precise.
+  if (merged && (!look.marker || !Explains(*look.marker, *merged))) look.marker = merged;
+  if (look.marker && (!doubtful || Explains(*look.marker, *doubtful))) look.doubt.clear();
   return look;
 }
 

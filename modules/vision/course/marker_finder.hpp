@@ -10,8 +10,9 @@
 // A light has to shine as well (lamp_glow.hpp): it may be amber, and so bright that its middle is
 // white in the picture. Where much of the picture has its colour, under warm lamps, it has a sharp
 // edge and more green light than what is around it, or is clearly more saturated than the rest
-// (floor_color.hpp). A light may be there or not, and that is a doubt, where a near round thing is
-// only more saturated, or where much of the region is so bright that no lamp could be brighter.
+// (floor_color.hpp). A light may be there or not, and that is a doubt, where a round thing that is
+// only more saturated, or white from brightness, is nearer than any light that is found, or where
+// much of the region is so bright that no lamp could be brighter.
 //
 // The region limits the centre only, so that what is near may be larger than the region. Circles
 // are not searched in edges (Hough): the outline decides, which needs a tenth of the time and finds

@@ -53,6 +53,7 @@ Result<> PictureFeed::Subscribe() {
   camera_ = std::move(camera);
   pictures_ = std::move(pictures).value();
   publishers_ = {};
+  before_pause_ns_ = newest_ns_;
   ForgetSeen();
   AwaitNext();
   return Ok();
@@ -92,6 +93,7 @@ void PictureFeed::OnPicture(msg::Image picture) {
     case StampGate::Verdict::kTooSoon:
       return;
     case StampGate::Verdict::kLookAfterJump:
+      before_pause_ns_.reset();
       events_.on_jump();
       faults_.Note(jump_logged_at_,
                    "time jumped back: all tracks are dropped. The world was restarted, or two "
@@ -144,6 +146,7 @@ bool PictureFeed::OnResult(std::int64_t stamp_ns, const Result<>& result) {
   requested_at_.reset();
   if (stamp_ns != newest_ns_) requested_at_ = dependencies_.clock.Now();
   if (!on() || stamp_ns > newest_ns_) return false;
+  if (before_pause_ns_ && stamp_ns <= *before_pause_ns_) return false;
   faults_.Set(detector_fault_, result, "the detector is ok again");
   if (!result) return false;
   ++looked_at_;

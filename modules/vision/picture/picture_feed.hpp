@@ -96,8 +96,9 @@ class PictureFeed {
   PicturePublishers publishers_;
   std::optional<Lens> lens_;  // of the CameraInfo
   std::uint64_t looked_at_ = 0;
-  bool seen_ = false;           // a picture was processed since the subscription
-  std::int64_t newest_ns_ = 0;  // stamp of the last picture passed to the detector
+  bool seen_ = false;                            // a picture was processed since the subscription
+  std::int64_t newest_ns_ = 0;                   // stamp of the last picture passed to the detector
+  std::optional<std::int64_t> before_pause_ns_;  // the same, when the subscription began
   FaultLog::Fault picture_fault_;
   FaultLog::Fault still_fault_;
   FaultLog::Fault publishers_fault_;

@@ -221,6 +221,23 @@ kind = "lines"
                   HasSubstr("there is a mount of the camera of \"image_rgb\" already")));
 }
 
+// Without one all lines counted, also those across.
+TEST(LinesAlong, NeedAMountOfTheirCamera) {
+  const std::string detector = R"(
+[[detectors]]
+name = "front"
+kind = "lines"
+picture = "image_left"
+parameters.along = true
+)";
+  EXPECT_THAT(Said("detect_faces = false\n" + detector),
+              ::testing::ElementsAre(
+                  HasSubstr("parameters.along: needs a mount of the camera of \"image_left\"")));
+  const VisionConfig config =
+      Read("detect_faces = false\n[[mounts]]\npicture = \"image_left\"\n" + detector);
+  EXPECT_TRUE(std::get<LinesParameters>(config.detectors[0].parameters).along);
+}
+
 TEST(CourseConfig, HasTheValuesOfEveryParameter) {
   const VisionConfig config = Read(R"(
 detect_faces = false
@@ -231,7 +248,6 @@ parameters.yellow.from = [15, 50, 30]
 parameters.region = { top = 0.5, bottom = 1, left = 0.1, right = 0.9 }
 parameters.least_area_px2 = 300
 parameters.most_lines = 4
-parameters.along = true
 parameters.least_length = 2.5
 parameters.ycy_threshold = 0.1
 parameters.dy_threshold = 0.1
@@ -296,7 +312,7 @@ parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
                                  300,
                                  2.5,
                                  4,
-                                 true,
+                                 false,
                                  0.1,
                                  LanePair::kInnermost,
                                  0.6,

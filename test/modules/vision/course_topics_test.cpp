@@ -125,6 +125,26 @@ TEST_F(CourseTopicsTest, DropAResultFromBeforeAPause) {
   EXPECT_THAT(texts_, IsEmpty());
 }
 
+// It passed for one of the pictures since then.
+TEST_F(CourseTopicsTest, CheckThemselvesWithoutAResultFromBeforeAPause) {
+  Start();
+  auto text = Listen("qr_detector/qr_info", texts_);
+  worker_.hangs = true;
+  Shoot();
+  text.reset();
+  Run(Milliseconds(500));
+  text = Listen("qr_detector/qr_info", texts_);
+  worker_.Finish(worker_.shots[0]);
+  EXPECT_EQ(Failing(), "no picture came on robot1/image_rgb");
+  worker_.fault = Error{5912, "the detector failed: out of luck"};
+  worker_.Finish(worker_.shots[0]);
+  EXPECT_EQ(Failing(), "no picture came on robot1/image_rgb");
+  worker_.fault.reset();
+  worker_.hangs = false;
+  Shoot();
+  EXPECT_EQ(Failing(), "");
+}
+
 TEST_F(CourseTopicsTest, RefuseInvalidPicturesAndLogItOnce) {
   Start();
   const auto text = Listen("qr_detector/qr_info", texts_);

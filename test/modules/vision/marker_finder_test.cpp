@@ -128,6 +128,8 @@ MarkerLook LookBeforeWarmWall(int radius_px, const cv::Scalar& color) {
   return LookForMarker(bgr, LightParameters());
 }
 
+const cv::Scalar kOverexposed(235, 252, 255);  // the core of a lamp
+
 // Each picture of a hall in warm light was a doubt.
 TEST(Light, BeforeAWallOfItsColourIsSeenAndThatThereIsNone) {
   const MarkerLook wall = LookForMarker(WarmWall(), LightParameters());
@@ -151,8 +153,50 @@ TEST(Light, BeforeAWallOfItsColourMayHaveAWhiteCore) {
   EXPECT_EQ(lamp.doubt, "");
 }
 
+// It was neither a light nor a doubt: the robot walked on.
+TEST(Light, BeforeAWallOfItsColourIsNoneNowhereWhereItIsOverexposed) {
+  for (const int x : {180, 450}) {
+    for (const bool is_all_white : {false, true}) {
+      cv::Mat bgr = WarmWall();
+      cv::circle(bgr, {x, 150}, 54, {60, 200, 255}, cv::FILLED, cv::LINE_AA);
+      cv::circle(bgr, {x, 150}, is_all_white ? 55 : 40, kOverexposed, cv::FILLED, cv::LINE_AA);
+      const MarkerLook look = LookForMarker(bgr, LightParameters());
+      EXPECT_TRUE(look.marker || !look.doubt.empty()) << x << is_all_white;
+    }
+  }
+}
+
+// A farther thing that shines took the doubt of a near one away.
+TEST(Light, ThatIsFarLeavesTheDoubtOfANearOne) {
+  cv::Mat bgr = WarmWall();
+  cv::circle(bgr, {200, 150}, 60, {15, 130, 190}, cv::FILLED, cv::LINE_AA);
+  cv::circle(bgr, {450, 150}, 20, {60, 253, 254}, cv::FILLED, cv::LINE_AA);
+  EXPECT_THAT(LookForMarker(bgr, LightParameters()).doubt, ::testing::HasSubstr("may shine"));
+  cv::circle(bgr, {450, 150}, 70, {60, 253, 254}, cv::FILLED, cv::LINE_AA);
+  const MarkerLook nearer = LookForMarker(bgr, LightParameters());
+  ASSERT_TRUE(nearer.marker);
+  EXPECT_NEAR(nearer.marker->size_px, 141, 5);
+  EXPECT_EQ(nearer.doubt, "");
+}
+
+TEST(Light, BeforeASmallWallOfItsColourIsSeen) {
+  cv::Mat bgr = GreyPicture();
+  WarmWall().rowRange(100, 210).copyTo(bgr.rowRange(100, 210));
+  EXPECT_FALSE(FindMarker(bgr, LightParameters()));
+  cv::circle(bgr, {200, 150}, 40, {60, 253, 254}, cv::FILLED, cv::LINE_AA);
+  const MarkerLook lamp = LookForMarker(bgr, LightParameters());
+  ASSERT_TRUE(lamp.marker);
+  EXPECT_NEAR(lamp.marker->size_px, 81, 5);
+}
+
+TEST(Light, BeforeAWallOfItsColourIsAmberToo) {
+  const MarkerLook lamp = LookBeforeWarmWall(40, kAmber);
+  ASSERT_TRUE(lamp.marker);
+  EXPECT_NEAR(lamp.marker->size_px, 81, 5);
+}
+
 TEST(Light, BeforeAWallOfItsColourIsNoPaperAndNoPoolOfLight) {
-  EXPECT_FALSE(LookBeforeWarmWall(40, {160, 220, 255}).marker) << "white paper";
+  EXPECT_FALSE(LookBeforeWarmWall(40, {134, 201, 255}).marker) << "white paper";
   cv::Mat bgr = WarmWall();
   for (int radius_px = 90; radius_px > 0; radius_px -= 2) {
     const double more = (90 - radius_px) * 0.7;
@@ -185,6 +229,8 @@ TEST(Light, BeforeABrightSkyHasAllTheRedAndGreen) {
   EXPECT_TRUE(FindMarker(bgr, LightParameters()));
   cv::circle(paint, {300, 150}, 40, {20, 200, 250}, cv::FILLED, cv::LINE_AA);
   EXPECT_FALSE(FindMarker(paint, LightParameters()));
+  cv::circle(paint, {300, 150}, 40, {60, 232, 250}, cv::FILLED, cv::LINE_AA);
+  EXPECT_FALSE(FindMarker(paint, LightParameters())) << "of the brightest paint";
 }
 
 TEST(Light, IsNoYellowSignWithAWhiteDisc) {
