@@ -42,14 +42,14 @@ std::string TextOf(const nlohmann::json& field) {
 }
 
 // Reckoned back there, by the clock of that host.
-std::string Since(std::int64_t since_ns, std::int64_t margin_s) {
+std::string SinceOption(std::int64_t since_ns, std::int64_t margin_s) {
   const std::int64_t ago_s = std::max<std::int64_t>(WallNow() - since_ns, 0) / 1'000'000'000;
   return "--since=-" + std::to_string(ago_s + margin_s) + "s";
 }
 
 std::string ReadScript(const HostLog& log, std::int64_t since_ns, std::size_t lines) {
   std::string script = kJournal;
-  if (since_ns != 0) script += " " + Since(since_ns, 1);
+  if (since_ns != 0) script += " " + SinceOption(since_ns, 1);
   // The newest first: they are there if the time is too short for all.
   return script + " -r -n " +
          std::to_string(lines == 0 ? kMostLines : std::min(lines, kMostLines)) + " -u " + log.unit +
@@ -142,8 +142,8 @@ std::string FollowScript(const std::vector<HostLog>& logs, const std::string& cu
                          std::int64_t since_ns) {
   std::string script = std::string("exec ") + kJournal + " -f";
   // Not --after-cursor: that leaves out the first line if the entry is of no unit that is shown.
-  script += " --no-tail " +
-            (cursor.empty() ? Since(since_ns, kConnectMargin_s) : "--cursor=" + ShellWord(cursor));
+  script += " --no-tail " + (cursor.empty() ? SinceOption(since_ns, kConnectMargin_s)
+                                            : "--cursor=" + ShellWord(cursor));
   for (const HostLog& log : logs) script += " -u " + log.unit;
   return script + "\n";
 }
