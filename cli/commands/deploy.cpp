@@ -13,6 +13,7 @@
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/config/config_file.hpp"
 #include "musher/cli/console/json_line.hpp"
+#include "musher/cli/console/signals.hpp"
 #include "musher/cli/deploy/deployment.hpp"
 #include "musher/cli/deploy/host_slot.hpp"
 #include "musher/cli/grammar/grammar.hpp"
@@ -117,6 +118,8 @@ ExitCode RunDeploy(const DeployCommand& options, const GlobalOptions& /*global*/
   const auto plan = PlanDeployment(*config, folder);
   if (!plan) return console.Fail(plan.error());
   for (const std::string& note : plan.value().notes) console.PrintError(note);
+  const UniqueFd signals = TakeEndSignals();
+  deploy.interrupt = signals.get();
   const DeployOutcome outcome = Deploy(plan.value(), deploy, [&](const std::string& step) {
     if (console.mode().terminal && !console.mode().json) console.Note(step);
   });
@@ -124,7 +127,8 @@ ExitCode RunDeploy(const DeployCommand& options, const GlobalOptions& /*global*/
     std::string text;
     for (const std::string& trouble : outcome.troubles) text += trouble + "\n";
     text += "version " + version->text + (outcome.unknown ? " may be on a host" : " is on no host");
-    return console.Fail({ExitCode::kNotDone, {kCodeFailed, text}});
+    return console.Fail(
+        {outcome.interrupted ? ExitCode::kInterrupted : ExitCode::kNotDone, {kCodeFailed, text}});
   }
   if (console.mode().json) {
     console.Print(DeployJson(plan.value(), version->text));

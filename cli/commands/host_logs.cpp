@@ -10,7 +10,8 @@
 namespace musher::cli {
 namespace {
 
-constexpr std::size_t kMostLines = 100'000;  // of one log
+constexpr std::size_t kMostLines = 100'000;    // of one log
+constexpr std::int64_t kConnectMargin_s = 10;  // a connection takes so long before it reads
 // -a: long messages, too.
 constexpr const char* kJournal =
     "journalctl -q --no-pager -a -o json --output-fields=MESSAGE,_SYSTEMD_UNIT,UNIT";
@@ -40,12 +41,15 @@ std::string TextOf(const nlohmann::json& field) {
   return text;
 }
 
+// Reckoned back there, by the clock of that host.
+std::string SinceOption(std::int64_t since_ns, std::int64_t margin_s) {
+  const std::int64_t ago_s = std::max<std::int64_t>(WallNow() - since_ns, 0) / 1'000'000'000;
+  return "--since=-" + std::to_string(ago_s + margin_s) + "s";
+}
+
 std::string ReadScript(const HostLog& log, std::int64_t since_ns, std::size_t lines) {
   std::string script = kJournal;
-  if (since_ns != 0) {  // by the clock of that host
-    const std::int64_t ago_s = std::max<std::int64_t>(WallNow() - since_ns, 0) / 1'000'000'000 + 1;
-    script += " --since=-" + std::to_string(ago_s) + "s";
-  }
+  if (since_ns != 0) script += " " + SinceOption(since_ns, 1);
   // The newest first: they are there if the time is too short for all.
   return script + " -r -n " +
          std::to_string(lines == 0 ? kMostLines : std::min(lines, kMostLines)) + " -u " + log.unit +
@@ -116,6 +120,14 @@ ReadHostLogs ReadLogsOf(const std::vector<HostLog>& logs, std::int64_t since_ns,
     for (std::size_t log = 0; log < logs.size(); ++log) {
       if (logs[log].host != queries[i].host) continue;
       std::vector<WrittenLine>& of_one = by_unit[logs[log].unit];
+      const bool all = lines == 0 || lines > kMostLines;
+      if (all && of_one.size() >= kMostLines && !answer.cut) {
+        read.troubles.push_back("host " + logs[log].host->name + " (" + logs[log].host->Login() +
+                                "): of " + logs[log].actuator + " only the newest " +
+                                std::to_string(kMostLines) +
+                                " lines are read, older ones are missing; all are in `ssh " +
+                                logs[log].host->Login() + " journalctl -u " + logs[log].unit + "`");
+      }
       std::reverse(of_one.begin(), of_one.end());
       read.entries[log] = LogEntriesOf(logs[log].actuator, of_one);
     }
@@ -126,10 +138,12 @@ ReadHostLogs ReadLogsOf(const std::vector<HostLog>& logs, std::int64_t since_ns,
   return read;
 }
 
-std::string FollowScript(const std::vector<HostLog>& logs, const std::string& cursor) {
+std::string FollowScript(const std::vector<HostLog>& logs, const std::string& cursor,
+                         std::int64_t since_ns) {
   std::string script = std::string("exec ") + kJournal + " -f";
   // Not --after-cursor: that leaves out the first line if the entry is of no unit that is shown.
-  script += cursor.empty() ? " -n 0" : " --no-tail --cursor=" + ShellWord(cursor);
+  script += " --no-tail " + (cursor.empty() ? SinceOption(since_ns, kConnectMargin_s)
+                                            : "--cursor=" + ShellWord(cursor));
   for (const HostLog& log : logs) script += " -u " + log.unit;
   return script + "\n";
 }

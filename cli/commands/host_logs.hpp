@@ -3,6 +3,7 @@
 //
 // Threads: any; blocks.
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -42,8 +43,9 @@ ReadHostLogs ReadLogsOf(const std::vector<HostLog>& logs, std::int64_t since_ns,
                         Duration within = Milliseconds(10'000));
 
 // The script that prints the lines of these logs of one host from this cursor on, with the entry
-// that it names; empty: new ones.
-std::string FollowScript(const std::vector<HostLog>& logs, const std::string& cursor);
+// that it names; empty: those since a time by our clock, and some seconds before it.
+std::string FollowScript(const std::vector<HostLog>& logs, const std::string& cursor,
+                         std::int64_t since_ns);
 // A line of that script; nullopt: it is of none of them.
 struct JournalLine {
   std::string unit;

@@ -85,12 +85,14 @@ class LogPrinter {
 // Prints what is appended to the logs until Ctrl-C.
 class LogFollower {
  public:
-  // `positions`: of the other hosts, from where their lines follow.
+  // `positions`: of the other hosts, from where their lines follow; since `begun_ns` where that is
+  // not known.
   LogFollower(const std::vector<ShownLog>& logs, const std::vector<HostLog>& host_logs,
-              std::map<const HostConfig*, JournalPosition> positions, LogPrinter& printer,
-              Console& console)
+              std::map<const HostConfig*, JournalPosition> positions, std::int64_t begun_ns,
+              LogPrinter& printer, Console& console)
       : printer_(printer),
         console_(console),
+        begun_ns_(begun_ns),
         signals_(TakeEndSignals()),
         changes_(inotify_init1(IN_CLOEXEC | IN_NONBLOCK)) {
     for (const ShownLog& log : logs) {
@@ -150,7 +152,8 @@ class LogFollower {
   }
 
   void Follow(HostTail& tail) {
-    auto script = HostScript::Start(*tail.host, FollowScript(tail.logs, tail.position.cursor));
+    auto script =
+        HostScript::Start(*tail.host, FollowScript(tail.logs, tail.position.cursor, begun_ns_));
     if (!script) return FollowAgain(tail, script.error().message);
     tail.script.emplace(std::move(script).value());
     tail.watch = loop_.WhenReadable(tail.script->output(), [this, &tail] { OnLines(tail); });
@@ -219,6 +222,7 @@ class LogFollower {
 
   LogPrinter& printer_;
   Console& console_;
+  std::int64_t begun_ns_;
   UniqueFd signals_;
   UniqueFd changes_;
   std::vector<Tail> tails_;
@@ -297,6 +301,7 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
   }
   // A level may leave out most of the lines.
   const bool filtered = filter.level > LogLevel::kDebug;
+  const std::int64_t begun_ns = WallNow();
   ReadHostLogs there = ReadLogsOf(host_logs, filter.since_ns, filtered ? 0 : lines);
   for (const std::string& trouble : there.troubles) console.PrintError(trouble);
   for (auto& of_one : there.entries) all.push_back(std::move(of_one));
@@ -307,7 +312,7 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
   printer.Print(entries);
   const bool nothing = logs.empty() && !there.troubles.empty() && entries.empty();
   if (!options.follow) return nothing ? ExitCode::kNotDone : ExitCode::kDone;
-  return LogFollower(logs, host_logs, std::move(there.positions), printer, console).Run();
+  return LogFollower(logs, host_logs, std::move(there.positions), begun_ns, printer, console).Run();
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -40,6 +41,31 @@ std::optional<SlotPath> SlotPathIn(const std::string& word) {
   return std::nullopt;
 }
 
+// The parts of "/opt/robot/current/lib:/usr/lib".
+std::vector<std::string> PathsOf(const std::string& value) {
+  std::vector<std::string> paths;
+  std::istringstream stream(value);
+  for (std::string path; std::getline(stream, path, ':');) paths.push_back(path);
+  return paths;
+}
+
+// In PEM, as all of openssl, ssh and `musher ota keygen` are.
+bool HoldsPrivateKey(const std::string& file) {
+  constexpr std::size_t kRead = 64 << 10;  // bytes; a key comes early, after certificates at most
+  std::string text(kRead, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  constexpr std::string_view kBegin = "-----BEGIN";
+  for (std::size_t at = text.find(kBegin); at != std::string::npos;
+       at = text.find(kBegin, at + 1)) {
+    if (at != 0 && text[at - 1] != '\n') continue;
+    const std::string line = text.substr(at, text.find('\n', at) - at);
+    if (line.find("PRIVATE KEY") != std::string::npos) return true;
+  }
+  return false;
+}
+
 class Planner {
  public:
   Planner(const MachineConfig& config, std::string from) : config_(config), from_(std::move(from)) {
@@ -66,16 +92,20 @@ class Planner {
   void Take(const ActuatorConfig& actuator) {
     bool in_root = false;
     bool has_config = false;
+    config_folder_.clear();
     const auto take = [&](const std::string& word, bool is_config) {
       const auto named = SlotPathIn(word);
       if (!named || !TakeRoot(actuator, named->root)) return;
       in_root = true;
       has_config |= is_config;
       if (named->path.empty()) return;
+      if (is_config) config_folder_ = fs::path(named->path).parent_path();
       is_config ? Put(actuator, named->path, config_.file) : Find(actuator, named->path, true);
     };
     for (const std::string& word : actuator.command) take(word, false);
-    for (const auto& [name, value] : actuator.env) take(value, name == "MUSHER_CONFIG");
+    for (const auto& [name, value] : actuator.env) {
+      for (const std::string& part : PathsOf(value)) take(part, name == "MUSHER_CONFIG");
+    }
     const auto cwd = SlotPathIn(actuator.cwd);
     if (cwd && TakeRoot(actuator, cwd->root)) {
       in_root = true;
@@ -120,33 +150,88 @@ class Planner {
       }
       return;
     }
-    if (!fs::is_directory(found, error)) return Put(actuator, path, found.string());
+    if (!fs::is_directory(found, error)) return PutNamed(actuator, path, found.string());
     for (auto at = fs::recursive_directory_iterator(found, error);
          !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
-      if (!at->is_regular_file(error)) continue;
+      if (!at->is_regular_file(error) || IsSecret(at->path())) continue;
       Put(actuator, (path / at->path().lexically_relative(found)).lexically_normal().string(),
           at->path().string());
     }
     if (error) Refuse(actuator, found.string() + ": " + error.message());
   }
 
+  bool IsInKeys(const fs::path& file) const {
+    if (config_.keys.empty()) return false;
+    std::error_code error;
+    const fs::path inside = fs::weakly_canonical(file, error)
+                                .lexically_relative(fs::weakly_canonical(config_.keys, error));
+    return !inside.empty() && *inside.begin() != "..";
+  }
+
+  // Of a file in a folder that a word names. TakeKeys() alone copies keys.
+  bool IsSecret(const fs::path& file) {
+    if (IsInKeys(file)) return true;
+    if (!HoldsPrivateKey(file)) return false;
+    if (noted_.insert(file).second) {
+      plan_.notes.push_back(file.string() + " is not copied: it is a private key");
+    }
+    return true;
+  }
+
+  // A file that a word names.
+  void PutNamed(const ActuatorConfig& actuator, const std::string& path,
+                const std::string& source) {
+    if (IsInKeys(source)) {
+      std::error_code error;
+      for (const std::string& own : KeysOf(actuator)) {
+        if (fs::equivalent(own, source, error)) return;
+      }
+      return Refuse(actuator, source + " is none of its own keys, which alone are copied");
+    }
+    if (HoldsPrivateKey(source)) {
+      return Refuse(actuator, source +
+                                  " is a private key, and no key but its own of `musher keys` is "
+                                  "copied; put it on the host yourself, outside of " +
+                                  host_.root);
+    }
+    Put(actuator, path, source);
+  }
+
+  std::vector<std::string> KeysOf(const ActuatorConfig& actuator) const {
+    const transport::keys::KeyFolder keys(config_.keys);
+    return {keys.IdentityCa(),
+            keys.PermissionsCa(),
+            keys.Governance(),
+            keys.Revocations(),
+            keys.Certificate(actuator.name),
+            keys.Permissions(actuator.name),
+            keys.Key(actuator.name)};
+  }
+
   void TakeKeys(const ActuatorConfig& actuator) {
     if (config_.keys.empty()) return;
+    const std::string& user = actuator.limits.user;
+    if (!user.empty() && user != host_.host->user) {
+      return Refuse(actuator,
+                    fmt::format("its limits.user {} could not read its key, which belongs to the "
+                                "login of host {}; leave out limits.user, or set host.{}.user = "
+                                "\"{}\"",
+                                user, host_.host->name, host_.host->name, user));
+    }
     const fs::path inside = fs::path(config_.keys).lexically_relative(folder_);
     if (inside.empty() || *inside.begin() == "..") {
       return Refuse(actuator, "its keys are in " + config_.keys + ", which is not below " +
                                   folder_.string() + ": they have no place in a slot");
     }
-    const transport::keys::KeyFolder keys(config_.keys);
-    for (const std::string& file : {keys.IdentityCa(), keys.PermissionsCa(), keys.Governance(),
-                                    keys.Revocations(), keys.Certificate(actuator.name),
-                                    keys.Permissions(actuator.name), keys.Key(actuator.name)}) {
+    const std::string revocations = transport::keys::KeyFolder(config_.keys).Revocations();
+    for (const std::string& file : KeysOf(actuator)) {
       std::error_code error;
       if (!fs::exists(file, error)) {
-        if (file != keys.Revocations()) Refuse(actuator, file + " is missing; see `musher keys`");
+        if (file != revocations) Refuse(actuator, file + " is missing; see `musher keys`");
         continue;
       }
-      Put(actuator, (inside / fs::path(file).filename()).string(), file);
+      // Where the process looks for them: the config names them from its own folder.
+      Put(actuator, (config_folder_ / inside / fs::path(file).filename()).string(), file);
     }
   }
 
@@ -162,8 +247,10 @@ class Planner {
   const MachineConfig& config_;
   std::string from_;
   fs::path folder_;
+  fs::path config_folder_;  // of the config in the slot, of one actuator
   HostFiles host_;
   DeployPlan plan_;
+  std::set<fs::path> noted_;
   std::string errors_;
 };
 

@@ -1,6 +1,7 @@
 #include "musher/cli/deploy/deployment.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
 
 #include <charconv>
 #include <cstdlib>
@@ -26,6 +27,7 @@ constexpr Duration kLookWithin = Milliseconds(10'000);
 constexpr Duration kSendWithin = std::chrono::minutes(15);
 constexpr Duration kStageWithin = std::chrono::minutes(5);
 constexpr Duration kSwitchWithin = std::chrono::minutes(1);
+constexpr Duration kUndoWithin = kStageWithin;     // it reads the whole version before
 constexpr std::uint64_t kDeployReserve = 4 << 20;  // bytes, for folders and the state of the slots
 constexpr int kSshFailed = 255;                    // its exit code when it has not reached the host
 
@@ -64,15 +66,20 @@ std::uint64_t SizeOf(const HostFiles& files) {
 }
 
 std::string LookScript(const std::string& root) {
-  return "place=" + ShellWord(root) + R"sh(
+  return "root=" + ShellWord(root) + R"sh(
+place=$root
 until [ -d "$place" ]; do place=$(dirname "$place"); done
+beside=$(dirname "$root")
+until [ -d "$beside" ]; do beside=$(dirname "$beside"); done
 command -v musher >/dev/null && echo "version $(musher --version </dev/null)"
 command -v tar >/dev/null || echo "missing tar"
 echo "processor$(od -An -tx1 -j18 -N2 /proc/self/exe)"
 echo "arch $(uname -m)"
 set -- $(df -Pk "$place" | tail -n 1)
 echo "free $4"
+echo "user $(id -un)"
 [ -w "$place" ] || echo "unwritable $place"
+[ -w "$beside" ] || echo "unwritable-beside $beside"
 )sh";
 }
 
@@ -99,9 +106,16 @@ std::string Misfit(const HostFiles& files, const std::vector<std::string>& lines
         "{}/ of --from",
         source, facts["arch"], files.host->name);
   }
+  if (facts.contains("unwritable-beside")) {
+    return fmt::format(
+        "its user {} may not write {}, where the files are kept beside {} while they are sent; set "
+        "`user` to root, or name a root in a folder of {}",
+        facts["user"], facts["unwritable-beside"], files.root, facts["user"]);
+  }
   if (facts.contains("unwritable")) {
-    return fmt::format("its user may not write {}; set `user` to root, or run there: chown {}",
-                       facts["unwritable"], facts["unwritable"]);
+    return fmt::format(
+        "its user {} may not write {}; set `user` to root, or run there as root: chown -R {} {}",
+        facts["user"], facts["unwritable"], facts["user"], ShellWord(facts["unwritable"]));
   }
   const std::string& free = facts["free"];
   std::uint64_t free_kib = 0;
@@ -175,7 +189,7 @@ struct StepAnswer {
 
 // A step of host_slot.hpp on each of these hosts, at the same time.
 std::vector<StepAnswer> TakeOn(const std::vector<const HostFiles*>& hosts, const std::string& step,
-                               const DeployOptions& options, Duration within) {
+                               const DeployOptions& options, Duration within, int interrupt = -1) {
   std::vector<HostQuery> queries;
   for (const HostFiles* files : hosts) {
     std::string command = "musher deploy --step " + step + " --root " + ShellWord(files->root) +
@@ -185,7 +199,7 @@ std::vector<StepAnswer> TakeOn(const std::vector<const HostFiles*>& hosts, const
         {files->host, command + " 2>&1 </dev/null\necho \"" + std::string(kStepExit) + "$?\"\n"});
   }
   std::vector<StepAnswer> taken;
-  for (const HostAnswer& answer : QueryHosts(queries, within)) {
+  for (const HostAnswer& answer : QueryHosts(queries, within, interrupt)) {
     const HostConfig& host = *queries[taken.size()].host;
     StepAnswer& one = taken.emplace_back();
     const std::string end = answer.lines.empty() ? "" : answer.lines.back();
@@ -212,12 +226,12 @@ std::vector<std::string> TroublesOf(const std::vector<StepAnswer>& answers) {
   return troubles;
 }
 
-std::vector<std::string> LookAt(const DeployPlan& plan) {
+std::vector<std::string> LookAt(const DeployPlan& plan, int interrupt) {
   std::vector<HostQuery> queries;
   for (const HostFiles& files : plan.hosts) {
     queries.push_back({files.host, LookScript(files.root)});
   }
-  const std::vector<HostAnswer> answers = QueryHosts(queries, kLookWithin);
+  const std::vector<HostAnswer> answers = QueryHosts(queries, kLookWithin, interrupt);
   std::vector<std::string> troubles;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     if (!answers[i].trouble.empty()) {
@@ -229,24 +243,31 @@ std::vector<std::string> LookAt(const DeployPlan& plan) {
   return troubles;
 }
 
-// One host was not switched, or it is not known: none is to be.
-DeployOutcome Undo(const std::vector<const HostFiles*>& hosts, std::vector<StepAnswer> switched,
-                   const DeployOptions& options) {
+// One host was not switched, or it is not known: none is to be. Also one that refused the switch:
+// its state may be of the new version, and its link of the old one.
+DeployOutcome Undo(const std::vector<const HostFiles*>& hosts,
+                   const std::vector<StepAnswer>& switched, const DeployOptions& options) {
   DeployOutcome outcome{TroublesOf(switched)};
-  std::vector<const HostFiles*> back;
+  const std::vector<StepAnswer> undone = TakeOn(hosts, "undo", options, kUndoWithin);
   for (std::size_t i = 0; i < hosts.size(); ++i) {
-    if (switched[i].trouble.empty() || switched[i].unknown) back.push_back(hosts[i]);
-  }
-  const std::vector<StepAnswer> undone = TakeOn(back, "undo", options, kSwitchWithin);
-  for (std::size_t i = 0; i < back.size(); ++i) {
     if (undone[i].trouble.empty()) continue;
     outcome.unknown = true;
     outcome.troubles.push_back(undone[i].trouble + "; it may run version " + options.version.text +
-                               " now: once it is reached, run `ssh " + back[i]->host->Login() +
-                               " musher deploy --step undo --root " + back[i]->root +
-                               " --version " + options.version.text + "`");
+                               " now: once it is reached, run `ssh " + hosts[i]->host->Login() +
+                               " musher deploy --step undo --root " +
+                               ShellWord(ShellWord(hosts[i]->root)) + " --version " +
+                               options.version.text + "`");
   }
   return outcome;
+}
+
+bool IsInterrupted(const DeployOptions& options) {
+  pollfd waiting{options.interrupt, POLLIN, 0};
+  return poll(&waiting, 1, 0) == 1;
+}
+
+DeployOutcome Interrupted() {
+  return {{"interrupted"}, /*unknown=*/false, /*interrupted=*/true};
 }
 
 }  // namespace
@@ -256,7 +277,9 @@ DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,
   std::vector<const HostFiles*> hosts;
   for (const HostFiles& files : plan.hosts) hosts.push_back(&files);
   progress("look");
-  if (auto troubles = LookAt(plan); !troubles.empty()) return {troubles};
+  auto misfits = LookAt(plan, options.interrupt);
+  if (IsInterrupted(options)) return Interrupted();
+  if (!misfits.empty()) return {misfits};
   for (const HostFiles* files : hosts) {
     progress("send to " + files->host->name);
     const TemporaryFolder folder;
@@ -264,12 +287,13 @@ DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,
     if (const auto made = MakeBundleOf(*files, options, folder.path()); !made) {
       return {{OnHost(*files->host) + made.error().message}};
     }
-    if (std::string trouble = SendTo(*files, folder.path()); !trouble.empty()) {
-      return {{trouble}};
-    }
+    const std::string trouble = SendTo(*files, folder.path());
+    if (IsInterrupted(options)) return Interrupted();
+    if (!trouble.empty()) return {{trouble}};
   }
   progress("stage");
-  const auto staged = TakeOn(hosts, "stage", options, kStageWithin);
+  const auto staged = TakeOn(hosts, "stage", options, kStageWithin, options.interrupt);
+  if (IsInterrupted(options)) return Interrupted();
   if (auto troubles = TroublesOf(staged); !troubles.empty()) return {troubles};
   progress("switch");
   const auto switched = TakeOn(hosts, "switch", options, kSwitchWithin);

@@ -5,7 +5,8 @@
 //     │       │       │         └──▶ undo, where one has failed
 //     └───────┴───────┴──▶ end, every host runs what it ran
 //
-// Each step is taken on all hosts before the next one. Every wait has an end.
+// Each step is taken on all hosts before the next one. Every wait has an end. A switch that was
+// begun is not interrupted.
 //
 // Threads: any; blocks.
 
@@ -25,11 +26,13 @@ struct DeployOptions {
   std::string public_pem;  // for a host without a root
   std::string created;
   ota::InstallOptions install;
+  int interrupt = -1;  // descriptor that is readable once it is to end; -1: none
 };
 
 struct DeployOutcome {
   std::vector<std::string> troubles;  // each with its host; empty: all hosts have the version
   bool unknown = false;               // one may have it, with troubles
+  bool interrupted = false;           // before the switch, with troubles
 };
 // `progress` is called with each step.
 DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,

@@ -1,5 +1,10 @@
 #include "musher/cli/deploy/host_slot.hpp"
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "musher/base/words.hpp"
 #include "musher/ota/fault.hpp"
 
 namespace musher::cli {
@@ -15,10 +20,52 @@ std::string NewRoot(const std::string& root) {
   return root + ".new";
 }
 
+// A first version that was switched back: its processes may still run from it.
+std::string UndoneRoot(const std::string& root) {
+  return root + ".undone";
+}
+
 Result<bool> HasPath(Disk& disk, const std::string& path) {
   const auto info = disk.Look(path);
   if (!info) return info.error();
   return info.value().kind != Disk::Kind::kNothing;
+}
+
+// Whether the program or the working directory of a process is in this folder. Without root only
+// the processes of its own user are seen.
+Result<> CheckNoProcessFrom(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const std::string below = fs::weakly_canonical(folder, error).string() + "/";
+  for (auto at = fs::directory_iterator("/proc", error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    const std::string pid = at->path().filename().string();
+    if (!std::all_of(pid.begin(), pid.end(), [](char c) { return c >= '0' && c <= '9'; })) continue;
+    for (const char* link : {"exe", "cwd"}) {
+      std::error_code unseen;
+      const std::string target = fs::read_symlink(at->path() / link, unseen).string() + "/";
+      if (unseen || !target.starts_with(below)) continue;
+      std::string name;
+      std::getline(std::ifstream(at->path() / "comm"), name);
+      return Error{kCodeTargetBusy, "process " + pid + " (" + name + ") runs from " + folder +
+                                        " still, which would be written over: `musher restart` "
+                                        "its actuator first"};
+    }
+  }
+  return Ok();
+}
+
+// The link is what the programs of a host are started by.
+Result<> CheckLink(Disk& disk, const ota::Root& root) {
+  const auto state = root.State();
+  if (!state) return state.error();
+  const std::string link = root.path() + "/current";
+  const auto target = disk.ReadLink(link);
+  if (!target) return target.error();
+  const std::string right = "slots/" + std::string(ota::SlotName(state.value().confirmed));
+  if (target.value() == right) return Ok();
+  return Error{kCodeFailed, link + " leads to " + target.value() + " still: it was not replaced; " +
+                                "run there: ln -sfn " + right + " " + ShellWord(link)};
 }
 
 Result<> StageFirst(Disk& disk, const std::string& root, const std::string& bundle) {
@@ -41,10 +88,14 @@ Result<> StageNext(Disk& disk, const std::string& path, const std::string& bundl
                    ota::InstallOptions options) {
   const auto root = ota::Root::Open(disk, path);
   if (!root) return root.error();
+  // Else the programs run from the slot that would be written.
+  if (auto linked = CheckLink(disk, root.value()); !linked) return linked;
   auto installation = ota::Installation::Begin(root.value(), bundle, options, std::nullopt);
   if (!installation) return installation.error();
   ota::Installation& steps = installation.value();
   if (auto r = steps.Check({}); !r) return r;
+  const std::string slot = root.value().SlotFolder(steps.slot());
+  if (auto idle = CheckNoProcessFrom(slot); !idle) return idle;
   if (auto r = steps.Prepare(); !r) return r;
   if (auto r = steps.Copy({}); !r) return r;
   return steps.CheckWritten({});
@@ -64,20 +115,47 @@ Result<std::optional<std::string>> PresentVersion(Disk& disk, const std::string&
   return std::optional(version.value().text);
 }
 
-Result<> SwitchToFirst(Disk& disk, const std::string& root) {
+Error NotStaged(const std::string& version) {
+  return {
+      kCodeTargetBusy,
+      "version " + version +
+          " is not staged any more: another installation was begun meanwhile, or it was undone"};
+}
+
+Result<> SwitchToFirst(Disk& disk, const std::string& root, const std::string& version) {
+  const auto staged = PresentVersion(disk, NewRoot(root));
+  if (!staged) return staged.error();
+  if (staged.value() != version) return NotStaged(version);
   if (auto renamed = disk.Rename(NewRoot(root), root); !renamed) return renamed;
   return disk.Sync(ota::FolderOf(root));
 }
 
-// The link is what the programs of a host are started by.
-Result<> CheckLink(Disk& disk, const ota::Root& root) {
+Result<> PutAside(Disk& disk, const std::string& from, const std::string& root) {
+  if (auto removed = ota::RemoveAll(disk, UndoneRoot(root)); !removed) return removed;
+  if (auto renamed = disk.Rename(from, UndoneRoot(root)); !renamed) return renamed;
+  return disk.Sync(ota::FolderOf(root));
+}
+
+// A switch that a lost connection has left behind does not find its version any more.
+Result<> Withdraw(const ota::Root& root, const std::string& version) {
   const auto state = root.State();
   if (!state) return state.error();
-  const std::string link = root.path() + "/current";
-  const auto target = disk.ReadLink(link);
-  if (!target) return target.error();
-  if (target.value() == "slots/" + std::string(ota::SlotName(state.value().confirmed))) return Ok();
-  return Error{kCodeFailed, link + " leads to " + target.value() + " still: it was not replaced"};
+  if (state.value().installing != version) return Ok();
+  return root.Change([&](const SlotState& now) -> Result<SlotState> {
+    SlotState next = now;
+    if (next.installing == version) next.installing.clear();
+    return next;
+  });
+}
+
+// Nothing else was ever in this root.
+Result<bool> IsFirst(const ota::Root& root) {
+  const auto state = root.State();
+  if (!state) return state.error();
+  const std::string other = root.SlotFolder(ota::Other(state.value().confirmed));
+  const auto names = root.disk().List(other);
+  if (!names) return names.error();
+  return names.value().empty() && !state.value().last && state.value().installing.empty();
 }
 
 }  // namespace
@@ -111,20 +189,17 @@ Result<> StageSlot(Disk& disk, const std::string& root, const std::string& versi
 Result<> SwitchSlot(Disk& disk, const std::string& path, const std::string& version) {
   const auto present = PresentVersion(disk, path);
   if (!present) return present.error();
-  if (present.value() == version) return Ok();
-  if (!present.value()) return SwitchToFirst(disk, path);
+  if (!present.value()) return SwitchToFirst(disk, path, version);
   const auto root = ota::Root::Open(disk, path);
   if (!root) return root.error();
+  if (present.value() == version) return CheckLink(disk, root.value());
   const auto lock = disk.Take(root.value().InstallLock(), /*wait=*/false);
   if (!lock) return lock.error();
   auto marked = root.value().Change([&](const SlotState& state) -> Result<SlotState> {
-    const auto staged = root.value().Look(ota::Other(state.confirmed));
+    // Its files were read back when it was staged.
+    const auto staged = root.value().LookAtManifest(ota::Other(state.confirmed));
     if (!staged) return staged.error();
-    if (staged.value().text != version || state.installing != version) {
-      return Error{kCodeTargetBusy, "version " + version +
-                                        " is not staged any more: another "
-                                        "installation was begun meanwhile"};
-    }
+    if (staged.value().text != version || state.installing != version) return NotStaged(version);
     SlotState next = state;
     next.on_trial_boot = true;
     next.started = next.taking_down = false;
@@ -137,19 +212,34 @@ Result<> SwitchSlot(Disk& disk, const std::string& path, const std::string& vers
 }
 
 Result<> UndoSlot(Disk& disk, const std::string& path, const std::string& version) {
-  const auto present = PresentVersion(disk, path);
+  auto present = PresentVersion(disk, path);
   if (!present) return present.error();
-  if (present.value() != version) return Ok();
+  if (!present.value()) {
+    const auto staged = PresentVersion(disk, NewRoot(path));
+    if (staged && staged.value() == version) {
+      // It fails if a switch comes first: then the version is present.
+      [[maybe_unused]] const auto aside = PutAside(disk, NewRoot(path), path);
+    }
+    present = PresentVersion(disk, path);
+    if (!present) return present.error();
+    if (!present.value()) return Ok();
+  }
   const auto root = ota::Root::Open(disk, path);
   if (!root) return root.error();
-  const auto state = root.value().State();
-  if (!state) return state.error();
-  const bool first = !root.value().LookAtManifest(ota::Other(state.value().confirmed));
-  if (first) {
-    if (auto removed = ota::RemoveAll(disk, NewRoot(path)); !removed) return removed;
-    if (auto renamed = disk.Rename(path, NewRoot(path)); !renamed) return renamed;
-    return disk.Sync(ota::FolderOf(path));
+  {
+    const auto lock = disk.Take(root.value().InstallLock(), /*wait=*/true);
+    if (!lock) return lock.error();
+    // Now no switch is at work.
+    present = PresentVersion(disk, path);
+    if (!present) return present.error();
+    if (present.value() == version) {
+      const auto first = IsFirst(root.value());
+      if (!first) return first.error();
+      if (first.value()) return PutAside(disk, path, path);
+    }
+    if (auto withdrawn = Withdraw(root.value(), version); !withdrawn) return withdrawn;
   }
+  if (present.value() != version) return CheckLink(disk, root.value());
   const auto previous = ota::MarkRollback(root.value(), std::nullopt);
   if (!previous) return previous.error();
   if (auto ended = root.value().EndTrialBoot(previous.value().text, Ok()); !ended) return ended;

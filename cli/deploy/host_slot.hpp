@@ -4,6 +4,7 @@
 //
 //   ROOT.incoming/   bundle/ and ota.pub, as they were sent
 //   ROOT.new/        a new root with its first version, until it is switched to
+//   ROOT.undone/     the same after it was switched back
 //
 // No controller runs on such a host, which could try a version: what is switched to is confirmed.
 //
@@ -18,15 +19,16 @@ namespace musher::cli {
 std::string IncomingFolder(const std::string& root);
 
 // Writes the version that was sent into the slot that does not run, or into a new root. Refuses
-// what an upgrade refuses: a version that is not newer, an altered file, too little space.
+// what an upgrade refuses: a version that is not newer, an altered file, too little space. Refuses
+// to write over a slot from which a process still runs.
 Result<> StageSlot(ota::Disk& disk, const std::string& root, const std::string& version,
                    ota::InstallOptions options);
 
 // Makes the staged version the one that runs.
 Result<> SwitchSlot(ota::Disk& disk, const std::string& root, const std::string& version);
 
-// Makes the version before it the one that runs again; nothing happens if `version` is not the one
-// that runs. A root that it was the first of is put aside.
+// Makes the version before `version` run again, where `version` runs. A root with no other version
+// is put aside. `version` is not switched to afterwards, unless it is staged again.
 Result<> UndoSlot(ota::Disk& disk, const std::string& root, const std::string& version);
 
 }  // namespace musher::cli

@@ -148,7 +148,8 @@ std::string HostScript::Trouble() {
          "): " + SshTroubleOf(why, host_.Login()).text;
 }
 
-std::vector<HostAnswer> QueryHosts(const std::vector<HostQuery>& queries, Duration within) {
+std::vector<HostAnswer> QueryHosts(const std::vector<HostQuery>& queries, Duration within,
+                                   int interrupt) {
   const Time until = std::chrono::steady_clock::now() + within;
   std::vector<HostAnswer> answers(queries.size());
   std::vector<std::optional<HostScript>> scripts(queries.size());
@@ -169,7 +170,9 @@ std::vector<HostAnswer> QueryHosts(const std::vector<HostQuery>& queries, Durati
     if (waits.empty()) break;
     const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
     if (left_ms <= 0) break;
+    waits.push_back({interrupt, POLLIN, 0});
     poll(waits.data(), waits.size(), static_cast<int>(left_ms));
+    if (waits.back().revents != 0) break;
     for (std::size_t i = 0; i < scripts.size(); ++i) {
       if (!scripts[i] || scripts[i]->Read()) continue;
       answers[i] = {scripts[i]->TakeLines(), scripts[i]->clock_offset_ns(), scripts[i]->Trouble()};

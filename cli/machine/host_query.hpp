@@ -67,7 +67,9 @@ struct HostQuery {
   std::string script;
 };
 
-// In the order of the queries.
-std::vector<HostAnswer> QueryHosts(const std::vector<HostQuery>& queries, Duration within);
+// In the order of the queries. `interrupt`: once this descriptor is readable, what has not ended is
+// given up; -1: none.
+std::vector<HostAnswer> QueryHosts(const std::vector<HostQuery>& queries, Duration within,
+                                   int interrupt = -1);
 
 }  // namespace musher::cli

@@ -2,6 +2,8 @@
 // real one it is tested in test/integration/hosts.
 
 #include <gmock/gmock.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -9,8 +11,11 @@
 #include <fstream>
 #include <string>
 #include <tuple>
+#include <utility>
 
+#include "musher/base/exit_status.hpp"
 #include "musher/base/files.hpp"
+#include "musher/base/program.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/cli/program.hpp"
 #include "musher/test/support/paths.hpp"
@@ -49,7 +54,13 @@ class Deployed : public ::testing::Test {
     Write("robot.toml", text);
     EXPECT_EQ(RunProgram({"ota", "keygen", folder_ / "dog"}).exit, 0);
   }
-  ~Deployed() override { setenv("PATH", path_.c_str(), 1); }
+  ~Deployed() override {
+    setenv("PATH", path_.c_str(), 1);
+    // InterruptAt() may have left a signal that is blocked.
+    sigset_t pending;
+    int taken = 0;
+    if (sigpending(&pending) == 0 && sigismember(&pending, SIGINT) == 1) sigwait(&pending, &taken);
+  }
   void SetUp() override {
     if (!SupportsHosts()) GTEST_SKIP() << "built without hosts";
   }
@@ -80,6 +91,28 @@ class Deployed : public ::testing::Test {
   void ExpectText(const std::string& text) const {
     EXPECT_EQ(ReadFile(Slot("vision") + "/bin/eyes"), text);
     EXPECT_EQ(ReadFile(Slot("payload") + "/bin/ears"), text);
+  }
+  void Edit(const std::string& what, const std::string& with) const {
+    std::string text = ReadFile(folder_ / "robot.toml");
+    const std::size_t at = text.find(what);
+    ASSERT_NE(at, std::string::npos) << what;
+    text.replace(at, what.size(), with);
+    Write("robot.toml", text);
+  }
+  void MakeKeys(const std::string& folder) const {
+    Write("robot.toml",
+          ReadFile(folder_ / "robot.toml") + "[security]\nkeys = \"" + folder + "\"\n");
+    const Ran keys = RunProgram({"keys", "init", folder_ / "robot.toml"});
+    ASSERT_EQ(keys.exit, 0) << keys.err;
+  }
+  static Ran Step(const std::string& step, const std::string& root, const std::string& version) {
+    return RunProgram({"deploy", "--step", step, "--root", root, "--version", version});
+  }
+  // As a person who presses Ctrl-C while this host takes a step.
+  void InterruptAt(const std::string& step) const {
+    OnHost("10.0.0.3", "musher",
+           "case \"$*\" in *'--step " + step + "'*) kill -INT " + std::to_string(getpid()) +
+               ";; esac\nexec " + BinDir() + "/musher \"$@\"");
   }
   void Change(const std::string& text) const {
     Write("from/bin/eyes", text);
@@ -138,8 +171,11 @@ TEST_F(Deployed, VersionIsOnNoHostIfOneOfThemDoesNotFit) {
     EXPECT_EQ(ran.exit, 1);
     EXPECT_THAT(ran.err, AllOf(HasSubstr("host payload (10.0.0.3): "), HasSubstr(misfit.reason),
                                HasSubstr("version 1.0.0 is on no host")));
-    EXPECT_FALSE(fs::exists(Root("vision")));
-    EXPECT_FALSE(fs::exists(Root("payload")));
+    for (const char* host : {"vision", "payload"}) {
+      for (const char* made : {"", ".incoming", ".new"}) {
+        EXPECT_FALSE(fs::exists(Root(host) + made)) << misfit.reason << made;
+      }
+    }
     fs::remove((folder_ / "there/") + misfit.program);
   }
 }
@@ -199,6 +235,117 @@ TEST_F(Deployed, HostThatIsLostWhileItIsSwitchedIsNamedWithWhatToDo) {
   ExpectText("#!/bin/sh\necho 1\n");
 }
 
+TEST_F(Deployed, LateSwitchFindsItsVersionWithdrawn) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  OnHost("10.0.0.3", "musher",
+         "case \"$*\" in *'--step switch'*) kill -9 $PPID; exit;; esac\nexec " + BinDir() +
+             "/musher \"$@\"");
+  const Ran ran = Deploy("1.1.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, HasSubstr("version 1.1.0 is on no host"));
+  const Ran late = Step("switch", Root("payload"), "1.1.0");
+  EXPECT_EQ(late.exit, 1);
+  EXPECT_THAT(late.err, HasSubstr("version 1.1.0 is not staged any more"));
+  ExpectText("#!/bin/sh\necho 1\n");
+  // Also of a first version.
+  for (const char* host : {"vision", "payload"}) fs::remove_all(Root(host));
+  EXPECT_EQ(Deploy("1.1.0").exit, 1);
+  EXPECT_EQ(Step("switch", Root("payload"), "1.1.0").exit, 1);
+  EXPECT_FALSE(fs::exists(Root("payload")));
+}
+
+TEST_F(Deployed, RootStaysWhereTheVersionBeforeCannotBeRead) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  const fs::path before = fs::path(Root("vision")) / fs::read_symlink(Slot("vision"));
+  Change("#!/bin/sh\necho 2\n");
+  ASSERT_EQ(Deploy("1.1.0").exit, 0);
+  fs::remove(before / "manifest.toml");
+  EXPECT_EQ(Step("undo", Root("vision"), "1.1.0").exit, 1);
+  ExpectText("#!/bin/sh\necho 2\n");
+}
+
+TEST_F(Deployed, SlotThatTheLinkLeadsToIsNotWrittenOver) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  const std::string before = fs::read_symlink(Slot("vision"));
+  Change("#!/bin/sh\necho 2\n");
+  ASSERT_EQ(Deploy("1.1.0").exit, 0);
+  fs::remove(Slot("vision"));
+  fs::create_directory_symlink(before, Slot("vision"));
+  const Ran ran = Deploy("1.2.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, HasSubstr("leads to " + before +
+                                 " still: it was not replaced; run there: "
+                                 "ln -sfn slots/"));
+  EXPECT_EQ(ReadFile(Slot("vision") + "/bin/eyes"), "#!/bin/sh\necho 1\n");
+}
+
+TEST_F(Deployed, HostWithoutItsLinkIsSwitchedBackToo) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  const std::string before = fs::read_symlink(Slot("payload"));
+  Change("#!/bin/sh\necho 2\n");
+  // Its state is that of the new version.
+  OnHost("10.0.0.3", "musher",
+         BinDir() + "/musher \"$@\" || exit\ncase \"$*\" in *'--step switch'*) ln -sfn " + before +
+             " " + Slot("payload") + "; echo 'musher: it was not replaced'; exit 1;; esac");
+  const Ran ran = Deploy("1.1.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, HasSubstr("version 1.1.0 is on no host"));
+  ExpectText("#!/bin/sh\necho 1\n");
+  Ssh("");
+  const Ran next = Deploy("1.2.0");
+  EXPECT_EQ(next.exit, 0) << next.err;
+  ExpectText("#!/bin/sh\necho 2\n");
+}
+
+TEST_F(Deployed, SlotFromWhichAProcessRunsIsNotWrittenOver) {
+  fs::copy_file("/bin/sleep", folder_ / "from/bin/eyes", fs::copy_options::overwrite_existing);
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  const auto eyes = ForkProgram({{Slot("vision") + "/bin/eyes", "1000"}, "", {}});
+  ASSERT_TRUE(eyes);
+  ASSERT_FALSE(eyes.value().Failure(std::chrono::seconds(20)));
+  EXPECT_EQ(Deploy("1.1.0").exit, 0);
+  const Ran ran = Deploy("1.2.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("process " + std::to_string(eyes.value().pid()) +
+                                       " (eyes) runs from " + Root("vision") + "/slots/"),
+                             HasSubstr("version 1.2.0 is on no host")));
+  kill(eyes.value().pid(), SIGKILL);
+  ReapChild(eyes.value().pid());
+  EXPECT_EQ(Deploy("1.2.0").exit, 0);
+}
+
+TEST_F(Deployed, InterruptedBeforeTheSwitchLeavesNothingHere) {
+  fs::create_directory(folder_ / "tmp");
+  setenv("TMPDIR", (folder_ / "tmp").c_str(), 1);
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  InterruptAt("stage");
+  const Ran ran = Deploy("1.1.0");
+  EXPECT_EQ(ran.exit, 130);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("interrupted"), HasSubstr("version 1.1.0 is on no host")));
+  ExpectText("#!/bin/sh\necho 1\n");
+  EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
+  unsetenv("TMPDIR");
+}
+
+TEST_F(Deployed, SwitchThatWasBegunIsNotInterrupted) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  InterruptAt("switch");
+  const Ran ran = Deploy("1.1.0");
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  ExpectText("#!/bin/sh\necho 2\n");
+}
+
+TEST_F(Deployed, ListInTheEnvironmentMayNameAFolderOfTheSlot) {
+  Write("from/lib/libeyes.so", "x");
+  Edit("env = { ", "env = { LD_LIBRARY_PATH = \"" + Slot("vision") + "/lib:/usr/lib\", ");
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_TRUE(fs::exists(Slot("vision") + "/lib/libeyes.so"));
+}
+
 TEST_F(Deployed, FilesThatAreMissingHereAreNamed) {
   fs::remove(folder_ / "from/bin/eyes");
   const Ran ran = Deploy("1.0.0");
@@ -207,9 +354,7 @@ TEST_F(Deployed, FilesThatAreMissingHereAreNamed) {
 }
 
 TEST_F(Deployed, KeysAreThoseOfTheActuatorsOfAHost) {
-  Write("robot.toml", ReadFile(folder_ / "robot.toml") + "[security]\nkeys = \"keys\"\n");
-  const Ran keys = RunProgram({"keys", "init", folder_ / "robot.toml"});
-  ASSERT_EQ(keys.exit, 0) << keys.err;
+  MakeKeys("keys");
   const Ran ran = Deploy("1.0.0");
   ASSERT_EQ(ran.exit, 0) << ran.err;
   const fs::path key = Slot("vision") + "/keys/eyes.key";
@@ -219,6 +364,54 @@ TEST_F(Deployed, KeysAreThoseOfTheActuatorsOfAHost) {
   for (const char* of_others : {"ears.key", "controller.key", "operator.key", "ca"}) {
     EXPECT_FALSE(fs::exists(Slot("vision") + "/keys/" + of_others)) << of_others;
   }
+}
+
+TEST_F(Deployed, FolderThatIsNamedGivesNoKeysAway) {
+  MakeKeys("from/keys");
+  fs::copy_file(folder_ / "dog.key", folder_ / "from/data.pem");
+  Write("from/id_ed25519", "-----BEGIN OPENSSH PRIVATE KEY-----\n");
+  Edit("\"eyes.toml\"", "\".\"");
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_THAT(ran.err, HasSubstr("id_ed25519 is not copied: it is a private key"));
+  EXPECT_TRUE(fs::exists(Slot("vision") + "/not_named"));
+  EXPECT_TRUE(fs::exists(Slot("vision") + "/from/keys/eyes.key"));
+  for (const auto& entry : fs::recursive_directory_iterator(Root("vision"))) {
+    if (!entry.is_regular_file() || entry.path().filename() == "eyes.key") continue;
+    EXPECT_EQ(ReadFile(entry.path()).find("PRIVATE KEY"), std::string::npos) << entry.path();
+  }
+}
+
+TEST_F(Deployed, PrivateKeyThatIsNamedIsRefused) {
+  MakeKeys("from/keys");
+  fs::copy_file(folder_ / "dog.key", folder_ / "from/data.pem");
+  for (const auto& [word, reason] :
+       {std::pair("\"data.pem\"", "data.pem is a private key"),
+        std::pair("\"keys/controller.key\"", "controller.key is none of its own keys")}) {
+    const std::string before = ReadFile(folder_ / "robot.toml");
+    Edit("\"eyes.toml\"", word);
+    const Ran ran = Deploy("1.0.0");
+    EXPECT_EQ(ran.exit, 2);
+    EXPECT_THAT(ran.err, HasSubstr(reason));
+    Write("robot.toml", before);
+  }
+}
+
+TEST_F(Deployed, KeysAreBesideTheConfigThatNamesThem) {
+  MakeKeys("keys");
+  Edit(Slot("vision") + "/robot.toml", Slot("vision") + "/etc/robot.toml");
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_TRUE(fs::exists(Slot("vision") + "/etc/keys/eyes.key"));
+  EXPECT_TRUE(fs::exists(Slot("payload") + "/keys/ears.key"));
+}
+
+TEST_F(Deployed, KeyOfAnotherUserThanTheLoginIsRefused) {
+  MakeKeys("keys");
+  Edit("[actuator.eyes]\n", "[actuator.eyes]\nuser = \"robot\"\n");
+  const Ran ran = Deploy("1.0.0");
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("limits.user robot could not read its key"));
 }
 
 TEST_F(Deployed, FilesAreNotSignedWithAKeyThatOthersMayRead) {

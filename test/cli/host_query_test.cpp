@@ -13,11 +13,13 @@
 #include <vector>
 
 #include "musher/cli/commands/host_logs.hpp"
+#include "musher/cli/console/wall_time.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::host_query_test {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -134,9 +136,25 @@ TEST_F(JournalOfOtherHosts, ThatTheUserMayNotReadSaysSo) {
 }
 
 TEST_F(JournalOfOtherHosts, IsFollowedFromWhereItWasRead) {
-  EXPECT_THAT(FollowScript({eyes_}, "s=1;i=2"),
+  EXPECT_THAT(FollowScript({eyes_}, "s=1;i=2", WallNow()),
               HasSubstr(" -f --no-tail --cursor='s=1;i=2' -u musher-dog-eyes.service"));
-  EXPECT_THAT(FollowScript({eyes_}, ""), HasSubstr(" -f -n 0 -u musher-dog-eyes.service"));
+}
+
+// The host was out of reach when it was to be read.
+TEST_F(JournalOfOtherHosts, ThatWasNotReadIsFollowedFromTheBegin) {
+  EXPECT_THAT(FollowScript({eyes_}, "", WallNow() - 60'000'000'000),
+              ContainsRegex(" -f --no-tail --since=-7[0-9]s -u musher-dog-eyes.service"));
+}
+
+TEST_F(JournalOfOtherHosts, ThatIsReadInPartSaysSo) {
+  Journal(
+      "case \"$*\" in *' -u '*) seq 100000 | sed 's/.*/{\"__CURSOR\":\"c&\",\"_SYSTEMD_UNIT\":"
+      "\"musher-dog-eyes.service\",\"MESSAGE\":\"m\"}/';; esac");
+  const ReadHostLogs read = ReadLogsOf({eyes_}, 0, 0, std::chrono::minutes(2));
+  EXPECT_EQ(read.entries.at(0).size(), 100'000U);
+  EXPECT_THAT(read.troubles,
+              ElementsAre(HasSubstr("of eyes only the newest 100000 lines are read, older ones are "
+                                    "missing; all are in `ssh root@10.0.0.2 journalctl -u ")));
 }
 
 TEST_F(OtherHosts, WithoutSshSaysWhatToInstall) {
