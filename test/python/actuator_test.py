@@ -123,6 +123,7 @@ class Actuators(unittest.TestCase):
         _, machine = self.start(program("def on_emergency_stop(self): raise ValueError('no brake')"))
         with self.assertRaisesRegex(musher.Failure, "ValueError: no brake"):
             machine.estop("test")
+        machine.release_estop()  # it would be published for a minute, to the robots of the next tests, too
 
     def test_a_stop_without_a_controller_waits_for_all_actuators_of_the_host_and_reaches_a_frozen_one_later(self):
         folder = tempfile.TemporaryDirectory()
@@ -140,6 +141,9 @@ class Actuators(unittest.TestCase):
         freeze(pids["b"])
         with self.assertRaisesRegex(musher.Failure, "not confirmed by b"):
             machine.estop("test")
+        publisher = machine._stops[-1].publisher_pid()
+        self.assertNotEqual(publisher, 0)
+        self.addCleanup(end, publisher)  # it reaches the robots of the next tests, too
         os.kill(pids["b"], signal.SIGCONT)
         with open(news, encoding="utf-8") as file:  # once b has opened it
             self.assertEqual(file.read(), "stopped")
