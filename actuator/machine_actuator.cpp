@@ -268,21 +268,20 @@ class MachineActuator::Impl {
     return own_node_ ? *own_node_ : thread.node();
   }
 
-  // Each fault of a participant once an hour: it may send any number of samples.
+  // Each fault of a participant once: it may send any number of samples.
   void LogPeerFault(const transport::PeerFault& fault) {
     constexpr std::size_t kMost = 32;
     const Time now = OwnNode(*node_).loop().Now();
-    if (now - peer_faults_since_ >= std::chrono::hours(1)) {
+    if (peer_faults_.size() >= kMost) {  // respawned processes may be others
+      if (now - peer_faults_since_ < std::chrono::hours(1)) return;
       peer_faults_.clear();
-      peer_faults_since_ = now;
     }
+    if (peer_faults_.empty()) peer_faults_since_ = now;
     const std::string what = fault.what + ", on " + fault.topic;
-    if (peer_faults_.size() >= kMost || !peer_faults_.emplace(fault.participant, what).second) {
-      return;
-    }
+    if (!peer_faults_.emplace(fault.participant, what).second) return;
     const std::string name = transport::NameOf(OwnNode(*node_), fault.participant);
-    Log(LogLevel::kWarning, (name.empty() ? "a participant without a name" : name) + " " + what +
-                                "; logged once an hour");
+    Log(LogLevel::kWarning,
+        (name.empty() ? "a participant without a name" : name) + " " + what + "; logged once");
   }
 
   void StartShell() {

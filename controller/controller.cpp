@@ -145,6 +145,7 @@ void Controller::BeginAfter(Duration listen) {
 
 // What runs here may belong to a controller of another host.
 void Controller::BeginUnlessLed() {
+  if (shell_->refused()) return;
   if (const auto& rival = shell_->rival(); rival && !options_.takeover) {
     return shell_->Refuse(Refused<Refusal::kAlreadyLed>(rival->process));
   }
@@ -161,7 +162,7 @@ void Controller::BeginUnlessLed() {
 // By its name, or by the pid that it reports: it may run without the name.
 ActuatorPeers::RunsHere Controller::RunsHere() const {
   return [this](const std::string& actuator, pid_t pid) {
-    return NameLock::IsHeld(LockOf(actuator)) || (pid > 0 && (kill(pid, 0) == 0 || errno != ESRCH));
+    return NameLock::IsHeld(LockOf(actuator)) || (pid > 0 && StartTimeOf(pid));  // not a zombie
   };
 }
 
@@ -175,6 +176,7 @@ void Controller::CountHeld() {
 
 // Waits for the statuses of running actuators: they contain the hash of their config.
 void Controller::BeginOnceReceived(Time deadline) {
+  if (shell_->refused()) return;  // meanwhile: another controller takes over
   const bool checks_configs = !options_.adopt && !options_.restarted;
   if (!checks_configs || shell_->peers().received_before_begin() >= held_ ||
       node_.loop().Now() >= deadline) {

@@ -49,9 +49,10 @@ std::vector<std::string> PathsOf(const std::string& value) {
   return paths;
 }
 
-// In PEM, as all of openssl, ssh and `musher ota keygen` are.
+// In PEM, as all of openssl, ssh and `musher ota keygen` are; also inside of JSON and YAML.
 bool HoldsPrivateKey(const std::string& file) {
-  constexpr std::size_t kRead = 64 << 10;  // bytes; a key comes early, after certificates at most
+  constexpr std::size_t kRead = 1 << 20;  // bytes; a key comes early, after certificates at most
+  constexpr std::string_view kBefore = "\n\r\t \"'";  // in a program it stands behind a NUL
   std::string text(kRead, '\0');
   std::ifstream stream(file, std::ios::binary);
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -59,7 +60,7 @@ bool HoldsPrivateKey(const std::string& file) {
   constexpr std::string_view kBegin = "-----BEGIN";
   for (std::size_t at = text.find(kBegin); at != std::string::npos;
        at = text.find(kBegin, at + 1)) {
-    if (at != 0 && text[at - 1] != '\n') continue;
+    if (at != 0 && kBefore.find(text[at - 1]) == std::string_view::npos) continue;
     const std::string line = text.substr(at, text.find('\n', at) - at);
     if (line.find("PRIVATE KEY") != std::string::npos) return true;
   }

@@ -267,7 +267,11 @@ bool IsInterrupted(const DeployOptions& options) {
 }
 
 DeployOutcome Interrupted() {
-  return {{"interrupted"}, /*unknown=*/false, /*interrupted=*/true};
+  return {
+      {"interrupted; a host that was sent a version may go on with it for a while, unseen: repeat "
+       "`musher deploy` after that"},
+      /*unknown=*/false,
+      /*interrupted=*/true};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "musher/base/words.hpp"
 #include "musher/ota/fault.hpp"
@@ -41,9 +42,15 @@ Result<> CheckNoProcessFrom(const std::string& folder) {
        at.increment(error)) {
     const std::string pid = at->path().filename().string();
     if (!std::all_of(pid.begin(), pid.end(), [](char c) { return c >= '0' && c <= '9'; })) continue;
-    for (const char* link : {"exe", "cwd"}) {
+    std::vector<fs::path> links = {at->path() / "exe", at->path() / "cwd"};
+    std::error_code closed;  // a script is open while a shell executes it
+    for (auto file = fs::directory_iterator(at->path() / "fd", closed);
+         !closed && file != fs::directory_iterator(); file.increment(closed)) {
+      links.push_back(file->path());
+    }
+    for (const fs::path& link : links) {
       std::error_code unseen;
-      const std::string target = fs::read_symlink(at->path() / link, unseen).string() + "/";
+      const std::string target = fs::read_symlink(link, unseen).string() + "/";
       if (unseen || !target.starts_with(below)) continue;
       std::string name;
       std::getline(std::ifstream(at->path() / "comm"), name);
@@ -136,14 +143,19 @@ Result<> PutAside(Disk& disk, const std::string& from, const std::string& root) 
   return disk.Sync(ota::FolderOf(root));
 }
 
-// A switch that a lost connection has left behind does not find its version any more.
-Result<> Withdraw(const ota::Root& root, const std::string& version) {
+// A switch that a lost connection has left behind does not find its version any more, and one that
+// was cut in the middle leaves no trial boot of it. `other_runs`: another version than it runs.
+Result<> Withdraw(const ota::Root& root, const std::string& version, bool other_runs) {
   const auto state = root.State();
   if (!state) return state.error();
-  if (state.value().installing != version) return Ok();
+  const auto other = root.LookAtManifest(ota::Other(state.value().confirmed));
+  const bool tries =
+      other_runs && state.value().on_trial_boot && other && other.value().text == version;
+  if (state.value().installing != version && !tries) return Ok();
   return root.Change([&](const SlotState& now) -> Result<SlotState> {
     SlotState next = now;
     if (next.installing == version) next.installing.clear();
+    if (tries) next.on_trial_boot = next.started = false;
     return next;
   });
 }
@@ -237,7 +249,8 @@ Result<> UndoSlot(Disk& disk, const std::string& path, const std::string& versio
       if (!first) return first.error();
       if (first.value()) return PutAside(disk, path, path);
     }
-    if (auto withdrawn = Withdraw(root.value(), version); !withdrawn) return withdrawn;
+    if (auto withdrawn = Withdraw(root.value(), version, present.value() != version); !withdrawn)
+      return withdrawn;
   }
   if (present.value() != version) return CheckLink(disk, root.value());
   const auto previous = ota::MarkRollback(root.value(), std::nullopt);

@@ -1,6 +1,7 @@
 #include "musher/cli/machine/why.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 
 #include "musher/base/code.hpp"
@@ -58,8 +59,10 @@ bool IsRefusedRequest(const std::string& event) {
 NewestFirst NewestFailure(const msg::GetHistory::Response& history, const std::string& actuator) {
   const NewestFirst end = history.entries.rend();
   NewestFirst refused = end;
+  std::uint64_t before = UINT64_MAX;  // ids only fall on the way back through one run
   for (NewestFirst entry = history.entries.rbegin(); entry != end; ++entry) {
-    if (refused != end && entry->epoch != refused->epoch) break;
+    if (refused != end && entry->id != 0 && entry->id >= before) break;
+    if (entry->id != 0) before = entry->id;
     if (entry->code == kCodeOk || (!actuator.empty() && entry->actuator != actuator)) continue;
     if (!IsRefusedRequest(EventOf(history, entry))) return entry;
     if (refused == end) refused = entry;
@@ -129,8 +132,7 @@ bool NeedsOlderEntries(const msg::GetHistory::Response& history, const WhyWanted
   if (!wanted.failure_only && wanted.actuator.empty()) return false;
   const NewestFirst failed = NewestFailure(history, wanted.actuator);
   if (failed == history.entries.rend()) return true;
-  return IsRefusedRequest(EventOf(history, failed)) &&
-         history.entries.front().epoch == failed->epoch;
+  return IsRefusedRequest(EventOf(history, failed));
 }
 
 }  // namespace musher::cli

@@ -268,7 +268,10 @@ void ControllerProcess::OnFenced(const std::string& message) {
   // What runs with another config stays: the previous version is due at the next start.
   const auto& refused = controller_->shell().refused();
   const bool can_begin = begun || is_led || !refused || refused->code == kCodeTargetBusy;
-  if (!can_begin && Abandon(*refused)) return loop_.Stop();
+  if (!can_begin && Abandon(*refused)) {
+    start_again_ = !taken_down_;
+    if (start_again_) return loop_.Stop();
+  }
   log_.Write(message, kCodePermissionDenied);
   service_manager_.Fenced(message);
   SendProgress(begun ? Progress::kFenced : Progress::kNotStarted, message, kCodePermissionDenied);
@@ -303,6 +306,7 @@ void ControllerProcess::DetachLauncher() {
 
 // On a signal: Ctrl-C, or a supervisor that stops the machine.
 void ControllerProcess::TakeDown() {
+  taken_down_ = true;
   controller_->shell().TearDown(AfterTearDown::kMayStart);
 }
 

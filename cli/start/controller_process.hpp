@@ -80,8 +80,9 @@ class ControllerProcess {
   pid_t launcher_;
   const Start start_;
   bool start_again_ = false;
-  bool released_ = false;  // to another controller of this host
-  bool marked_ = false;    // that it takes the machine down for the slot that is due
+  bool released_ = false;    // to another controller of this host
+  bool taken_down_ = false;  // by a signal: nothing starts again
+  bool marked_ = false;      // that it takes the machine down for the slot that is due
   ExitCode exit_ = ExitCode::kDone;
   UniqueFd signals_;
   UniqueFd release_;

@@ -8,7 +8,9 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <iterator>
 #include <mutex>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,6 +25,22 @@ std::pair<UniqueFd, UniqueFd> MakePipe() {
   int ends[2] = {-1, -1};
   if (pipe2(ends, O_CLOEXEC) != 0) return {};
   return {UniqueFd(ends[0]), UniqueFd(ends[1])};
+}
+
+// By these a controller finds the processes of an actuator, to end them with it.
+constexpr const char* kMarks[] = {"MUSHER_PROCESS", "MUSHER_STARTED_AS", "MUSHER_CONFIG"};
+
+// In a forked copy, whose /proc/<pid>/environ shows its memory: each name is overwritten in its
+// place.
+void DropMarks() {
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view variable = *entry;
+    for (const std::string_view mark : kMarks) {
+      if (variable.starts_with(mark) && variable.substr(mark.size()).starts_with('=')) {
+        (*entry)[0] = '_';
+      }
+    }
+  }
 }
 
 // Processes that go on after their object: each is reaped once it has ended, with a later one.
@@ -42,6 +60,7 @@ DetachedPublisher::DetachedPublisher(const Publish& publish, std::optional<Durat
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0) {
+    DropMarks();
     write_end = {};
     PublishWhenAsked(read_end.get(), parent, timeout, publish);
   }
@@ -56,8 +75,7 @@ DetachedPublisher::DetachedPublisher(const std::vector<std::string>& program) {
   ProgramSpec spec;
   spec.argv = program;
   spec.cwd = "/";  // it keeps no file system busy
-  // By these a controller finds the processes of an actuator, to end them with it.
-  spec.without = {"MUSHER_PROCESS", "MUSHER_STARTED_AS", "MUSHER_CONFIG"};
+  spec.without = {std::begin(kMarks), std::end(kMarks)};
   spec.input = read_end.get();
   spec.output = null.get();
   spec.after_fork = [](char* const* /*environment*/) { setsid(); };

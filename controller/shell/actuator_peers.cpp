@@ -332,11 +332,11 @@ void ActuatorPeers::RecordOtherMachines(const msg::ActuatorStatus& status,
 // Each fault of a participant once in the period: it may send any number of samples.
 void ActuatorPeers::RecordPeerFault(const transport::PeerFault& fault) {
   const Time now = context_.loop().Now();
-  if (now - peer_faults_since_ >= kPeerFaultsPeriod) {
+  if (peer_faults_.size() >= kMostPeerFaults) {  // respawned processes may be others
+    if (now - peer_faults_since_ < kPeerFaultsPeriod) return;
     peer_faults_.clear();
-    peer_faults_since_ = now;
   }
-  if (peer_faults_.size() >= kMostPeerFaults) return;
+  if (peer_faults_.empty()) peer_faults_since_ = now;
   if (!peer_faults_.emplace(fault.participant, fault.what + " " + fault.topic).second) return;
   std::string source = dependencies_.node->RosNodeOf(fault.participant);
   for (const transport::PeerInfo& peer : dependencies_.node->Peers()) {
@@ -345,8 +345,8 @@ void ActuatorPeers::RecordPeerFault(const transport::PeerFault& fault) {
               (peer.host.empty() ? "" : " of host " + peer.host.substr(0, 64));
   }
   if (source.empty()) source = "a participant that does not say its process";
-  context_.records.Remark(kCodeParametersInvalid, source + " " + fault.what + ", on " +
-                                                      fault.topic + "; recorded once an hour");
+  context_.records.Remark(kCodeParametersInvalid,
+                          source + " " + fault.what + ", on " + fault.topic + "; recorded once");
 }
 
 // --- before the machine begins ---
@@ -375,6 +375,7 @@ bool ActuatorPeers::KeepForBegin(const Event& event) {
 
 // A process that was killed is reported as vanished only once its lease is over.
 void ActuatorPeers::ForgetEnded(const RunsHere& runs_here) {
+  if (dependencies_.host.empty()) return;  // it is not known which ran here
   for (auto& [actuator, all] : before_begin_) {
     const std::string& name = config_.actuators[actuator].name;
     std::erase_if(all, [&](const event::StatusSeen& seen) {

@@ -616,10 +616,13 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
     core_.job->for_servo = true;
   }
   Servo& servo = *core_.servo;
+  // Once for each priority: the frames of the lower one are refused from then on.
+  const Priorities& priorities = rules_.config.priorities;
+  const bool takes_over = !begins && priorities.at(command.source) != priorities.at(servo.source);
   servo.source = command.source;
   // The next frame of the stream changes its motion once the link permits one.
-  const bool early =
-      changes && !begins && core_.link.active && now_ < core_.link.next_change - kLeastBoardPeriod;
+  const bool early = changes && !begins && !takes_over && core_.link.active &&
+                     now_ < core_.link.next_change - kLeastBoardPeriod;
   // A body that lies changes no motion: the stream ends soon, unless the report was only old.
   const bool waits = changes && !core_.job && (servo.down_since || early);
   if (!waits) servo.command = MakeCommand(motion, command.requested.arguments);

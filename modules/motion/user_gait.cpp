@@ -367,7 +367,7 @@ Section SectionOf(const msg::MotionSequenceGait& gait) {
 // Roll, pitch and yaw. CyberDog's own programs have them in x, y and z of the orientation, whose w
 // they leave at 1 or 0; a rotation has such a w only without an angle, or with half a turn.
 std::array<double, 3> TurnOf(const msg::Quaternion& q) {
-  constexpr double kUnit = 1e-6;
+  constexpr double kUnit = 1e-3;
   const bool half_turn = q.w == 0 && std::abs(std::hypot(q.x, q.y, q.z) - 1) < kUnit;
   if ((q.w == 1 || q.w == 0) && !half_turn) return {q.x, q.y, q.z};
   const Eigen::Matrix3d R = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();

@@ -370,6 +370,7 @@ TEST_F(Deployed, FolderThatIsNamedGivesNoKeysAway) {
   MakeKeys("from/keys");
   fs::copy_file(folder_ / "dog.key", folder_ / "from/data.pem");
   Write("from/id_ed25519", "-----BEGIN OPENSSH PRIVATE KEY-----\n");
+  Write("from/account.json", R"({"private_key": "-----BEGIN PRIVATE KEY-----\nMII"})");
   Edit("\"eyes.toml\"", "\".\"");
   const Ran ran = Deploy("1.0.0");
   ASSERT_EQ(ran.exit, 0) << ran.err;

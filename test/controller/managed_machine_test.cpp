@@ -85,7 +85,7 @@ TEST_F(TheMachineAsANode, HasTheProcessesOfAnotherDdsInItsStatus) {
 }
 
 // A robot runs for months, and a new fault must not stay silent after many old ones.
-TEST_F(TheMachineAsANode, RecordsTheFaultOfAPeerAgainAfterAnHour) {
+TEST_F(TheMachineAsANode, RecordsTheFaultsOfFurtherPeersAnHourAfterTooMany) {
   ASSERT_NO_FATAL_FAILURE(Run());
   const auto recorded = [this](transport::ParticipantId peer) {
     said_.clear();
@@ -93,12 +93,12 @@ TEST_F(TheMachineAsANode, RecordsTheFaultOfAPeerAgainAfterAnHour) {
     return said_;
   };
   constexpr transport::ParticipantId kPeer = 7000;
-  EXPECT_THAT(recorded(kPeer), HasSubstr("sends nonsense, on rt/chat; recorded once an hour"));
-  EXPECT_EQ(recorded(kPeer), "");
+  EXPECT_THAT(recorded(kPeer), HasSubstr("sends nonsense, on rt/chat; recorded once"));
+  network_.RunFor(std::chrono::hours(2));
+  EXPECT_EQ(recorded(kPeer), "") << "it is known";
   for (transport::ParticipantId other = 1; other <= 100; ++other) recorded(other);
   EXPECT_EQ(recorded(kPeer + 1), "") << "there are too many";
   network_.RunFor(std::chrono::hours(1));
-  EXPECT_THAT(recorded(kPeer), HasSubstr("sends nonsense"));
   EXPECT_THAT(recorded(kPeer + 1), HasSubstr("sends nonsense"));
 }
 

@@ -37,12 +37,20 @@ void ReadAll(dds_entity_t participant, dds_entity_t topic,
 }
 
 // By Cyclone's name of the property, or by the name in another DDS.
+// The text is the peer's.
+std::string Shown(std::string_view text) {
+  constexpr std::size_t kLongest = 256;
+  std::string shown(text.substr(0, kLongest));
+  std::erase_if(shown, [](unsigned char c) { return c < ' ' || c == 0x7F; });
+  return shown;
+}
+
 std::string PropertyOf(const dds_qos_t* qos, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     char* value = nullptr;
     if (!dds_qget_prop(qos, name, &value) || value == nullptr) continue;
     const std::unique_ptr<char, void (*)(void*)> freed(value, dds_free);
-    return value;
+    return Shown(value);
   }
   return {};
 }
@@ -57,7 +65,7 @@ std::string NameIn(const dds_qos_t* qos) {
   const std::size_t begin = text.find(kNameKey);
   if (begin == std::string_view::npos) return {};
   text.remove_prefix(begin + kNameKey.size());
-  return std::string(text.substr(0, text.find(';')));
+  return Shown(text.substr(0, text.find(';')));
 }
 
 std::int32_t NumberIn(std::string_view text) {
@@ -73,7 +81,7 @@ std::string NodeIn(std::string_view topic) {
   for (const std::string_view end : {"/get_type_descriptionReply", "/get_parametersReply"}) {
     if (!topic.ends_with(end) || topic.size() <= kPrefix.size() + end.size()) continue;
     topic.remove_suffix(end.size());
-    return "/" + std::string(topic.substr(kPrefix.size()));
+    return "/" + Shown(topic.substr(kPrefix.size()));
   }
   return {};
 }

@@ -81,10 +81,10 @@ std::string RosNodes::CallersOf(const std::string& service, ParticipantId partic
   dds::Participant* own = dds::ParticipantOf(node_);
   if (own == nullptr) return node_.RosNodeOf(participant);
   std::set<std::string> names;
-  for (const EndpointId writer :
-       dds::WritersOf(own->get(), participant, "rq/" + service + "Request")) {
-    names.insert(NodeOf(writer));
-  }
+  const auto writers = dds::WritersOf(own->get(), participant, "rq/" + service + "Request");
+  for (const EndpointId writer : writers) names.insert(NodeOf(writer));
+  // Of several clients, the caller may be one whose node is not known.
+  if (writers.size() > 1 && names.erase("") != 0) names.insert("a node that is not known");
   // A client whose node is not known may be the caller.
   const bool known = !names.empty() && !names.contains("");
   return known ? dds::ListOf(names) : node_.RosNodeOf(participant);

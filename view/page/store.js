@@ -240,7 +240,7 @@ export function acknowledgement({history, ...state}) {
 // nothing. Compared by place: clocks go back, epochs begin again with a lost file, and some entries have no id.
 export function recentFaults(state, now, acknowledged) {
   const {epoch, id, ms} = acknowledged[shownMachine(state).machine_id] ?? {};
-  const seen = state.history.findLastIndex(e => (e.id ? e.epoch === epoch && e.id <= id : e.ms === ms));
+  const seen = state.history.findLastIndex(e => (e.id ? e.epoch === epoch && e.id <= id && e.ms <= ms : e.ms === ms));
   const since = robotNow(state, now) - FAULTS_STAY_MS;
   return state.history.slice(seen + 1).filter(e => e.ms > since && levelOf(e) === 'bad').reverse();
 }

@@ -197,6 +197,7 @@ void Mission::Stand() {
   const bool ran = IsRunning();
   OnPause();
   begun_ = autostart_ = false;
+  progress_.stands = true;
   if (ran && !failed_) board_->SetState(kWaitingStart);
 }
 
@@ -390,6 +391,7 @@ Result<std::string> Mission::Start(const std::string& region, Time now) {
   board_->last_error.Set("");
   board_->SetState(kWaitingPlan);
   begun_ = restart_ = true;
+  progress_.stands = false;
   autostart_ = ended_ = failed_ = stop_ = false;
   return region.empty() ? "goes on with " + goes_on : "begins with the region " + region;
 }

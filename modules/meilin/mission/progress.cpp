@@ -84,6 +84,7 @@ void Persist(fsm::Archive& archive, Progress& progress, Texts& texts) {
   archive.Field("taken", progress.taken);
   archive.Field("last_end", progress.last_end);
   archive.Field("side", progress.side);
+  archive.Field("stands", progress.stands);
   progress.cell = {static_cast<int>(std::clamp<std::int64_t>(row, -1, kRows)),
                    static_cast<int>(std::clamp<std::int64_t>(col, -1, kCols))};
 }

@@ -47,6 +47,7 @@ struct Progress {
   std::int64_t taken = 0;         // bits of the cells whose boxes were taken
   std::string last_end;           // "MISSION_FAILED: segment 4 of 9, …"
   std::string side = "blue";
+  bool stands = false;  // its debugger was lost: until a start
 
   friend bool operator==(const Progress&, const Progress&) = default;
 
@@ -55,7 +56,8 @@ struct Progress {
   void ForgetHandedOut();              // a service has said that it has none
   // Whether there is nothing to go on with.
   bool empty() const {
-    return done.empty() && segments.empty() && next >= static_cast<std::int64_t>(plan.size());
+    return !stands && done.empty() && segments.empty() &&
+           next >= static_cast<std::int64_t>(plan.size());
   }
 };
 

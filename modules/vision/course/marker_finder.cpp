@@ -135,6 +135,15 @@ bool Explains(const Marker& marker, const Marker& doubtful) {
          (marker.box & doubtful.box).area() > kSame * doubtful.box.area();
 }
 
+// Whether most of what is around it has the colour, with which its outline merges.
+bool IsBefore(const cv::Mat& mask, const cv::Rect& box) {
+  const cv::Point more(box.width / 3, box.height / 3);
+  const cv::Rect wide = cv::Rect(box.tl() - more, box.br() + more) & cv::Rect({0, 0}, mask.size());
+  const int outside_px2 = wide.area() - box.area();
+  const int colored_px2 = cv::countNonZero(mask(wide)) - cv::countNonZero(mask(box));
+  return outside_px2 > 0 && 2 * colored_px2 > outside_px2;
+}
+
 // In a picture of which `coverage` has the colour of lamps.
 WarmLook LookInWarmLight(const cv::Mat& bgr, double coverage, const MarkerParameters& parameters) {
   constexpr double kMostTooBright = 0.05;
@@ -185,8 +194,12 @@ MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters)
       doubtful = warm.doubtful;
       // What is clearly more saturated than the rest, too.
       mask = MaskOfLines(bgr, parameters.yellow, kMostCoverage).mask;
-    } else if (warm.look.marker && Shines(hsv, warm.look.marker->box)) {
-      merged = warm.look.marker;
+    } else {
+      if (warm.look.marker && Shines(hsv, warm.look.marker->box)) merged = warm.look.marker;
+      if (warm.doubtful && IsBefore(mask, warm.doubtful->box)) {
+        doubtful = warm.doubtful;
+        look.doubt = std::move(warm.look.doubt);
+      }
     }
   }
   CleanMask(mask, parameters.kernel_px, parameters.kernel_px);

@@ -348,8 +348,9 @@ TEST_F(EmergencyStop, ReportsTheOriginOfTheEarlierStop) {
   const auto first = Estop();
   const Ended second = Musher({"estop", "once more"});
   EXPECT_EQ(second.exit, 0) << second.err;
-  EXPECT_THAT(second.out, HasSubstr("an emergency stop was already engaged by " +
-                                    first["by"].get<std::string>() + ": it smokes\n"));
+  EXPECT_THAT(second.out,
+              HasSubstr("an emergency stop was already engaged by " +
+                        first["by"].get<std::string>() + ": it smokes; then: once more\n"));
   EXPECT_THAT(second.out, HasSubstr("legs   stopped before\n"));
 }
 

@@ -486,6 +486,19 @@ TEST(MotionPriority, LetsTheHigherOneTakeTheBodyFromTheLower) {
   EXPECT_THAT(harness.Commanded(), ElementsAre(303, 308));
 }
 
+TEST(MotionPriority, LetsTheHigherOneTakeTheBodyAtOnceFromAFastStreamOfTheLower) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(200), kFromAlgorithm);
+  for (int i = 0; i < 100; ++i) {
+    harness.Servo(303, kFromAlgorithm, {0.2F + 0.001F * static_cast<float>(i), 0, 0});
+    harness.RunFor(std::chrono::microseconds(250));
+  }
+  harness.Servo(305, kFromApp, {0, 0, 0});
+  EXPECT_EQ(harness.core.servo->command.id, 305);
+  harness.RunFor(Milliseconds(2));
+  EXPECT_EQ(harness.sent.back().command.id, 305);
+}
+
 // In the original `result` kept the value of the command before.
 TEST(MotionPriority, RefusesTheLowerOneWith3001) {
   Harness harness;

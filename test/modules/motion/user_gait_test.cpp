@@ -116,8 +116,8 @@ TEST(UserGait, ThatTurnsItsBodyUpsideDownOrBackIsRefused) {
   pace.right_forefoot = {0, 0, 0, 0.03F};
   pace.duration = 300;
   for (const msg::Quaternion& half_turn :
-       {msg::Quaternion{0, 0, 1, 0}, msg::Quaternion{0, -1, 0, 0},
-        msg::Quaternion{0.6, 0.8, 0, 0}}) {
+       {msg::Quaternion{0, 0, 1, 0}, msg::Quaternion{0, -1, 0, 0}, msg::Quaternion{0.6, 0.8, 0, 0},
+        msg::Quaternion{0.707, 0.707, 0, 0}}) {
     pace.centroid.orientation = half_turn;
     sequence.pace_list = {pace};
     const auto gait = UserGaitOf(sequence);

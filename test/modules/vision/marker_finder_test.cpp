@@ -189,6 +189,14 @@ TEST(Light, BeforeASmallWallOfItsColourIsSeen) {
   EXPECT_NEAR(lamp.marker->size_px, 81, 5);
 }
 
+TEST(Light, BeforeASmallWallOfItsColourIsNoneNowhereWhereItIsOverexposed) {
+  cv::Mat bgr = GreyPicture();
+  WarmWall().rowRange(80, 230).copyTo(bgr.rowRange(80, 230));
+  cv::circle(bgr, {200, 155}, 55, kOverexposed, cv::FILLED, cv::LINE_AA);
+  const MarkerLook look = LookForMarker(bgr, LightParameters());
+  EXPECT_TRUE(look.marker || !look.doubt.empty());
+}
+
 TEST(Light, BeforeAWallOfItsColourIsAmberToo) {
   const MarkerLook lamp = LookBeforeWarmWall(40, kAmber);
   ASSERT_TRUE(lamp.marker);

@@ -303,7 +303,13 @@ TEST(AMissionWhoseDebuggerIsLost, DoesNotBeginByItselfWithItsFirstPose) {
   match.RunFor(0.1);
   EXPECT_FALSE(match.mission.begun());
   EXPECT_TRUE(match.robot.goals.empty());
+  const auto saved = ReadProgress(WriteProgress(match.mission.SavedProgress()), "saved");
+  ASSERT_TRUE(saved);
+  EXPECT_FALSE(saved.value().empty()) << "nor does the process that is started after its end";
+  match.Begun("full");
+  EXPECT_FALSE(match.mission.SavedProgress().stands);
 }
+
 TEST(AMissionWhoseDebuggerIsLost, WaitsForItsStartWithAPlanThatComesAfterTheEndOfTheOneBefore) {
   Match match("meilin_stage.xml");
   ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0)}));
