@@ -149,13 +149,17 @@ void Controller::BeginUnlessLed() {
   if (const auto& rival = shell_->rival(); rival && !options_.takeover) {
     return shell_->Refuse(Refused<Refusal::kAlreadyLed>(rival->process));
   }
-  if (options_.before_begin) options_.before_begin();
+  const Time deadline = node_.loop().Now() + kStatusWithin;
+  if (!options_.before_begin) {
+    CountHeld();
+    return BeginOnceReceived(deadline);
+  }
+  options_.before_begin();
   CountHeld();
-  const Time now = node_.loop().Now();
   // In a later turn: what was ended has left by then, or has sent its last.
-  begin_later_ = node_.loop().At(now, [this, now] {
-    if (options_.before_begin) shell_->ForgetEnded(RunsHere());
-    BeginOnceReceived(now + kStatusWithin);
+  begin_later_ = node_.loop().At(node_.loop().Now(), [this, deadline] {
+    shell_->ForgetEnded(RunsHere());
+    BeginOnceReceived(deadline);
   });
 }
 

@@ -195,7 +195,8 @@ MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters)
       // What is clearly more saturated than the rest, too.
       mask = MaskOfLines(bgr, parameters.yellow, kMostCoverage).mask;
     } else {
-      if (warm.look.marker && Shines(hsv, warm.look.marker->box)) merged = warm.look.marker;
+      const auto& lamp = warm.look.marker;
+      if (lamp && IsBefore(mask, lamp->box) && Shines(hsv, lamp->box)) merged = lamp;
       if (warm.doubtful && IsBefore(mask, warm.doubtful->box)) {
         doubtful = warm.doubtful;
         look.doubt = std::move(warm.look.doubt);
