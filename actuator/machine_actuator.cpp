@@ -273,12 +273,12 @@ class MachineActuator::Impl {
     constexpr std::size_t kMost = 32;
     const Time now = OwnNode(*node_).loop().Now();
     if (peer_faults_.size() >= kMost) {  // respawned processes may be others
-      if (now - peer_faults_since_ < std::chrono::hours(1)) return;
+      if (now - peer_faults_full_at_ < std::chrono::hours(1)) return;
       peer_faults_.clear();
     }
-    if (peer_faults_.empty()) peer_faults_since_ = now;
     const std::string what = fault.what + ", on " + fault.topic;
     if (!peer_faults_.emplace(fault.participant, what).second) return;
+    if (peer_faults_.size() == kMost) peer_faults_full_at_ = now;
     const std::string name = transport::NameOf(OwnNode(*node_), fault.participant);
     Log(LogLevel::kWarning,
         (name.empty() ? "a participant without a name" : name) + " " + what + "; logged once");
@@ -362,7 +362,7 @@ class MachineActuator::Impl {
   std::atomic<bool> started_ = false;
   std::atomic<bool> stop_requested_ = false;
   std::set<std::pair<transport::ParticipantId, std::string>> peer_faults_;  // logged
-  Time peer_faults_since_{};
+  Time peer_faults_full_at_{};
   std::function<void()> on_poll_;  // of a fault-injection test; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_reported_ = false;

@@ -10,8 +10,8 @@
 namespace musher::cli {
 namespace {
 
-constexpr std::size_t kMostLines = 100'000;    // of one log
-constexpr std::int64_t kConnectMargin_s = 10;  // a connection takes so long before it reads
+constexpr std::size_t kMostLines = 100'000;   // of one log
+constexpr std::int64_t kConnectMarginS = 10;  // a connection takes so long before it reads
 // -a: long messages, too.
 constexpr const char* kJournal =
     "journalctl -q --no-pager -a -o json --output-fields=MESSAGE,_SYSTEMD_UNIT,UNIT";
@@ -142,7 +142,7 @@ std::string FollowScript(const std::vector<HostLog>& logs, const std::string& cu
                          std::int64_t since_ns) {
   std::string script = std::string("exec ") + kJournal + " -f";
   // Not --after-cursor: that leaves out the first line if the entry is of no unit that is shown.
-  script += " --no-tail " + (cursor.empty() ? SinceOption(since_ns, kConnectMargin_s)
+  script += " --no-tail " + (cursor.empty() ? SinceOption(since_ns, kConnectMarginS)
                                             : "--cursor=" + ShellWord(cursor));
   for (const HostLog& log : logs) script += " -u " + log.unit;
   return script + "\n";

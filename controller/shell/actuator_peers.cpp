@@ -12,7 +12,7 @@ constexpr std::size_t kProcessesKept = 4;  // of one actuator, with the latest s
 constexpr std::size_t kMostUnlisted = 64;
 // A heartbeat that was sent before the loss may arrive after it.
 constexpr Duration kTakenAgainAfter = std::chrono::seconds(1);
-constexpr std::size_t kMostPeerFaults = 64;  // recorded in this time
+constexpr std::size_t kMostPeerFaults = 64;  // then none for kPeerFaultsPeriod
 constexpr Duration kPeerFaultsPeriod = std::chrono::hours(1);
 // A participant that keeps publishing wrong pids must not fill the journal.
 constexpr Duration kUnprovenPeriod = std::chrono::minutes(1);
@@ -333,11 +333,11 @@ void ActuatorPeers::RecordOtherMachines(const msg::ActuatorStatus& status,
 void ActuatorPeers::RecordPeerFault(const transport::PeerFault& fault) {
   const Time now = context_.loop().Now();
   if (peer_faults_.size() >= kMostPeerFaults) {  // respawned processes may be others
-    if (now - peer_faults_since_ < kPeerFaultsPeriod) return;
+    if (now - peer_faults_full_at_ < kPeerFaultsPeriod) return;
     peer_faults_.clear();
   }
-  if (peer_faults_.empty()) peer_faults_since_ = now;
   if (!peer_faults_.emplace(fault.participant, fault.what + " " + fault.topic).second) return;
+  if (peer_faults_.size() == kMostPeerFaults) peer_faults_full_at_ = now;
   std::string source = dependencies_.node->RosNodeOf(fault.participant);
   for (const transport::PeerInfo& peer : dependencies_.node->Peers()) {
     if (peer.id != fault.participant || peer.pid == 0) continue;

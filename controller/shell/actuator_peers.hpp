@@ -146,7 +146,7 @@ class ActuatorPeers {
   std::map<std::string, Incarnation> unlisted_;  // incarnations of actuators not in the config
   std::set<std::pair<ActuatorIndex, std::string>> of_others_;  // recorded, with their machine
   std::set<std::pair<transport::ParticipantId, std::string>> peer_faults_;  // recorded
-  Time peer_faults_since_{};
+  Time peer_faults_full_at_{};
   HealthWatch* health_ = nullptr;
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };

@@ -35,7 +35,7 @@ class HistoryWhy : public ::testing::Test {
     entry.actuator = actuator;
     entry.code = code;
     entry.message = message;
-    entry.id = RecordId(entries_.size() + 1);
+    entry.id = RecordId(next_id_++);
     entry.state = State(state);
     entry.event = event;
     entries_.push_back(entry);
@@ -58,6 +58,7 @@ class HistoryWhy : public ::testing::Test {
   const std::string file_ = folder_ / "journal.sqlite";
   std::vector<JournalEntry> entries_;
   Epoch epoch_ = Epoch(1);
+  std::uint64_t next_id_ = 1;  // each controller begins with 1
 };
 
 // It read the newest 1000 entries, and failed without a word about what they contained.
@@ -149,10 +150,20 @@ TEST_F(HistoryWhy, ARefusedRequestDoesNotHideACrash) {
 TEST_F(HistoryWhy, ACrashOfAnEarlierControllerDoesNotHideARefusedRequest) {
   AddCrash("lidar");
   epoch_ = Epoch(2);
+  next_id_ = 1;
   Add("", "machine_usable", 0, "the machine is Protected", "Protected");
   Add("", "switch_refused", kCodeStateInvalid, "switch to Active refused: the battery is at 3 %");
   EXPECT_THAT(Why().out, AllOf(HasSubstr("last failure: switch to Active refused"),
                                Not(HasSubstr("lidar")), Not(HasSubstr("last request"))));
+}
+
+// After a lost disk it takes a higher epoch than one that it has received.
+TEST_F(HistoryWhy, ACrashBeforeItsControllerHasRaisedItsEpochIsNamed) {
+  Add("", "machine_usable", 0, "the machine is Protected", "Protected");
+  AddCrash("lidar");
+  epoch_ = Epoch(9);
+  Add("", "switch_refused", kCodeStateInvalid, "switch to Active refused: lidar is lost");
+  EXPECT_THAT(Why().out, HasSubstr("last failure: lidar crashed"));
 }
 
 TEST_F(HistoryWhy, ARefusedRequestBeforeAChangeIsOver) {

@@ -64,7 +64,7 @@ Result<CellMap> BetweenGroundAndCeiling(const CellMap& map, double ceiling_m) {
 // columns: a planar scan does not say how high a thing is.
 std::vector<Point> NewlySeen(const Planner& planner, const std::vector<Point>& seen, bool flies) {
   const CellMap& map = planner.clearance().map();
-  const std::vector<Point> nearby = NewPoints(seen, planner.clearance(), 2 * map.resolution_m);
+  std::vector<Point> nearby = NewPoints(seen, planner.clearance(), 2 * map.resolution_m);
   if (!flies) return nearby;
   std::vector<Point> columns;
   for (const Point& point : nearby) {

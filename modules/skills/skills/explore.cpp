@@ -599,6 +599,7 @@ Next Explore::AtEnd(Tick& tick, Next next) const {
   const std::vector<coverage::Edge> uncovered = Uncovered(tick, at_end);
   tick.Detail("covered", 100 * ShareCovered(uncovered));
   std::vector<Points> strips;
+  strips.reserve(uncovered.size());
   for (const coverage::Edge& lane : uncovered) {
     strips.push_back(StripOf(lane, tick.parameters.Number("lane_width"),
                              tick.parameters.Number("robot_radius")));

@@ -102,7 +102,11 @@ double RingEnd(const cv::Mat& hsv, const cv::Rect& core, const HsvRange& color, 
   const double radius_px = (core.width + core.height) / 4.0;
   const cv::Point2d middle(core.x + core.width / 2.0, core.y + core.height / 2.0);
   double end = 0;
-  for (double at = 0.8; at < kFarthestRing; at += 0.5 / radius_px) {
+  constexpr double kBegin = 0.8;
+  const double step = 0.5 / radius_px;
+  const int steps = int(std::ceil((kFarthestRing - kBegin) / step));
+  for (int i = 0; i < steps; ++i) {
+    const double at = kBegin + i * step;
     const cv::Point place(int(middle.x + at * radius_px * std::cos(turn)),
                           int(middle.y + at * radius_px * std::sin(turn)));
     if (!cv::Rect({0, 0}, hsv.size()).contains(place)) break;

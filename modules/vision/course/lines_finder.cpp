@@ -215,7 +215,7 @@ void AddNearest(const std::vector<YellowLine>& lines, const cv::Rect& region, in
 // The ground from the region's upper edge down to the robot, at a quarter of its size.
 cv::Mat FloorSample(const cv::Mat& bgr, const cv::Rect& region) {
   constexpr double kScale = 0.25;
-  const cv::Mat below = bgr.rowRange(region.y, bgr.rows);
+  cv::Mat below = bgr.rowRange(region.y, bgr.rows);
   if (std::min(below.rows, below.cols) * kScale < 1) return below;
   cv::Mat sample;
   cv::resize(below, sample, {}, kScale, kScale, cv::INTER_NEAREST);
