@@ -21,19 +21,32 @@ std::string Why(const MachineConfig& config, ActuatorIndex actuator, const Error
 
 }  // namespace
 
+void UnderStop::Note(const Machine& machine) {
+  const bool stopped = machine.emergency.stop.has_value();
+  start_refused |= stopped && machine.phase == Phase::kFailed;
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
+    if (!machine.actuators[i].fault) {
+      faults.erase(i);
+    } else if (stopped) {
+      faults.insert(i);
+    }
+  }
+}
+
 std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine,
-                                          bool held) {
+                                          const UnderStop& stop) {
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) return std::nullopt;
   bool settled = machine.phase == Phase::kRunning && !machine.current;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const auto& fault = machine.actuators[i].fault;
     const bool coming_back = machine.actuators[i].restart.at.has_value();
     if (fault && config.actuators[i].critical && !coming_back) {
+      if (stop.faults.contains(i)) return std::nullopt;
       return Result<>(Error{fault->code, Why(config, i, *fault)});
     }
     settled = settled && !coming_back && Settled(config, machine, i);
   }
-  if (machine.phase == Phase::kFailed && held) return std::nullopt;
+  if (machine.phase == Phase::kFailed && stop.start_refused) return std::nullopt;
   if (machine.phase == Phase::kFailed) return Result<>(Error{kCodeFailed, "the start-up failed"});
   return settled ? std::optional(Ok()) : std::nullopt;
 }

@@ -2,6 +2,7 @@
 // Evaluates a trial boot from the machine, after each of its steps. Pure.
 
 #include <optional>
+#include <set>
 
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
@@ -9,14 +10,23 @@
 
 namespace musher::ota {
 
+// What an emergency stop has caused in a trial boot, which says nothing of the version.
+struct UnderStop {
+  bool start_refused = false;
+  std::set<ActuatorIndex> faults;  // begun under a stop, and not mended since
+
+  // With what the machine shows now.
+  void Note(const Machine& machine);
+};
+
 // Ok: every stage is up and every critical actuator is well. An Error: why that is no longer
 // possible. nullopt: undecided, or the machine is being taken down.
 //
-// `held`: the start-up was refused because of an emergency stop, which says nothing of the version.
-// Such a machine is undecided until it is up, or a critical actuator has a fault.
+// What a stop has caused leaves it undecided: until the machine is up after all, or a critical
+// actuator has another fault.
 //
 // An actuator that is not critical may fail; it is listed as degraded, as in any start.
 std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine,
-                                          bool held = false);
+                                          const UnderStop& stop = {});
 
 }  // namespace musher::ota

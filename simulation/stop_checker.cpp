@@ -96,6 +96,22 @@ bool StopChecker::IsStopped(const std::string& name, std::size_t host,
   return report.emergency_stop != 0 || off;
 }
 
+// Whether anything but the program that engaged it has the stop: an earlier one may be all that
+// holds the machine.
+bool StopChecker::HasArrived(StopId id) const {
+  if (accepted_stops_.contains(id) || released_.contains(id)) return true;
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const ActuatorReport* report = robot_.processes().ReportOf(config_.actuators[i].name, host);
+      if (report == nullptr) continue;
+      if (report->emergency_stop == id || std::ranges::count(report->other_stops, id) != 0) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 // Every actuator of the machine is stopped, unless the stop was released meanwhile. The program
 // takes the word of the controller that it reaches. That controller cannot know of a process beyond
 // a cut link if no controller of its host has ever received the process.
@@ -116,6 +132,10 @@ void StopChecker::OnStopConfirmed(StopId id) {
                                                        name + " is on in " + report->state +
                                                        " on host " + robot_.hosts().name(host));
     }
+  }
+  if (!HasArrived(id)) {
+    ReportViolation(Invariant::kStopIsConfirmed,
+                    "the machine is reported as stopped, and the stop has arrived nowhere");
   }
 }
 

@@ -53,6 +53,7 @@ class StopChecker : public SubjectChecker {
   bool ReleasedElsewhere() const;
   Open StopIsOpen() const;
   bool IsStopped(const std::string& name, std::size_t host, const ActuatorReport& report) const;
+  bool HasArrived(StopId id) const;
 
   const ProcessChecker& processes_;
   const TearDownChecker& tear_down_;

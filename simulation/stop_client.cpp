@@ -70,8 +70,9 @@ void StopClient::OpenLinks(Hosts& hosts) {
 void StopClient::Follow() {
   machines_ = transport::MakeSubscription<msg::MachineInfo>(
                   *node_, std::string(transport::kMachinesTopic),
-                  [this](const msg::MachineInfo& info, const transport::SampleInfo&) {
-                    discovered_ |= SameMachine(options_.machine, {info.machine, info.machine_id});
+                  [this](const msg::MachineInfo& info, const transport::SampleInfo& from) {
+                    discovered_ |= transport::IsOwn(info.participant, from) &&
+                                   SameMachine(options_.machine, {info.machine, info.machine_id});
                   },
                   transport::kLatchedFromManyQos)
                   .value();

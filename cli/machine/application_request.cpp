@@ -7,6 +7,7 @@
 #include "musher/base/suggest.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/words.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
 
@@ -41,8 +42,8 @@ std::unique_ptr<transport::Subscription> CollectActuators(Link& link, const Glob
   qos.partition = transport::ReaderPartition(!global.keys.empty());
   auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       link.node(), transport::ActuatorStatusTopic(global.name_space),
-      [&present](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
-        present.insert(status.name);
+      [&present](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+        if (transport::IsFrom(status, info)) present.insert(status.name);
       },
       qos);
   return statuses ? std::move(statuses).value() : nullptr;

@@ -17,6 +17,7 @@
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
 namespace {
@@ -140,6 +141,7 @@ Result<> Link::JoinBy(const std::string& network) {
   auto infos = transport::MakeSubscription<msg::MachineInfo>(
       *node_, std::string(transport::kMachinesTopic),
       [this](const msg::MachineInfo& machine, const transport::SampleInfo& info) {
+        if (!transport::IsOwn(machine.participant, info)) return;
         machines_[info.writer] = {machine, info.participant};
         TakeNamed();
       },
@@ -377,8 +379,9 @@ std::optional<MachineIdentity> Link::MachineOfActuatorsHere() {
   qos.partition = transport::ReaderPartition(!global_.keys.empty());
   const auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       *node_, transport::ActuatorStatusTopic(global_.name_space),
-      [&machine](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
-        if (status.host == HostId()) machine = {status.machine, status.machine_id};
+      [&machine](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+        if (status.host == HostId() && transport::IsFrom(status, info))
+          machine = {status.machine, status.machine_id};
       },
       qos);
   if (statuses) RunUntil([&machine] { return machine.has_value(); }, kOthersWithin);

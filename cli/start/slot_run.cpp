@@ -253,8 +253,8 @@ void TrialBoot::ExpectEnd() {
 void TrialBoot::Evaluate() {
   const Machine* machine = machine_();
   if (machine == nullptr || ending_) return;
-  held_ |= machine->phase == Phase::kFailed && machine->emergency.stop;
-  if (const auto verdict = ota::EvaluateTrialBoot(config_, *machine, held_)) End(*verdict);
+  stop_.Note(*machine);
+  if (const auto verdict = ota::EvaluateTrialBoot(config_, *machine, stop_)) End(*verdict);
 }
 
 void TrialBoot::Fail(const Error& why) {

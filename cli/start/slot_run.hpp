@@ -110,7 +110,7 @@ class TrialBoot {
   // Ends the trial boot for a reason that the machine does not show. No effect if it has ended.
   void Fail(const Error& why);
   // An emergency stop has refused the start-up, perhaps one that is released by now.
-  void Hold() { held_ = true; }
+  void Hold() { stop_.start_refused = true; }
 
  private:
   void Evaluate();
@@ -125,7 +125,7 @@ class TrialBoot {
   OnEnd on_end_;
   bool under_way_ = true;
   bool ending_ = false;  // its outcome is being saved
-  bool held_ = false;    // an emergency stop has kept the machine from starting
+  ota::UnderStop stop_;
   transport::LoopHandlePtr evaluation_;
   transport::LoopHandlePtr deadline_;
 };

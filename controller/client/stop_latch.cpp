@@ -65,7 +65,7 @@ bool EstopReport::found() const {
 }
 
 bool EstopReport::settled() const {
-  return controller == controller_latched && (!controller || knows_origin) &&
+  return controller == controller_latched && held &&
          std::all_of(actuators.begin(), actuators.end(), [](const Actuator& actuator) {
            return actuator.stopped || actuator.unsupported;
          });
@@ -217,10 +217,12 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   Note(machines_, theirs);
   Received& last = received_[status.name];
   const StopId latched(status.emergency_stop);
-  const bool changed =
-      last.writer != info.writer || last.latched != latched || last.trouble != status.stop_trouble;
+  const bool has_it =
+      latched == StopId(stop_.id) || std::ranges::count(status.other_stops, stop_.id) != 0;
+  const bool changed = last.writer != info.writer || last.latched != latched ||
+                       last.has_it != has_it || last.trouble != status.stop_trouble;
   if (!changed) return;
-  last = {info.writer, latched, status.stop_trouble, loop_.Now() - begun_};
+  last = {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_};
   if (on_change_) on_change_();
 }
 
@@ -277,14 +279,28 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
                       controller->emergency_stop_reason != stop_.reason);
   const bool before = std::any_of(report.actuators.begin(), report.actuators.end(),
                                   [](const auto& actuator) { return actuator.before; });
-  // The controller may have learned of the stop from an actuator first. The program that engaged it
-  // must not exit before the controller has received the stop from the program itself.
-  report.knows_origin = before || (controller && !controller->emergency_stop_by.empty());
+  report.held = IsHeld(report, controller);
   if (before || other) report.earlier.emplace();
   if (report.earlier && controller) {
     *report.earlier = {controller->emergency_stop_by, controller->emergency_stop_reason};
   }
   return report;
+}
+
+// The controller may have learned of the stop from an actuator first. The program that engaged it
+// must not exit before the controller has received the stop from the program itself. Of an earlier
+// stop the controller may have lost the origin.
+bool StopLatch::IsHeld(const EstopReport& report,
+                       const std::optional<msg::MachineStatus>& controller) const {
+  if (withdrawn()) return true;
+  if (!controller) {
+    return std::ranges::all_of(report.actuators, [this](const EstopReport::Actuator& actuator) {
+      return !actuator.stopped || received_.at(actuator.name).has_it;
+    });
+  }
+  const bool before = std::ranges::any_of(report.actuators, &EstopReport::Actuator::before);
+  return std::ranges::count(controller->stop_ids, transport::StopIdText(StopId(stop_.id))) != 0 &&
+         (before || !controller->emergency_stop_by.empty());
 }
 
 // A controller reports which actuators belong to the machine. Without one those count whose

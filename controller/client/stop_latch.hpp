@@ -51,7 +51,10 @@ struct EstopReport {
   std::string reason;
   bool controller = false;          // a controller leads …
   bool controller_latched = false;  // … has latched the stop and publishes it to later actuators …
-  bool knows_origin = false;  // … with its origin and reason, unless these were lost earlier
+  // This stop itself is engaged, with its origin and reason, by the controller; without one by each
+  // actuator that is stopped. Else an earlier stop may be all that holds the machine, and its
+  // release would let it go. Also once a controller has said that this one is over.
+  bool held = false;
   std::optional<Earlier> earlier;
   std::vector<Actuator> actuators;
   std::string silent_controller;  // of this host: why it does not answer, and what to do
@@ -65,7 +68,7 @@ struct EstopReport {
   bool settled() const;
   // Every actuator of the machine has latched it.
   bool complete() const {
-    return Missing().empty() && controller == controller_latched && unknown.empty();
+    return Missing().empty() && controller == controller_latched && held && unknown.empty();
   }
 };
 
@@ -139,7 +142,8 @@ class StopLatch {
  private:
   struct Received {
     transport::EndpointId writer = 0;
-    StopId latched = 0;
+    StopId latched = 0;   // the first that is engaged
+    bool has_it = false;  // this stop is engaged, too
     std::string trouble;  // what it has not done at the stop
     Duration after{};
   };
@@ -155,6 +159,7 @@ class StopLatch {
   std::vector<MachineIdentity> Machines() const;
   bool IsMeant(const MachineIdentity& machine) const;
   void MeetById(const MachineIdentity& machine);
+  bool IsHeld(const EstopReport& report, const std::optional<msg::MachineStatus>& controller) const;
   void FollowReleases(transport::Node& node, const std::string& name_space);
   void Note(std::vector<Origin>& origins, Origin origin);
   bool IsReleasedFor(const MachineIdentity& machine) const;

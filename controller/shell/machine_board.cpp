@@ -40,7 +40,7 @@ Result<> MachineBoard::Announce() {
   if (!info) return info.error();
   info_ = std::move(info).value();
   return info_->Publish({config_.name, config_.name_space, dependencies_.host, dependencies_.pid,
-                         presence_.machine().id});
+                         presence_.machine().id, dependencies_.node->participant().value()});
 }
 
 void MachineBoard::Close() {

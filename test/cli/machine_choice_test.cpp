@@ -34,11 +34,12 @@ constexpr const char* kOtherDog = "d0900000-0000-4000-8000-000000000003";
 // What the controller of a machine on another host publishes of it.
 class FarController {
  public:
-  FarController(const std::string& name_space, const std::string& machine, const std::string& id) {
+  FarController(const std::string& name_space, const std::string& machine, const std::string& id,
+                std::uint64_t participant = 0) {
     publisher_ = transport::MakePublisher<msg::MachineInfo>(
                      *node_, std::string(transport::kMachinesTopic), transport::kLatchedQos)
                      .value();
-    EXPECT_TRUE(publisher_->Publish({machine, name_space, "another boot/1", 7, id}));
+    EXPECT_TRUE(publisher_->Publish({machine, name_space, "another boot/1", 7, id, participant}));
   }
 
  private:
@@ -88,6 +89,14 @@ TEST_F(AMachine, IsNotChosenOfTwoOfTheNameThatAPersonNames) {
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.err, AllOf(HasSubstr("several machines are named dog: "),
                              HasSubstr("Nothing was done"), Not(HasSubstr("cat"))));
+}
+
+// A bridge that repeats what a controller has latched serves nothing: a command waited for it.
+TEST_F(AMachine, IsNotSoughtAtAParticipantThatRepeatsItsAnnouncement) {
+  const FarController bridge{name_space_, "dog", kDog, 12345};
+  const Ran ran = Command({"set", "Active", "--machine", "dog"});
+  EXPECT_EQ(ran.exit, 3);
+  EXPECT_THAT(ran.err, HasSubstr("no controller in namespace '" + name_space_ + "'"));
 }
 
 // The controller of a machine on this host, as far as a command looks: its name, its state folder,

@@ -32,9 +32,7 @@ class Listener {
                  [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
                    const bool meant = SameMachine({status_.machine, status_.machine_id},
                                                   {stop.machine, stop.machine_id});
-                   const bool takes =
-                       meant && stop.engaged && status_.emergency_stop == 0 && !deaf_;
-                   if (takes) Latch(stop.id);
+                   if (meant && stop.engaged && !deaf_) Latch(stop.id);
                  },
                  transport::kLatchedFromManyQos)
                  .value();
@@ -46,7 +44,11 @@ class Listener {
     static_cast<void>(publisher_->Publish(status_));
   }
   void Latch(std::uint64_t id) {
-    status_.emergency_stop = id;
+    if (status_.emergency_stop == 0) {
+      status_.emergency_stop = id;
+    } else if (status_.emergency_stop != id) {
+      status_.other_stops.push_back(id);
+    }
     static_cast<void>(publisher_->Publish(status_));
   }
   void TurnDeaf() { deaf_ = true; }
@@ -82,6 +84,7 @@ class Stop : public ::testing::Test {
     status.emergency_stop = true;
     status.emergency_stop_by = "alice@desk";
     status.emergency_stop_reason = "smoke";
+    status.stop_ids = {"0000000000000007"};
     return status;
   }
 
@@ -344,6 +347,34 @@ TEST_F(Stop, IsSettledThoughTheOriginOfAnEarlierStopIsUnknown) {
   msg::MachineStatus controller = Controller();
   controller.emergency_stop_by = "";
   EXPECT_TRUE(AfterASecond(controller).settled());
+}
+
+// The command ended with success while its stop was lost on the way: the release of the earlier one
+// let the machine go.
+TEST_F(Stop, BesideAnEarlierOneIsNotConfirmedBeforeItHasArrivedItself) {
+  for (auto* one : {&*legs_, &*eyes_}) {
+    one->Latch(3);
+    one->TurnDeaf();
+  }
+  Engage();
+  EXPECT_FALSE(AfterASecond().settled());
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop_by = "bob@dog";
+  controller.stop_ids = {"0000000000000003"};
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_THAT(report.Missing(), IsEmpty());
+  EXPECT_FALSE(report.settled());
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(EstopError(report), HasSubstr("an earlier stop holds the machine"));
+  controller.stop_ids.emplace_back("0000000000000007");
+  EXPECT_TRUE(AfterASecond(controller).settled());
+  EXPECT_TRUE(AfterASecond(controller).complete());
+}
+
+TEST_F(Stop, WithoutAControllerIsConfirmedByActuatorsThatLatchItBesideAnEarlierOne) {
+  for (auto* one : {&*legs_, &*eyes_}) one->Latch(3);
+  Engage();
+  EXPECT_TRUE(AfterASecond().complete());
 }
 
 TEST_F(Stop, NamesAnActuatorWhoseProtocolHasNoStopAndDoesNotWaitForIt) {

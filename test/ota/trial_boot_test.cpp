@@ -61,9 +61,31 @@ TEST_F(Trials, WaitForALaterStage) {
 TEST_F(Trials, AreNotKnownWhereAnEmergencyStopHasKeptTheMachineFromStarting) {
   machine_.phase = Phase::kFailed;
   EXPECT_EQ(Verdict(), "the start-up failed");
-  EXPECT_FALSE(EvaluateTrialBoot(config_, machine_, /*held=*/true));
+  EXPECT_FALSE(EvaluateTrialBoot(config_, machine_, {.start_refused = true, .faults = {}}));
   machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "the motors are gone"};
-  EXPECT_TRUE(EvaluateTrialBoot(config_, machine_, /*held=*/true));
+  EXPECT_TRUE(EvaluateTrialBoot(config_, machine_, {.start_refused = true, .faults = {}}));
+}
+
+// A person stopped the robot in its trial boot, which failed the switch of an actuator without a
+// way back: a good version was rolled back.
+TEST_F(Trials, AreNotKnownWhileACriticalActuatorHasAFaultFromUnderAnEmergencyStop) {
+  UnderStop stop;
+  stop.Note(machine_);
+  machine_.emergency.stop = EmergencyStop{7, "alice", "smoke"};
+  machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "roll-back failed"};
+  stop.Note(machine_);
+  EXPECT_FALSE(EvaluateTrialBoot(config_, machine_, stop));
+  machine_.emergency.stop.reset();
+  stop.Note(machine_);
+  EXPECT_FALSE(EvaluateTrialBoot(config_, machine_, stop)) << "a person sets its state again";
+  machine_.actuators[0].fault.reset();
+  stop.Note(machine_);
+  EXPECT_TRUE(EvaluateTrialBoot(config_, machine_, stop));
+  machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "the motors are gone"};
+  stop.Note(machine_);
+  const auto verdict = EvaluateTrialBoot(config_, machine_, stop);
+  ASSERT_TRUE(verdict);
+  EXPECT_FALSE(*verdict);
 }
 
 TEST_F(Trials, EndBadlyWithACriticalActuator) {

@@ -843,6 +843,18 @@ TEST_F(PlantedFlaw, FindsAStopThatIsReportedBeforeEveryActuatorIsStopped) {
   ExpectFound(Invariant::kStopIsConfirmed, "a is on in Active");
 }
 
+// Beside an earlier stop every actuator is stopped, also where this one was lost.
+TEST_F(PlantedFlaw, FindsAStopThatIsReportedAndHasArrivedNowhere) {
+  Make(Started(2));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  checker_->OnStopEngaged(0, 5);
+  robot_->EngageEmergencyStop(5);
+  RunFor(std::chrono::seconds(1));
+  checker_->OnStopEngaged(100, 7);
+  checker_->OnStopConfirmed(7);
+  ExpectFound(Invariant::kStopIsConfirmed, "the stop has arrived nowhere");
+}
+
 // A program engages a stop over links that delay, lose and discover late.
 class StopProgram : public PlantedFlaw {
  protected:

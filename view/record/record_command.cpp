@@ -64,6 +64,7 @@ class Session {
   const RecordOptions& options_;
   int exit_ = 0;
   bool said_unknown_ = false;
+  bool said_whose_trouble_ = false;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<FileSink> file_;
   std::unique_ptr<RingSink> ring_;
@@ -154,6 +155,9 @@ Result<> Session::WatchMachine() {
     if (const auto reason = TroubleOf(event)) Trouble(*reason);
   };
   events.on_status = [this](const msg::MachineStatus& status) {
+    if (ring_ && !std::exchange(said_whose_trouble_, true)) {
+      Say("trouble of " + (status.machine.empty() ? "the machine" : status.machine) + " is kept");
+    }
     if (const auto reason = trouble_.On(status)) Trouble(*reason);
   };
   auto journal = JournalRecorder::Make(*node_, options_.where.name_space, HostId(), *sink_,
