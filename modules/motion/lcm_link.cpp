@@ -49,10 +49,10 @@ bool IsStatus(const BodyReport& report, SwitchStatus status) {
 bool IsTilted(const BodyReport& report) {
   return report.ori_error != 0 && report.mode == kModeOff;
 }
-// The board takes nothing but recovery stand.
+// Nothing but recovery stand may follow.
 bool NeedsRecovery(const BodyReport& report) {
   return IsStatus(report, SwitchStatus::kEstop) || IsStatus(report, SwitchStatus::kEdamp) ||
-         IsTilted(report);
+         report.mode == kModeOff;
 }
 
 // A status of the motion manager: the board reports some faults beside its status.

@@ -35,8 +35,8 @@
 //     off: nothing is sent to it.
 //   - An emergency stop is sent at once, in each situation, three times because datagrams are lost,
 //     and repeated until recovery stand follows. Only recovery stand follows it.
-//   - While the board reports an emergency stop, its damping mode or that it is off because the
-//     body is tilted too far, only recovery stand and the emergency stop are sent.
+//   - While the board reports an emergency stop, its damping mode or that it is off, only recovery
+//     stand and the emergency stop are sent.
 //   - Without a response for 500 ms a walk is stopped, and no motion begins. A walk that the motion
 //     manager has not repeated for 500 ms is stopped, too: its clock may stand still.
 //   - While another program commands the board, only commands that stop are sent, for 200 ms or

@@ -64,6 +64,7 @@ class Decision {
   bool LooksAgain();
   bool IsStopped() const;
   void LatchEmergencyStop();
+  void KeepStop();
   std::optional<BodyCommand> Walk() const;
   void ForgetBody();
 
@@ -204,9 +205,9 @@ bool Decision::Dancing() const {
 
 void Decision::Take(const motion_event::BoardReported& event) {
   const BodyReport before = core_.body.value_or(BodyReport{});
-  const bool first = !core_.body;
+  const bool was_stopped = core_.body && IsStopped();
   core_.body = event.report;
-  if (first && IsStopped()) LatchEmergencyStop();
+  if (IsStopped() && !was_stopped) LatchEmergencyStop();
   ReportMotors(before);
   ReportFeet(before);
   core_.body_reported_at = now_;
@@ -231,17 +232,40 @@ void Decision::WatchLying() {
   core_.interrupted_stream = now_;
 }
 
-// By an emergency stop that this process may not know of.
+// After it only recovery stand may follow.
 bool Decision::IsStopped() const {
   const Motion* present = Present();
-  return (present != nullptr && present->id == kEmergencyStop) ||
-         core_.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
+  const auto is = [&](SwitchStatus status) {
+    return core_.body->switch_status == static_cast<std::int8_t>(status);
+  };
+  return (present != nullptr && present->id == kEmergencyStop) || is(SwitchStatus::kEstop) ||
+         is(SwitchStatus::kEdamp);
 }
 
+// The body was stopped by another commander, such as remote control, by the board itself, or by an
+// earlier process. A lie-down of the machine goes on: a body that lies needs no more.
 void Decision::LatchEmergencyStop() {
   if (std::exchange(core_.emergency_stop, true)) return;
-  actions_.emplace_back(motion_action::Log{
-      "the body is stopped, or off: it takes no motion before recovery stand (111)"});
+  const std::int32_t status = CodeOfStatus(core_.body->switch_status);
+  const std::int32_t code = MotionCode(Key::kEstop);
+  const std::string text =
+      "the body is stopped, off or in damping: it takes no motion before recovery stand (111)";
+  actions_.emplace_back(motion_action::Log{text});
+  if (IsBodyFault(status)) actions_.emplace_back(motion_action::ReportError{status});
+  if (core_.servo) {
+    if (core_.job && core_.job->for_servo) core_.job.reset();
+    core_.servo.reset();
+    actions_.emplace_back(
+        motion_action::ServoResponse{kNoMotion, core_.servo_commands, 0, 0, false, code});
+  }
+  if (core_.job && core_.job->own) return;
+  if (core_.job) DropJob(status != kCodeOk ? status : code, text);
+  Quiet();
+}
+
+// A recovery stand that has not stood the body up leaves it stopped.
+void Decision::KeepStop() {
+  if (core_.body && IsStopped()) core_.emergency_stop = true;
 }
 
 void Decision::Take(const motion_event::PlayArrived& event) {
@@ -729,13 +753,14 @@ void Decision::RefuseServo(const ServoCommand& command, const Error& error) {
 
 void Decision::BeginEmergencyStop(RequestToken token) {
   const std::int32_t code = MotionCode(Key::kEstop);
+  const bool was_set = std::exchange(core_.emergency_stop, true);
   if (core_.job) DropJob(code, "interrupted by emergency stop");
   if (core_.servo) {
     core_.servo.reset();
     actions_.emplace_back(
         motion_action::ServoResponse{kNoMotion, core_.servo_commands, 0, 0, false, code});
   }
-  if (!std::exchange(core_.emergency_stop, true)) {
+  if (!was_set) {
     actions_.emplace_back(motion_action::Log{"emergency stop"});
     ReportEmergencyStop();
   }
@@ -877,6 +902,7 @@ void Decision::FailMotion(std::int32_t code, const std::string& message) {
 
 void Decision::EndJob(std::int32_t code, const std::string& message) {
   const Job job = *std::exchange(core_.job, std::nullopt);
+  KeepStop();
   const BodyCommand& last = job.todo.front().command;
   const Motion& motion = *rules_.table.Find(last.id);
   if (last.id == kEmergencyStop && !Taken()) {
@@ -903,6 +929,7 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
 // Ends the job for a more urgent request, which commands the board next.
 void Decision::DropJob(std::int32_t code, const std::string& message) {
   const Job job = *std::exchange(core_.job, std::nullopt);
+  KeepStop();
   Quiet();
   Answer(job.token, job.motion_id, code, message);
 }
