@@ -1007,4 +1007,15 @@ std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core) {
   return motion == nullptr ? kNoMotion : motion->id;
 }
 
+std::string StopTrouble(const MotionRules& rules, const MotionCore& core) {
+  if (!core.emergency_stop) return "";
+  const std::string held = core.board_held.empty() ? "" : "; " + core.board_held;
+  if (core.BoardSilent())
+    return "the motion board is silent: it may not have taken the stop" + held;
+  const bool stopped = core.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
+  if (stopped || PresentMotion(rules, core) == kEmergencyStop) return "";
+  return "the motion board has not taken the stop: it reports mode " +
+         std::to_string(core.body->mode) + ", gait " + std::to_string(core.body->gait) + held;
+}
+
 }  // namespace musher::motion

@@ -286,4 +286,8 @@ std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& cor
 // reports another motion.
 std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core);
 
+// Why an emergency stop that is set has not stopped the body, as far as its board reports; "": it
+// has, or none is set.
+std::string StopTrouble(const MotionRules& rules, const MotionCore& core);
+
 }  // namespace musher::motion

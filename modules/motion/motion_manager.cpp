@@ -30,8 +30,11 @@ MotionManager::~MotionManager() {
   });
 }
 
+// It is stopped once its board reports that.
 void MotionManager::OnEmergencyStop() {
-  if (shell_) shell_->Do(motion_event::EmergencyStop{});
+  if (!shell_) return ReportStopTrouble("it is not set up: no stop was sent to the motion board");
+  shell_->Do(motion_event::EmergencyStop{});
+  ReportStopTrouble(shell_->stop_trouble());
 }
 
 Result<> MotionManager::Run(const State& state) {
@@ -71,7 +74,8 @@ Result<> MotionManager::OpenShell() {
        [this](const std::string& capability) {
          return Allowed(capability, cyberdog::module_code::kMotionManager);
        },
-       [this](const std::string& text) { Log(text); }, name()},
+       [this](const std::string& text) { Log(text); }, name(),
+       [this](const std::string& trouble) { ReportStopTrouble(trouble); }},
       [this](MotionBackend::OnBody on_body) { return MakeBackend(std::move(on_body)); });
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();

@@ -149,6 +149,27 @@ TEST_F(LcmChain, StopsInAnEmergencyWhen30PercentOfTheDatagramsAreLost) {
   EXPECT_FALSE(board_.lay_down) << "the stop is kept up";
 }
 
+TEST_F(LcmChain, SaysWhyAnEmergencyStopHasNotStoppedTheBody) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(500));
+  EXPECT_EQ(StopTrouble(Rules(), core_), "") << "none is set";
+  board_.board.deaf = true;
+  Do(motion_event::EmergencyStop{});
+  EXPECT_NE(StopTrouble(Rules(), core_), "") << "it is only sent";
+  RunFor(Milliseconds(1000));
+  EXPECT_THAT(StopTrouble(Rules(), core_),
+              HasSubstr("the motion board has not taken the stop: it reports mode 11, gait 27"));
+  loss_of_responses_ = 1;
+  RunFor(Milliseconds(600));
+  EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("the motion board is silent"));
+  loss_of_responses_ = 0;
+  board_.board.deaf = false;
+  RunFor(Milliseconds(300));
+  EXPECT_EQ(StopTrouble(Rules(), core_), "") << "it reports that it is off";
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
+  EXPECT_EQ(StopTrouble(Rules(), core_), "") << "it is no longer set";
+}
+
 TEST_F(LcmChain, DoesNotWalkOnAfterARestartOfTheBoardBeforeTheStreamHasPaused) {
   RunFor(Milliseconds(500));
   Stream(Milliseconds(1000));

@@ -19,6 +19,7 @@
 
 namespace musher::motion::testing::lcm_process_test {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 class LcmProcess : public ::testing::Test {
@@ -107,6 +108,21 @@ TEST_F(LcmProcess, LetsTheBodyLieDownWhenTheManagerHangs) {
   kill(manager, SIGSTOP);
   EXPECT_NE(board->LineWith("no frame: lies down"), "");
   kill(manager, SIGCONT);
+}
+
+TEST_F(LcmProcess, DoesNotConfirmAnEmergencyStopBeforeItsBoardReportsIt) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  kill(board->pid(), SIGSTOP);
+  const Ended stop = RunProgram("musher", {"--timeout", "3", "estop"});
+  kill(board->pid(), SIGCONT);
+  EXPECT_EQ(stop.exit, 1) << stop.out;
+  EXPECT_THAT(stop.out, AllOf(HasSubstr("motion_manager"), HasSubstr("the motion board")));
+  EXPECT_NE(board->LineWith("command mode 0 gait 0"), "");
+  const Ended again = RunProgram("musher", {"--timeout", "30", "estop"});
+  EXPECT_EQ(again.exit, 0) << again.out;
+  EXPECT_EQ(RunProgram("musher", {"--timeout", "30", "estop", "--release"}).exit, 0);
 }
 
 TEST_F(LcmProcess, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {
