@@ -95,6 +95,7 @@ bool LcmLink::MaySend(const BodyCommand& command, Time now) const {
   if (stopped_ && !IsRecoveryStand(command)) return false;
   if (Held(now) || looking_ || Silent(now)) return Stops(command);
   if (NeedsRecovery(body_.report)) return IsRecoveryStand(command);
+  if (IsStatus(body_.report, SwitchStatus::kLifted) && Walks(command)) return false;
   return counted_ || IsRecoveryStand(command) || Stops(command);
 }
 
@@ -460,7 +461,8 @@ void LcmLink::Repeat(Time now, LinkOutput& output) {
   }
   BodyCommand frame = *frame_;
   const bool kept = now - kept_at_ < kNoRepetition;
-  if (Walks(frame) && (Silent(now) || !kept)) {
+  const bool lifted = IsStatus(body_.report, SwitchStatus::kLifted);
+  if (Walks(frame) && (Silent(now) || !kept || lifted)) {
     // WALK_STAND may not follow a show, whose gait may be that of a user.
     const bool is_walk = std::ranges::find(kModesOfWalks, frame.mode) != kModesOfWalks.end();
     frame.mode = is_walk ? kModeWalk : kModeStand;

@@ -37,6 +37,8 @@
 //     and repeated until recovery stand follows. Only recovery stand follows it.
 //   - While the board reports an emergency stop, its damping mode or that it is off, only recovery
 //     stand and the emergency stop are sent.
+//   - A lifted body has its walk stopped, and begins none: its board would go on with it once the
+//     body is put down.
 //   - Without a response for 500 ms a walk is stopped, and no motion begins. A walk that the motion
 //     manager has not repeated for 500 ms is stopped, too: its clock may stand still.
 //   - While another program commands the board, only commands that stop are sent, for 200 ms or

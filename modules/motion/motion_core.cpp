@@ -83,6 +83,9 @@ class Decision {
   void StopServo(const std::string& why);
   void WatchServo();
   void WatchLying();
+  bool IsLifted() const;
+  void WatchLifted();
+  void Interrupt(Key code, const std::string& why);
   void ReportServo();
   void RefuseServo(const ServoCommand& command, const Error& error);
 
@@ -109,7 +112,9 @@ class Decision {
   bool Taken() const;
   JobMotion MotionOf(const Motion& motion, const MotionArguments& arguments) const;
   void Command(const BodyCommand& command, bool at_once);
+  void CountCommand(int last);
   void Stand(const BodyCommand& last);
+  bool StandIsRefused() const;
   void Quiet();
   void Transmit();
   void TransmitIfDue();
@@ -214,6 +219,7 @@ void Decision::Take(const motion_event::BoardReported& event) {
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
   WatchLying();
+  WatchLifted();
   AdvanceJob(false);
 }
 
@@ -229,7 +235,26 @@ void Decision::WatchLying() {
   }
   if (now_ - *servo.down_since < kLiesTime) return;
   StopServo("the body lies");
-  core_.interrupted_stream = now_;
+  Interrupt(Key::kBoardSilent, "the body has lain down by itself");
+}
+
+bool Decision::IsLifted() const {
+  return core_.body && core_.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kLifted);
+}
+
+// A board goes on with the walk that it has once the body is put down.
+void Decision::WatchLifted() {
+  if (!IsLifted()) return;
+  if (core_.servo) {
+    StopServo("the body is lifted");
+    Interrupt(Key::kLifted, "the body was lifted");
+  }
+  const bool stands = core_.link.until && core_.link.command.id == kWalkStand;
+  if (stands) core_.link.until = now_ + kStopRepeat;
+}
+
+void Decision::Interrupt(Key code, const std::string& why) {
+  core_.interrupted_stream = {now_, MotionCode(code), why};
 }
 
 // After it only recovery stand may follow.
@@ -374,7 +399,8 @@ void Decision::ForgetBody() {
 void Decision::Take(const motion_event::BoardRestarted&) {
   const std::int32_t code = MotionCode(Key::kBoardSilent);
   const bool stops = core_.job && core_.job->motion_id == kEmergencyStop;
-  core_.interrupted_stream = now_;  // also one that was refused while the board was silent
+  // Also one that was refused while the board was silent.
+  Interrupt(Key::kBoardSilent, "the motion board has restarted");
   if (core_.servo) {
     core_.servo.reset();
     actions_.emplace_back(
@@ -463,14 +489,13 @@ JobMotion Decision::MotionOf(const Motion& motion, const MotionArguments& argume
 // another frame.
 void Decision::Command(const BodyCommand& command, bool at_once) {
   // The board may store the counts of its previous commander: do not use the one after its own.
-  constexpr int kHighestLife = 127;
   constexpr int kFarAway = 64;
   const bool first = core_.link.sent_at == Time::min();
   const int last = first && core_.body
                        ? static_cast<std::uint8_t>(core_.body->life_count) + kFarAway
                        : core_.link.command.life_count;
   core_.link.command = command;
-  core_.link.command.life_count = static_cast<std::int8_t>(last % kHighestLife + 1);
+  CountCommand(last);
   core_.link.begun_at = now_;
   core_.link.active = true;
   core_.link.until.reset();
@@ -479,6 +504,12 @@ void Decision::Command(const BodyCommand& command, bool at_once) {
   } else {
     TransmitIfDue();
   }
+}
+
+// The command is a new one for the board: its count differs from the last one.
+void Decision::CountCommand(int last) {
+  constexpr int kHighestLife = 127;
+  core_.link.command.life_count = static_cast<std::int8_t>(last % kHighestLife + 1);
 }
 
 // Stops a walk.
@@ -509,7 +540,18 @@ void Decision::Transmit() {
 }
 
 void Decision::TransmitIfDue() {
-  if (core_.link.active && now_ >= core_.link.NextFrame()) Transmit();
+  if (!core_.link.active || now_ < core_.link.NextFrame()) return;
+  if (StandIsRefused()) CountCommand(core_.link.command.life_count);
+  Transmit();
+}
+
+// A board that has refused WALK_STAND, because of a fault of the body, takes it with another count
+// only; repeated, it would keep up the walk before it.
+bool Decision::StandIsRefused() const {
+  const BoardLink& link = core_.link;
+  const bool reported = core_.body && core_.body_reported_at > link.begun_at;
+  return link.until && link.command.id == kWalkStand && reported && !Taken() &&
+         CodeOfStatus(core_.body->switch_status) != kCodeOk;
 }
 
 // --- answers and logs ---
@@ -567,7 +609,11 @@ void Decision::Take(const motion_event::ServoArrived& event) {
   // Whichever source it is of: the body has one stream at a time.
   const auto interrupted = std::exchange(core_.interrupted_stream, std::nullopt);
   if (command.type == ServoCommand::kEnd) return EndServo(command);
-  if (interrupted && now_ - *interrupted < kServoWatchdog) core_.interrupted_stream = now_;
+  if (IsLifted()) {
+    Interrupt(Key::kLifted, "the body was lifted");
+  } else if (interrupted && now_ - interrupted->last_frame < kServoWatchdog) {
+    core_.interrupted_stream = {now_, interrupted->code, interrupted->why};
+  }
   if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
   FollowServo(command, *rules_.table.Find(command.requested.id));
 }
@@ -598,9 +644,8 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
                  "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
   }
   if (core_.interrupted_stream) {
-    return Error{MotionCode(Key::kBoardSilent),
-                 "the motion board has restarted, or the body has lain down by itself; end the "
-                 "stream, or pause it for 200 ms"};
+    const auto& [last_frame, code, why] = *core_.interrupted_stream;
+    return Error{code, why + "; end the stream, or pause it for 200 ms"};
   }
   return core_.servo ? Ok() : CheckBoard();
 }

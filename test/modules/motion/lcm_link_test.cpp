@@ -114,6 +114,20 @@ TEST_F(LcmLinkTest, HoldsAStandingBodyWithTwoLifeCounts) {
   EXPECT_EQ(NewCounts(), 2) << "one may be that of the commander before";
 }
 
+TEST_F(LcmLinkTest, StopsTheWalkOfALiftedBodyAndBeginsNone) {
+  Stand();
+  Command(11, 27, 0.5F);
+  Repeat(Milliseconds(500), 11, 27);
+  frames_.clear();
+  RunFor(Milliseconds(100), 11, 27, 4);
+  EXPECT_EQ(frames_.back().mode, 11);
+  EXPECT_EQ(frames_.back().gait, 1);
+  EXPECT_EQ(frames_.back().vel[0], 0);
+  Command(11, 3, 0.5F);
+  RunFor(Milliseconds(200), 11, 27, 4);
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.vel[0], 0);
+}
+
 TEST_F(LcmLinkTest, HoldsAWalkingBodyWithZeroSpeed) {
   RunFor(Milliseconds(250), 11, 27);
   ASSERT_FALSE(frames_.empty());

@@ -237,6 +237,34 @@ TEST_P(MotionBoard, ReportsToTheAppWhyABodyThatIsLiftedDoesNotMove) {
   EXPECT_EQ(Do(motion::kUserTrot, 1000, {0.5F, 0, 0}), 0);
 }
 
+TEST_P(MotionBoard, DoesNotWalkOnWhenItIsPutDown) {
+  const auto set_fault = [&](const std::string& fault) {
+    static_cast<void>(faults_->Publish({fault}));
+  };
+  const auto is_still = [&](const Eigen::Vector2d& since) {
+    EXPECT_NEAR(SpeedOfBody(), 0, 0.01);
+    EXPECT_LT((TheBody().pose().position_m - since).norm(), 0.1);
+  };
+  Stream(seconds(4), 0.4F);
+  ASSERT_GT(SpeedOfBody(), 0.3);
+  set_fault("lifted");
+  Stream(seconds(1), 0.4F);
+  const Eigen::Vector2d lifted = TheBody().pose().position_m;
+  set_fault("none");
+  Stream(seconds(3), 0.4F);
+  is_still(lifted);  // the stream has not paused
+  network_.RunFor(Milliseconds(500));
+  Stream(seconds(3), 0.4F);
+  ASSERT_GT(SpeedOfBody(), 0.3) << "a new stream: it walks";
+  // A stream that ends while the board takes no stop.
+  set_fault("lifted");
+  network_.RunFor(Milliseconds(500));
+  const Eigen::Vector2d again = TheBody().pose().position_m;
+  set_fault("none");
+  network_.RunFor(seconds(3));
+  is_still(again);
+}
+
 // On LCM a motor's fault is beside the status of the motion, which the board decides on.
 TEST_P(MotionBoard, NamesTheMotorThatIsTooHot) {
   ASSERT_EQ(Do(motion::kRecoveryStand), 0);
