@@ -146,8 +146,12 @@ void LcmBackend::OnResponseGroup(const LcmSample& sample) {
 }
 
 void LcmBackend::OnLocationGroup(const LcmSample& sample) {
-  if (!sample.packet || sample.packet->channel != kLocalizationChannel) return;
   const Time now = loop_.Now();
+  if (!sample.packet) return;
+  if (sample.packet->channel == kMotorChannel) {
+    return Handle(link_.OnMotorFrame(sample.sender, now));
+  }
+  if (sample.packet->channel != kLocalizationChannel) return;
   const auto location = DecodeLocation(sample.packet->data);
   if (!location) {
     return Handle(link_.OnMalformed(kLocalizationChannel, location.error().message, now));

@@ -236,6 +236,7 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
 
 void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
   output.restarted = true;
+  motors_taken_ = false;
   if (stopped_) {  // which is kept
     recounts_ = 1;
     unconfirmed_ = now;
@@ -388,6 +389,17 @@ LinkOutput LcmLink::OnOtherFrame(const std::string& sender, const BodyCommand& f
   constexpr std::uint8_t kFarAway = 64;
   life_ = static_cast<std::uint8_t>(static_cast<std::uint8_t>(frame.life_count) + kFarAway);
   if (stopped_) recounts_ = 1;  // each frame of the stop is new to the board
+  return output;
+}
+
+// The board has no message that says so, and obeys no command until it restarts.
+LinkOutput LcmLink::OnMotorFrame(const std::string& sender, Time now) {
+  LinkOutput output;
+  const std::string text = sender + " moves the motors directly (" + std::string(kMotorChannel) +
+                           "): the board ignores motions and stops; restart the board";
+  if (!std::exchange(motors_taken_, true)) output.held_by = text;
+  held_ = true;
+  Fault("motors", {MotionCode(KeyCode::kTargetBusy), text}, now, output);
   return output;
 }
 

@@ -45,6 +45,8 @@
 //     until the board has taken them. The same for 1 s after a response of a second board, which
 //     takes the same commands. Heartbeats go on then; without a command only to a body that lies
 //     or stands.
+//   - A frame that moves the motors directly has precedence over all commands, stops too, until the
+//     board is switched off and on: nothing begins until it has restarted, and stops are sent.
 //   - The board is the host that LinkOptions.board names, else the first one that responds.
 //     Messages of other hosts are dropped.
 //   - A datagram that is older than the newest of its sender is dropped. A board that answers from
@@ -142,6 +144,8 @@ class LcmLink {
   LinkOutput OnTemperatures(const Sender& sender, const Temperatures& temperatures, Time now);
   // A frame on the board's channel that is not of this process.
   LinkOutput OnOtherFrame(const std::string& sender, const BodyCommand& frame, Time now);
+  // The same on the channel of its motors.
+  LinkOutput OnMotorFrame(const std::string& sender, Time now);
   // What was received on the channel, and why it is dropped.
   LinkOutput OnMalformed(const std::string& channel, const std::string& what, Time now);
   LinkOutput OnSendFailed(const Error& error, Time now);
@@ -168,7 +172,7 @@ class LcmLink {
   bool HasSecondBoard(Time now) const {
     return second_board_at_ && now - *second_board_at_ < kSecondBoard;
   }
-  bool Held(Time now) const { return HasOtherSender(now) || HasSecondBoard(now); }
+  bool Held(Time now) const { return motors_taken_ || HasOtherSender(now) || HasSecondBoard(now); }
   bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
   bool MaySend(const BodyCommand& command, Time now) const;
   bool IsBoard(const Stream& stream, const Sender& sender) const;
@@ -231,6 +235,7 @@ class LcmLink {
   int in_second_ = 0;  // responses
 
   bool held_ = false;                    // as reported by held_by
+  bool motors_taken_ = false;            // by a program that moves them directly
   std::optional<Time> other_at_;         // the last frame of another program
   std::optional<Time> second_board_at_;  // the last response of one
   std::map<std::string, Time> reported_;

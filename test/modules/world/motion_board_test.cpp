@@ -455,6 +455,17 @@ TEST_P(MotionBoardBadInput, OfAnotherProgramsGaitEndsTheOneThatWasDefined) {
   EXPECT_EQ(Call(*gaits_, request).code, 0);
 }
 
+TEST_P(MotionBoardBadInput, NamesAProgramThatMovesTheMotorsDirectly) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  Inject({"frames for the motors", "motor_ctrl", "", [] { return std::vector<std::byte>(248); }},
+         config_.lcm.localization_url);
+  EXPECT_NE(log_.find("moves the motors directly (motor_ctrl)"), std::string::npos) << log_;
+  EXPECT_EQ(Do(motion::kUserTrot, 1000, {0.5F, 0, 0}), 3011);
+  const Result<> check = motion_->Check();
+  ASSERT_FALSE(check);
+  EXPECT_NE(check.error().message.find("restart the board"), std::string::npos);
+}
+
 TEST_P(MotionBoardBadInput, GetsACodeAndASentenceAndTheBodyStands) {
   ASSERT_EQ(Do(motion::kRecoveryStand), 0);
   network_.RunFor(seconds(1));
