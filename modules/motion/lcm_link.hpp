@@ -157,6 +157,8 @@ class LcmLink {
   // Whether that sender is on the host of the board.
   bool IsHostOfBoard(const std::string& sender) const;
 
+  // Whether the board has sent no response for 500 ms.
+  bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
   bool looking() const { return looking_; }
   const std::optional<BodyCommand>& frame() const { return frame_; }  // that is repeated
 
@@ -173,7 +175,6 @@ class LcmLink {
     return second_board_at_ && now - *second_board_at_ < kSecondBoard;
   }
   bool Held(Time now) const { return motors_taken_ || HasOtherSender(now) || HasSecondBoard(now); }
-  bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
   bool MaySend(const BodyCommand& command, Time now) const;
   bool IsBoard(const Stream& stream, const Sender& sender) const;
   // Whether the message is to be used; kRestarted: and its count has restarted, or the sender is

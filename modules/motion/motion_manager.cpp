@@ -107,26 +107,25 @@ Result<std::unique_ptr<MotionBackend>> MotionManager::MakeLcmBackend(
   events.on_other_gait = [this](const std::string& why) {
     if (shell_) shell_->Do(motion_event::OtherGait{why});
   };
-  auto backend = LcmBackend::Make(loop_->node().loop(), *clock_, config_, std::move(events));
-  if (!backend) return backend.error();
-  Log("the motion board is expected on " + backend.value()->Source());
-  return std::unique_ptr<MotionBackend>(std::move(backend).value());
+  auto backend =
+      std::make_unique<LcmBackend>(loop_->node().loop(), *clock_, config_, std::move(events));
+  Log("the motion board is expected on " + backend->Source());
+  return std::unique_ptr<MotionBackend>(std::move(backend));
 }
 
-// The body may be switched on a little later than this module.
+// The body, and the network to it, may be switched on a little later than this module.
 Result<> MotionManager::AwaitBody() {
   const auto reported = std::make_shared<bool>(false);
-  std::string source;
-  OnLoop([&](MotionShell& shell) {
-    source = shell.board();
-    shell.OnNextReport([reported] { *reported = true; });
-  });
-  const Error silent{MotionCode(MotionKey::kBoardSilent),
-                     "the motion board is silent: no report on " + source + " within " +
-                         std::to_string(ToMilliseconds(config_.board_wait)) + " ms"};
-  return program::AwaitOnLoop(
-      *loop_, config_.board_wait, [&] { return *reported ? Ok() : Result<>(silent); },
-      [this] { return StopRequested(); });
+  OnLoop([&](MotionShell& shell) { shell.OnNextReport([reported] { *reported = true; }); });
+  const auto check = [&]() -> Result<> {
+    if (*reported) return Ok();
+    if (auto reachable = shell_->reachable(); !reachable) return reachable;
+    return Error{MotionCode(MotionKey::kBoardSilent),
+                 "the motion board is silent: no report on " + shell_->board() + " within " +
+                     std::to_string(ToMilliseconds(config_.board_wait)) + " ms"};
+  };
+  return program::AwaitOnLoop(*loop_, config_.board_wait, check,
+                              [this] { return StopRequested(); });
 }
 
 Result<> MotionManager::SelfCheck() {

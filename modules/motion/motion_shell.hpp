@@ -57,6 +57,7 @@ class MotionShell {
   const MotionCore& core() const { return core_; }
   // Where the board's reports come from, in messages.
   std::string board() const { return backend_->Source(); }
+  Result<> reachable() const { return backend_->Reachable(); }
   // Of motion_core.hpp.
   const std::string& stop_trouble() const { return stop_trouble_; }
   // The result of SelfCheck: the board reports, and no motor has an error.

@@ -238,6 +238,14 @@ TEST_F(LcmProcess, LeavesNoMotionManagerBehindWhenTheTestIsKilled) {
   EXPECT_TRUE(musher::testing::AwaitEnd(manager));
 }
 
+TEST_F(LcmProcess, AwaitsTheNetworkToItsBoardAndSaysWhatIsMissing) {
+  RobotRig robot(Config() + "interface = \"dog77\"\nwait_ms = 1500\n");
+  EXPECT_FALSE(robot.BringUp());
+  const std::string log = robot.Log();
+  EXPECT_THAT(log, HasSubstr("this computer has no network interface 'dog77'"));
+  EXPECT_THAT(log, HasSubstr("(3005)")) << "at the second try";
+}
+
 TEST_F(LcmProcess, SaysWhereItExpectsASilentBoard) {
   RobotRig robot(Config() + "wait_ms = 300\n");
   EXPECT_FALSE(robot.BringUp());

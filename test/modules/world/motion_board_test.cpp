@@ -108,8 +108,8 @@ class MotionBoard : public ::testing::TestWithParam<motion::BoardKind> {
       events.on_other_gait = [this](const std::string& why) {
         motion_->Do(motion::motion_event::OtherGait{why});
       };
-      return Made(
-          motion::LcmBackend::Make(robot_->loop(), *clock_, config_, std::move(events)).value());
+      return Made(std::make_unique<motion::LcmBackend>(robot_->loop(), *clock_, config_,
+                                                       std::move(events)));
     }
     return Made(motion::TopicBackend::Make(*robot_, "", std::move(on_body)).value());
   }
