@@ -181,6 +181,26 @@ TEST_F(LcmProcess, NamesAnotherProgramThatCommandsTheBoard) {
   EXPECT_EQ(code, 3011);
 }
 
+TEST_F(LcmProcess, NamesAProgramThatMovesTheMotorsOfABoardThatIgnoresStopsThen) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  transport::LinuxEventLoop loop;
+  const auto other =
+      transport::LcmSocket::Open(loop, {transport::ReadLcmUrl(urls_[2]).value(), "", 0},
+                                 [](const transport::LcmSample&) {})
+          .value();
+  ASSERT_TRUE(other->Send(kMotorChannel, std::vector<std::byte>(248)));
+  EXPECT_NE(board->LineWith("motor_ctrl: commands are ignored"), "");
+  const std::string named = other->sender() + " moves the motors directly";
+  EXPECT_TRUE(robot.AwaitLog(named)) << robot.Log();
+  EXPECT_EQ(robot.RequestMotion(111).code, 3011);
+  const Ended stop = RunProgram("musher", {"--timeout", "3", "estop"});
+  EXPECT_EQ(stop.exit, 1);
+  EXPECT_THAT(stop.out, AllOf(HasSubstr("motion_manager"), HasSubstr("restart the board")));
+  RunProgram("musher", {"--timeout", "30", "estop", "--release"});
+}
+
 // LCM's own library receives whatever is sent to its port, of every group of this host.
 TEST_F(LcmProcess, IsNotDisturbedByTheSameTestInAnotherProcess) {
   const auto board = StartBoard("7", "0");
