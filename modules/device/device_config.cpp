@@ -99,8 +99,51 @@ void CheckInput(TableReader& reader, const PowerKeyConfig& key) {
   }
 }
 
+// The same of a touch pad.
+void CheckTouch(TableReader& reader, const TouchConfig& touch) {
+  const bool is_input = touch.source == KeySource::kInput;
+  const bool has_both = reader.Has("device") && reader.Has("device_name");
+  if (is_input && has_both) {
+    reader.Fault(reader.At("device_name"), "device_name",
+                 "expected either device or device_name, found both");
+  } else if (is_input && !reader.Has("device_name")) {
+    reader.Require("device", "the file of an input device, \"/dev/input/event0\", or device_name");
+  }
+  for (const std::string_view name : {"device", "device_name", "codes"}) {
+    if (!is_input && reader.Has(name)) {
+      reader.Warn(reader.At(name), name, "has no effect: only a source \"input\" uses it");
+    }
+  }
+  if (touch.codes == TouchCodes{}) {
+    reader.Fault(reader.At("codes"), "codes",
+                 "expected the number of a key for tap, single, double or hold");
+  }
+}
+
+constexpr std::int64_t kHighestCode = 767;  // KEY_MAX of the kernel
+
+Rows TouchRows(TouchConfig& touch, const std::filesystem::path& folder) {
+  TouchCodes& codes = touch.codes;
+  return {
+      row::Required("source", "\"world\", \"input\" or \"none\"",
+                    row::Choice("source", touch.source,
+                                {{"world", KeySource::kWorld},
+                                 {"input", KeySource::kInput},
+                                 {"none", KeySource::kNone}})),
+      row::File("device", touch.input.file, folder),
+      row::Text("device_name", touch.input.name),
+      [&codes](TableReader& reader) {
+        if (reader.Has("codes")) codes = {};
+      },
+      row::Sub("codes", {row::Integer("tap", codes.tap, 1, kHighestCode),
+                         row::Integer("single", codes.single, 1, kHighestCode),
+                         row::Integer("double", codes.double_tap, 1, kHighestCode),
+                         row::Integer("hold", codes.hold, 1, kHighestCode)}),
+      [&touch](TableReader& reader) { CheckTouch(reader, touch); },
+  };
+}
+
 Rows PowerKeyRows(PowerKeyConfig& key, const std::filesystem::path& folder) {
-  constexpr std::int64_t kHighestCode = 767;  // KEY_MAX of the kernel
   return {
       row::Required("source", "\"world\", \"input\" or \"none\"",
                     row::Choice("source", key.source,
@@ -132,7 +175,7 @@ DeviceConfig Read(const Table& table, const std::string& path, Findings& finding
             DeviceNames("critical", config.critical, config.skip, findings),
             row::Required("battery", "a table [battery] with the source of its readings",
                           row::Sub("battery", BatteryRows(config.battery, source, folder))),
-            row::Sub("touch", {WorldSource(config.touch)}),
+            row::Sub("touch", TouchRows(config.touch, folder)),
             row::Sub("led", {WorldSource(config.led)}), row::Sub("uwb", {WorldSource(config.uwb)}),
             row::Sub("power_key", PowerKeyRows(config.power_key, folder))});
   return config;

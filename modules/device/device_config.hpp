@@ -9,6 +9,7 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/modules/device/input_device.hpp"
 #include "musher/modules/device/input_key.hpp"
 #include "musher/modules/device/power_supply.hpp"
 
@@ -37,14 +38,33 @@ struct PowerKeyConfig {
   friend bool operator==(const PowerKeyConfig&, const PowerKeyConfig&) = default;
 };
 
+// The keys of a touch pad (linux/input-event-codes.h); 0: it has none for that.
+struct TouchCodes {
+  std::uint16_t tap = 0;  // pressed while it is touched
+  std::uint16_t single = 0;
+  std::uint16_t double_tap = 0;
+  std::uint16_t hold = 0;
+
+  friend bool operator==(const TouchCodes&, const TouchCodes&) = default;
+};
+inline constexpr std::uint16_t kTouchCode = 330;  // BTN_TOUCH
+
+struct TouchConfig {
+  KeySource source = KeySource::kNone;
+  InputSource input;             // input
+  TouchCodes codes{kTouchCode};  // input
+
+  friend bool operator==(const TouchConfig&, const TouchConfig&) = default;
+};
+
 struct DeviceConfig {
   Duration self_check_time = Milliseconds(3000);  // how long SelfCheck waits for the devices
   std::vector<std::string> skip;                  // not checked
   std::vector<std::string> critical;              // a failure fails SelfCheck with its code
   BatteryConfig battery;
-  bool touch = false;  // there is one, on the world's topic
-  bool led = false;    // the same
-  bool uwb = false;    // the same
+  TouchConfig touch;
+  bool led = false;  // there is one, on the world's topic
+  bool uwb = false;  // the same
   PowerKeyConfig power_key;
 
   friend bool operator==(const DeviceConfig&, const DeviceConfig&) = default;

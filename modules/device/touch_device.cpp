@@ -4,24 +4,77 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace musher::device {
 
 Result<std::unique_ptr<TouchDevice>> TouchDevice::Make(const Dependencies& dependencies,
-                                                       bool present) {
-  std::unique_ptr<TouchDevice> device(new TouchDevice(dependencies));
-  if (Result<> connected = device->Connect(present); !connected) return connected.error();
+                                                       const TouchConfig& config) {
+  std::unique_ptr<TouchDevice> device(new TouchDevice(dependencies, config));
+  if (Result<> connected = device->Connect(); !connected) return connected.error();
   return device;
 }
 
-Result<> TouchDevice::Connect(bool present) {
+Result<> TouchDevice::Connect() {
   status_ = endpoints_.Advertise<msg::TouchStatus>("touch_status");
   low_power_exit_ = endpoints_.OpenClient<msg::Trigger>("low_power_exit");
-  if (present) {
+  if (config_.source == KeySource::kWorld) {
     touches_ = endpoints_.Subscribe<msg::Int32>(
         "world/touch", [this](const msg::Int32& touch) { OnTouch(touch.data); });
   }
-  return endpoints_.opened();
+  if (Result<> opened = endpoints_.opened(); !opened) return opened;
+  if (config_.source == KeySource::kInput) OpenInput();
+  return Ok();
+}
+
+void TouchDevice::OpenInput() {
+  std::vector<std::uint16_t> codes;
+  const auto& [tap, single, double_tap, hold] = config_.codes;
+  for (const std::uint16_t code : {tap, single, double_tap, hold}) {
+    if (code != 0) codes.push_back(code);
+  }
+  InputDevice::Events events;
+  events.on_key = [this](std::uint16_t code, bool pressed) { OnKey(code, pressed); };
+  events.on_gap = [this] {
+    taps_.Forget();
+    tap_time_.reset();
+  };
+  events.log = [this](const std::string& line) { dependencies_.log("touch: " + line); };
+  input_ = std::make_unique<InputDevice>(dependencies_.node.loop(), config_.input, std::move(codes),
+                                         std::move(events));
+}
+
+void TouchDevice::OnKey(std::uint16_t code, bool pressed) {
+  const TouchCodes& codes = config_.codes;
+  if (code == codes.tap) {
+    if (const auto touch = taps_.OnTouch(pressed, dependencies_.node.loop().Now())) OnTouch(*touch);
+    return ArmTaps();
+  }
+  const bool begins = pressed ? pressed_.insert(code).second : (pressed_.erase(code), false);
+  if (!begins) return;
+  if (code == codes.single) OnTouch(msg::TouchStatus::kSingle);
+  if (code == codes.double_tap) OnTouch(msg::TouchStatus::kDoubleTouch);
+  if (code == codes.hold) OnTouch(msg::TouchStatus::kHold);
+}
+
+void TouchDevice::ArmTaps() {
+  tap_time_.reset();
+  const auto due = taps_.NextDeadline();
+  if (!due) return;
+  tap_time_ = dependencies_.node.loop().At(*due, [this, at = *due] { OnTapTime(at); });
+}
+
+// A process that was suspended runs its timers first: the key may be released since.
+void TouchDevice::OnTapTime(Time due) {
+  transport::EventLoop& loop = dependencies_.node.loop();
+  const Time now = loop.Now();
+  if (now > due + kLate) {
+    const Time again = now + kLate;
+    tap_time_ = loop.At(again, [this, again] { OnTapTime(again); });
+    return;
+  }
+  if (const auto touch = taps_.OnTime(now)) OnTouch(*touch);
+  ArmTaps();
 }
 
 void TouchDevice::OnTouch(std::int32_t touch_state) {
@@ -50,9 +103,12 @@ void TouchDevice::WakeUp() {
 }
 
 Result<> TouchDevice::Check() const {
-  if (!touches_ || touches_->MatchedWriters() > 0) return Ok();
-  return Error{MakeCode(cyberdog::module_code::kTouch, KeyCode::kSelfCheckFailed),
-               "no publisher of world/touch"};
+  const auto failed = [](const std::string& why) {
+    return Error{MakeCode(cyberdog::module_code::kTouch, KeyCode::kSelfCheckFailed), why};
+  };
+  if (input_ && !input_->fault().empty()) return failed("the input device: " + input_->fault());
+  if (touches_ && touches_->MatchedWriters() == 0) return failed("no publisher of world/touch");
+  return Ok();
 }
 
 }  // namespace musher::device

@@ -20,6 +20,7 @@ inline constexpr const char* kCommandChannel = "robot_control_cmd";
 inline constexpr const char* kResponseChannel = "robot_control_response";
 inline constexpr const char* kTemperatureChannel = "motor_temperature";
 inline constexpr const char* kLocalizationChannel = "global_to_robot";
+inline constexpr const char* kMotorChannel = "motor_ctrl";  // to the board, of other programs
 inline constexpr const char* kGaitFileChannel = "user_gait_file";
 inline constexpr const char* kGaitResultChannel = "user_gait_result";
 

@@ -12,6 +12,10 @@ using transport::LcmOptions;
 using transport::LcmSample;
 using transport::LcmSocket;
 
+using OpenedSocket = Result<std::unique_ptr<LcmSocket>>;
+
+constexpr Duration kReopenPeriod = std::chrono::seconds(1);
+
 LcmLink::Sender SenderOf(const LcmSample& sample) {
   return {sample.sender, sample.packet->sequence};
 }
@@ -19,50 +23,49 @@ LcmLink::Sender SenderOf(const LcmSample& sample) {
 }  // namespace
 
 LcmBackend::LcmBackend(transport::EventLoop& loop, const transport::Clock& clock,
-                       LinkOptions options, Events events)
+                       const MotionConfig& config, Events events)
     : loop_(loop),
       clock_(clock),
       events_(std::move(events)),
-      link_(loop.Now(), std::move(options)) {}
-
-Result<std::unique_ptr<LcmBackend>> LcmBackend::Make(transport::EventLoop& loop,
-                                                     const transport::Clock& clock,
-                                                     const MotionConfig& config, Events events) {
-  LinkOptions options;
-  options.give_up = config.board_feedback;  // its caller is answered then
-  options.board = config.lcm.board;
-  std::unique_ptr<LcmBackend> backend(
-      new LcmBackend(loop, clock, std::move(options), std::move(events)));
-  if (auto opened = backend->Open(config.lcm); !opened) {
-    return Error{MotionCode(KeyCode::kNetError), opened.error().message};
-  }
-  backend->Arm();
-  return backend;
+      config_(config.lcm),
+      // The caller of a command is answered after board_feedback.
+      link_(loop.Now(), LinkOptions{config.board_feedback, config.lcm.board}) {
+  opened_ = Open();
+  Arm();
+  reopen_timer_ = loop_.Every(kReopenPeriod, [this] { Reopen(); });
 }
 
-Result<> LcmBackend::Open(const LcmConfig& config) {
-  const auto open = [&](const std::string& url, std::unique_ptr<LcmSocket>& socket,
-                        void (LcmBackend::*on_sample)(const LcmSample&)) -> Result<> {
+// All sockets, or none.
+Result<> LcmBackend::Open() {
+  const auto open = [&](const std::string& url,
+                        void (LcmBackend::*on_sample)(const LcmSample&)) -> OpenedSocket {
     const auto parsed = transport::ReadLcmUrl(url);
     if (!parsed) return parsed.error();
-    auto opened =
-        LcmSocket::Open(loop_, LcmOptions{parsed.value(), config.network_interface, config.ttl},
-                        [this, on_sample](const LcmSample& sample) { (this->*on_sample)(sample); });
-    if (!opened) return opened.error();
-    socket = std::move(opened).value();
-    return Ok();
+    return LcmSocket::Open(loop_,
+                           LcmOptions{parsed.value(), config_.network_interface, config_.ttl},
+                           [this, on_sample](const LcmSample& s) { (this->*on_sample)(s); });
   };
-  if (auto done = open(config.command_url, commands_, &LcmBackend::OnCommandGroup); !done) {
-    return done;
+  auto commands = open(config_.command_url, &LcmBackend::OnCommandGroup);
+  auto responses = open(config_.response_url, &LcmBackend::OnResponseGroup);
+  auto locations = open(config_.localization_url, &LcmBackend::OnLocationGroup);
+  for (const OpenedSocket* socket : {&commands, &responses, &locations}) {
+    if (!*socket) return Error{MotionCode(KeyCode::kNetError), socket->error().message};
   }
-  if (auto done = open(config.response_url, responses_, &LcmBackend::OnResponseGroup); !done) {
-    return done;
-  }
-  return open(config.localization_url, locations_, &LcmBackend::OnLocationGroup);
+  commands_ = std::move(commands).value();
+  responses_ = std::move(responses).value();
+  locations_ = std::move(locations).value();
+  return Ok();
+}
+
+void LcmBackend::Reopen() {
+  const Time now = loop_.Now();
+  opened_ = commands_ && !link_.Silent(now) ? Ok() : Open();
+  if (!opened_) Handle(link_.OnSendFailed(opened_.error(), now));
 }
 
 std::string LcmBackend::Source() const {
-  return std::string(kResponseChannel) + " of " + responses_->name();
+  return std::string(kResponseChannel) + " of " +
+         (responses_ ? responses_->name() : config_.response_url);
 }
 
 void LcmBackend::Send(const BodyCommand& command) {
@@ -114,7 +117,8 @@ void LcmBackend::OnOtherGait(const std::string& sender) {
 void LcmBackend::Handle(GaitDefinition::Output output) {
   if (output.text) {
     const auto bytes = EncodeGaitFile(*output.text);
-    const Result<> sent = bytes ? commands_->Send(kGaitFileChannel, bytes.value()) : bytes.error();
+    Result<> sent = bytes ? opened_ : bytes.error();
+    if (sent) sent = commands_->Send(kGaitFileChannel, bytes.value());
     if (!sent) output = definition_.OnSendFailed(sent.error());
   }
   answer_timer_.reset();
@@ -146,8 +150,12 @@ void LcmBackend::OnResponseGroup(const LcmSample& sample) {
 }
 
 void LcmBackend::OnLocationGroup(const LcmSample& sample) {
-  if (!sample.packet || sample.packet->channel != kLocalizationChannel) return;
   const Time now = loop_.Now();
+  if (!sample.packet) return;
+  if (sample.packet->channel == kMotorChannel) {
+    return Handle(link_.OnMotorFrame(sample.sender, now));
+  }
+  if (sample.packet->channel != kLocalizationChannel) return;
   const auto location = DecodeLocation(sample.packet->data);
   if (!location) {
     return Handle(link_.OnMalformed(kLocalizationChannel, location.error().message, now));
@@ -166,6 +174,7 @@ void LcmBackend::Handle(const LinkOutput& output) {
 }
 
 void LcmBackend::Transmit(const BodyCommand& frame) {
+  if (!commands_) return;  // Reopen() reports it
   const auto sent = commands_->Send(kCommandChannel, EncodeCommand(frame));
   if (sent) return;
   for (const LinkFault& fault : link_.OnSendFailed(sent.error(), loop_.Now()).faults) {

@@ -2,6 +2,10 @@
 // A body behind a motion board on LCM: a CyberDog 2's, its simulator, or modules/world with
 // [board] kind = "lcm". The decisions are in lcm_link.hpp; here are its sockets and its timer.
 //
+// While no route leads to the board, or the board is silent, the sockets are opened again each
+// second: an interface that comes later, or comes back, has left the groups, and one that has
+// another address sends by the old one.
+//
 // Threads: the loop's only. A loop that hangs sends no frame, and the board lets the body lie down.
 
 #include <functional>
@@ -29,22 +33,19 @@ class LcmBackend : public MotionBackend {
     std::function<void(const std::string& why)> on_other_gait;
   };
 
-  // `clock` gives the stamps of odometry; it and the loop outlive the backend. Fails with what to
-  // type where no route leads to the board.
-  static Result<std::unique_ptr<LcmBackend>> Make(transport::EventLoop& loop,
-                                                  const transport::Clock& clock,
-                                                  const MotionConfig& config, Events events);
+  // `clock` gives the stamps of odometry; it and the loop outlive the backend.
+  LcmBackend(transport::EventLoop& loop, const transport::Clock& clock, const MotionConfig& config,
+             Events events);
 
   void Send(const BodyCommand& command) override;
   bool TakesGaits() const override { return true; }
   void DefineGait(const UserGait& gait, OnDefined then) override;
   std::string Source() const override;
+  Result<> Reachable() const override { return opened_; }
 
  private:
-  LcmBackend(transport::EventLoop& loop, const transport::Clock& clock, LinkOptions options,
-             Events events);
-
-  Result<> Open(const LcmConfig& config);
+  Result<> Open();
+  void Reopen();
   void OnCommandGroup(const transport::LcmSample& sample);
   void OnResponseGroup(const transport::LcmSample& sample);
   void OnLocationGroup(const transport::LcmSample& sample);
@@ -58,7 +59,9 @@ class LcmBackend : public MotionBackend {
   transport::EventLoop& loop_;
   const transport::Clock& clock_;
   const Events events_;
+  const LcmConfig config_;
   LcmLink link_;
+  Result<> opened_;  // the sockets, at the last try; they are kept where that has failed
   std::unique_ptr<transport::LcmSocket> commands_;
   std::unique_ptr<transport::LcmSocket> responses_;
   std::unique_ptr<transport::LcmSocket> locations_;
@@ -68,7 +71,8 @@ class LcmBackend : public MotionBackend {
   NewestOnly answers_;
   transport::LoopHandlePtr answer_timer_;  // of the definition
   Time armed_for_{};
-  transport::LoopHandlePtr timer_;  // last: its callback uses the rest
+  transport::LoopHandlePtr timer_;  // these two are last: their callbacks use the rest
+  transport::LoopHandlePtr reopen_timer_;
 };
 
 }  // namespace musher::motion

@@ -49,10 +49,10 @@ bool IsStatus(const BodyReport& report, SwitchStatus status) {
 bool IsTilted(const BodyReport& report) {
   return report.ori_error != 0 && report.mode == kModeOff;
 }
-// The board takes nothing but recovery stand.
+// Nothing but recovery stand may follow.
 bool NeedsRecovery(const BodyReport& report) {
   return IsStatus(report, SwitchStatus::kEstop) || IsStatus(report, SwitchStatus::kEdamp) ||
-         IsTilted(report);
+         report.mode == kModeOff;
 }
 
 // A status of the motion manager: the board reports some faults beside its status.
@@ -95,6 +95,7 @@ bool LcmLink::MaySend(const BodyCommand& command, Time now) const {
   if (stopped_ && !IsRecoveryStand(command)) return false;
   if (Held(now) || looking_ || Silent(now)) return Stops(command);
   if (NeedsRecovery(body_.report)) return IsRecoveryStand(command);
+  if (IsStatus(body_.report, SwitchStatus::kLifted) && Walks(command)) return false;
   return counted_ || IsRecoveryStand(command) || Stops(command);
 }
 
@@ -235,6 +236,7 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
 
 void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
   output.restarted = true;
+  motors_taken_ = false;
   if (stopped_) {  // which is kept
     recounts_ = 1;
     unconfirmed_ = now;
@@ -390,6 +392,17 @@ LinkOutput LcmLink::OnOtherFrame(const std::string& sender, const BodyCommand& f
   return output;
 }
 
+// The board has no message that says so, and obeys no command until it restarts.
+LinkOutput LcmLink::OnMotorFrame(const std::string& sender, Time now) {
+  LinkOutput output;
+  const std::string text = sender + " moves the motors directly (" + std::string(kMotorChannel) +
+                           "): the board ignores motions and stops; restart the board";
+  if (!std::exchange(motors_taken_, true)) output.held_by = text;
+  held_ = true;
+  Fault("motors", {MotionCode(KeyCode::kTargetBusy), text}, now, output);
+  return output;
+}
+
 LinkOutput LcmLink::OnMalformed(const std::string& channel, const std::string& what, Time now) {
   LinkOutput output;
   Fault("malformed " + channel,
@@ -460,7 +473,8 @@ void LcmLink::Repeat(Time now, LinkOutput& output) {
   }
   BodyCommand frame = *frame_;
   const bool kept = now - kept_at_ < kNoRepetition;
-  if (Walks(frame) && (Silent(now) || !kept)) {
+  const bool lifted = IsStatus(body_.report, SwitchStatus::kLifted);
+  if (Walks(frame) && (Silent(now) || !kept || lifted)) {
     // WALK_STAND may not follow a show, whose gait may be that of a user.
     const bool is_walk = std::ranges::find(kModesOfWalks, frame.mode) != kModesOfWalks.end();
     frame.mode = is_walk ? kModeWalk : kModeStand;

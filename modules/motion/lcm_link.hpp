@@ -35,14 +35,18 @@
 //     off: nothing is sent to it.
 //   - An emergency stop is sent at once, in each situation, three times because datagrams are lost,
 //     and repeated until recovery stand follows. Only recovery stand follows it.
-//   - While the board reports an emergency stop, its damping mode or that it is off because the
-//     body is tilted too far, only recovery stand and the emergency stop are sent.
+//   - While the board reports an emergency stop, its damping mode or that it is off, only recovery
+//     stand and the emergency stop are sent.
+//   - A lifted body has its walk stopped, and begins none: its board would go on with it once the
+//     body is put down.
 //   - Without a response for 500 ms a walk is stopped, and no motion begins. A walk that the motion
 //     manager has not repeated for 500 ms is stopped, too: its clock may stand still.
 //   - While another program commands the board, only commands that stop are sent, for 200 ms or
 //     until the board has taken them. The same for 1 s after a response of a second board, which
 //     takes the same commands. Heartbeats go on then; without a command only to a body that lies
 //     or stands.
+//   - A frame that moves the motors directly has precedence over all commands, stops too, until the
+//     board is switched off and on: nothing begins until it has restarted, and stops are sent.
 //   - The board is the host that LinkOptions.board names, else the first one that responds.
 //     Messages of other hosts are dropped.
 //   - A datagram that is older than the newest of its sender is dropped. A board that answers from
@@ -140,6 +144,8 @@ class LcmLink {
   LinkOutput OnTemperatures(const Sender& sender, const Temperatures& temperatures, Time now);
   // A frame on the board's channel that is not of this process.
   LinkOutput OnOtherFrame(const std::string& sender, const BodyCommand& frame, Time now);
+  // The same on the channel of its motors.
+  LinkOutput OnMotorFrame(const std::string& sender, Time now);
   // What was received on the channel, and why it is dropped.
   LinkOutput OnMalformed(const std::string& channel, const std::string& what, Time now);
   LinkOutput OnSendFailed(const Error& error, Time now);
@@ -151,6 +157,8 @@ class LcmLink {
   // Whether that sender is on the host of the board.
   bool IsHostOfBoard(const std::string& sender) const;
 
+  // Whether the board has sent no response for 500 ms.
+  bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
   bool looking() const { return looking_; }
   const std::optional<BodyCommand>& frame() const { return frame_; }  // that is repeated
 
@@ -166,8 +174,7 @@ class LcmLink {
   bool HasSecondBoard(Time now) const {
     return second_board_at_ && now - *second_board_at_ < kSecondBoard;
   }
-  bool Held(Time now) const { return HasOtherSender(now) || HasSecondBoard(now); }
-  bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
+  bool Held(Time now) const { return motors_taken_ || HasOtherSender(now) || HasSecondBoard(now); }
   bool MaySend(const BodyCommand& command, Time now) const;
   bool IsBoard(const Stream& stream, const Sender& sender) const;
   // Whether the message is to be used; kRestarted: and its count has restarted, or the sender is
@@ -229,6 +236,7 @@ class LcmLink {
   int in_second_ = 0;  // responses
 
   bool held_ = false;                    // as reported by held_by
+  bool motors_taken_ = false;            // by a program that moves them directly
   std::optional<Time> other_at_;         // the last frame of another program
   std::optional<Time> second_board_at_;  // the last response of one
   std::map<std::string, Time> reported_;

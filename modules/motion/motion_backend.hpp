@@ -60,6 +60,10 @@ class MotionBackend {
     then(Error{MotionCode(KeyCode::kUnSupport), "this motion board takes no gaits"});
   }
 
+  // Whether the board can be reached, as far as this computer is concerned; the Error says what to
+  // type. It may change at any time.
+  virtual Result<> Reachable() const { return Ok(); }
+
   // Where the body's reports come from, in messages: "world/body_state".
   virtual std::string Source() const { return "world/body_state"; }
 };

@@ -64,6 +64,7 @@ class Decision {
   bool LooksAgain();
   bool IsStopped() const;
   void LatchEmergencyStop();
+  void KeepStop();
   std::optional<BodyCommand> Walk() const;
   void ForgetBody();
 
@@ -82,6 +83,9 @@ class Decision {
   void StopServo(const std::string& why);
   void WatchServo();
   void WatchLying();
+  bool IsLifted() const;
+  void WatchLifted();
+  void Interrupt(Key code, const std::string& why);
   void ReportServo();
   void RefuseServo(const ServoCommand& command, const Error& error);
 
@@ -108,7 +112,9 @@ class Decision {
   bool Taken() const;
   JobMotion MotionOf(const Motion& motion, const MotionArguments& arguments) const;
   void Command(const BodyCommand& command, bool at_once);
+  void CountCommand(int last);
   void Stand(const BodyCommand& last);
+  bool StandIsRefused() const;
   void Quiet();
   void Transmit();
   void TransmitIfDue();
@@ -204,15 +210,16 @@ bool Decision::Dancing() const {
 
 void Decision::Take(const motion_event::BoardReported& event) {
   const BodyReport before = core_.body.value_or(BodyReport{});
-  const bool first = !core_.body;
+  const bool was_stopped = core_.body && IsStopped();
   core_.body = event.report;
-  if (first && IsStopped()) LatchEmergencyStop();
+  if (IsStopped() && !was_stopped) LatchEmergencyStop();
   ReportMotors(before);
   ReportFeet(before);
   core_.body_reported_at = now_;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
   WatchLying();
+  WatchLifted();
   AdvanceJob(false);
 }
 
@@ -228,20 +235,62 @@ void Decision::WatchLying() {
   }
   if (now_ - *servo.down_since < kLiesTime) return;
   StopServo("the body lies");
-  core_.interrupted_stream = now_;
+  Interrupt(Key::kBoardSilent, "the body has lain down by itself");
 }
 
-// By an emergency stop that this process may not know of.
+bool Decision::IsLifted() const {
+  return core_.body && core_.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kLifted);
+}
+
+// A board goes on with the walk that it has once the body is put down.
+void Decision::WatchLifted() {
+  if (!IsLifted()) return;
+  if (core_.servo) {
+    StopServo("the body is lifted");
+    Interrupt(Key::kLifted, "the body was lifted");
+  }
+  const bool stands = core_.link.until && core_.link.command.id == kWalkStand;
+  if (stands) core_.link.until = now_ + kStopRepeat;
+}
+
+void Decision::Interrupt(Key code, const std::string& why) {
+  core_.interrupted_stream = {now_, MotionCode(code), why};
+}
+
+// After it only recovery stand may follow.
 bool Decision::IsStopped() const {
   const Motion* present = Present();
-  return (present != nullptr && present->id == kEmergencyStop) ||
-         core_.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
+  const auto is = [&](SwitchStatus status) {
+    return core_.body->switch_status == static_cast<std::int8_t>(status);
+  };
+  return (present != nullptr && present->id == kEmergencyStop) || is(SwitchStatus::kEstop) ||
+         is(SwitchStatus::kEdamp);
 }
 
+// The body was stopped by another commander, such as remote control, by the board itself, or by an
+// earlier process. A lie-down of the machine goes on: a body that lies needs no more.
 void Decision::LatchEmergencyStop() {
   if (std::exchange(core_.emergency_stop, true)) return;
-  actions_.emplace_back(motion_action::Log{
-      "the body is stopped, or off: it takes no motion before recovery stand (111)"});
+  const std::int32_t status = CodeOfStatus(core_.body->switch_status);
+  const std::int32_t code = MotionCode(Key::kEstop);
+  const std::string text =
+      "the body is stopped, off or in damping: it takes no motion before recovery stand (111)";
+  actions_.emplace_back(motion_action::Log{text});
+  if (IsBodyFault(status)) actions_.emplace_back(motion_action::ReportError{status});
+  if (core_.servo) {
+    if (core_.job && core_.job->for_servo) core_.job.reset();
+    core_.servo.reset();
+    actions_.emplace_back(
+        motion_action::ServoResponse{kNoMotion, core_.servo_commands, 0, 0, false, code});
+  }
+  if (core_.job && core_.job->own) return;
+  if (core_.job) DropJob(status != kCodeOk ? status : code, text);
+  Quiet();
+}
+
+// A recovery stand that has not stood the body up leaves it stopped.
+void Decision::KeepStop() {
+  if (core_.body && IsStopped()) core_.emergency_stop = true;
 }
 
 void Decision::Take(const motion_event::PlayArrived& event) {
@@ -350,7 +399,8 @@ void Decision::ForgetBody() {
 void Decision::Take(const motion_event::BoardRestarted&) {
   const std::int32_t code = MotionCode(Key::kBoardSilent);
   const bool stops = core_.job && core_.job->motion_id == kEmergencyStop;
-  core_.interrupted_stream = now_;  // also one that was refused while the board was silent
+  // Also one that was refused while the board was silent.
+  Interrupt(Key::kBoardSilent, "the motion board has restarted");
   if (core_.servo) {
     core_.servo.reset();
     actions_.emplace_back(
@@ -439,14 +489,13 @@ JobMotion Decision::MotionOf(const Motion& motion, const MotionArguments& argume
 // another frame.
 void Decision::Command(const BodyCommand& command, bool at_once) {
   // The board may store the counts of its previous commander: do not use the one after its own.
-  constexpr int kHighestLife = 127;
   constexpr int kFarAway = 64;
   const bool first = core_.link.sent_at == Time::min();
   const int last = first && core_.body
                        ? static_cast<std::uint8_t>(core_.body->life_count) + kFarAway
                        : core_.link.command.life_count;
   core_.link.command = command;
-  core_.link.command.life_count = static_cast<std::int8_t>(last % kHighestLife + 1);
+  CountCommand(last);
   core_.link.begun_at = now_;
   core_.link.active = true;
   core_.link.until.reset();
@@ -455,6 +504,12 @@ void Decision::Command(const BodyCommand& command, bool at_once) {
   } else {
     TransmitIfDue();
   }
+}
+
+// The command is a new one for the board: its count differs from the last one.
+void Decision::CountCommand(int last) {
+  constexpr int kHighestLife = 127;
+  core_.link.command.life_count = static_cast<std::int8_t>(last % kHighestLife + 1);
 }
 
 // Stops a walk.
@@ -485,7 +540,18 @@ void Decision::Transmit() {
 }
 
 void Decision::TransmitIfDue() {
-  if (core_.link.active && now_ >= core_.link.NextFrame()) Transmit();
+  if (!core_.link.active || now_ < core_.link.NextFrame()) return;
+  if (StandIsRefused()) CountCommand(core_.link.command.life_count);
+  Transmit();
+}
+
+// A board that has refused WALK_STAND, because of a fault of the body, takes it with another count
+// only; repeated, it would keep up the walk before it.
+bool Decision::StandIsRefused() const {
+  const BoardLink& link = core_.link;
+  const bool reported = core_.body && core_.body_reported_at > link.begun_at;
+  return link.until && link.command.id == kWalkStand && reported && !Taken() &&
+         CodeOfStatus(core_.body->switch_status) != kCodeOk;
 }
 
 // --- answers and logs ---
@@ -543,7 +609,11 @@ void Decision::Take(const motion_event::ServoArrived& event) {
   // Whichever source it is of: the body has one stream at a time.
   const auto interrupted = std::exchange(core_.interrupted_stream, std::nullopt);
   if (command.type == ServoCommand::kEnd) return EndServo(command);
-  if (interrupted && now_ - *interrupted < kServoWatchdog) core_.interrupted_stream = now_;
+  if (IsLifted()) {
+    Interrupt(Key::kLifted, "the body was lifted");
+  } else if (interrupted && now_ - interrupted->last_frame < kServoWatchdog) {
+    core_.interrupted_stream = {now_, interrupted->code, interrupted->why};
+  }
   if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
   FollowServo(command, *rules_.table.Find(command.requested.id));
 }
@@ -574,9 +644,8 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
                  "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
   }
   if (core_.interrupted_stream) {
-    return Error{MotionCode(Key::kBoardSilent),
-                 "the motion board has restarted, or the body has lain down by itself; end the "
-                 "stream, or pause it for 200 ms"};
+    const auto& [last_frame, code, why] = *core_.interrupted_stream;
+    return Error{code, why + "; end the stream, or pause it for 200 ms"};
   }
   return core_.servo ? Ok() : CheckBoard();
 }
@@ -729,13 +798,14 @@ void Decision::RefuseServo(const ServoCommand& command, const Error& error) {
 
 void Decision::BeginEmergencyStop(RequestToken token) {
   const std::int32_t code = MotionCode(Key::kEstop);
+  const bool was_set = std::exchange(core_.emergency_stop, true);
   if (core_.job) DropJob(code, "interrupted by emergency stop");
   if (core_.servo) {
     core_.servo.reset();
     actions_.emplace_back(
         motion_action::ServoResponse{kNoMotion, core_.servo_commands, 0, 0, false, code});
   }
-  if (!std::exchange(core_.emergency_stop, true)) {
+  if (!was_set) {
     actions_.emplace_back(motion_action::Log{"emergency stop"});
     ReportEmergencyStop();
   }
@@ -877,6 +947,7 @@ void Decision::FailMotion(std::int32_t code, const std::string& message) {
 
 void Decision::EndJob(std::int32_t code, const std::string& message) {
   const Job job = *std::exchange(core_.job, std::nullopt);
+  KeepStop();
   const BodyCommand& last = job.todo.front().command;
   const Motion& motion = *rules_.table.Find(last.id);
   if (last.id == kEmergencyStop && !Taken()) {
@@ -903,6 +974,7 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
 // Ends the job for a more urgent request, which commands the board next.
 void Decision::DropJob(std::int32_t code, const std::string& message) {
   const Job job = *std::exchange(core_.job, std::nullopt);
+  KeepStop();
   Quiet();
   Answer(job.token, job.motion_id, code, message);
 }
@@ -978,6 +1050,17 @@ std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core) {
   if (core.BoardSilent()) return kNoMotion;
   const Motion* motion = rules.table.Find(core.body->mode, core.body->gait);
   return motion == nullptr ? kNoMotion : motion->id;
+}
+
+std::string StopTrouble(const MotionRules& rules, const MotionCore& core) {
+  if (!core.emergency_stop) return "";
+  const std::string held = core.board_held.empty() ? "" : "; " + core.board_held;
+  if (core.BoardSilent())
+    return "the motion board is silent: it may not have taken the stop" + held;
+  const bool stopped = core.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
+  if (stopped || PresentMotion(rules, core) == kEmergencyStop) return "";
+  return "the motion board has not taken the stop: it reports mode " +
+         std::to_string(core.body->mode) + ", gait " + std::to_string(core.body->gait) + held;
 }
 
 }  // namespace musher::motion

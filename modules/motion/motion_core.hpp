@@ -16,8 +16,9 @@
 //
 // Rules:
 //   - Emergency stop (motion 0) is taken in every state, at once, from every source. It is a
-//     latch: until recovery stand (111) is taken, no other motion is. The first report of a body
-//     that is stopped or off sets it as well: an earlier process may have been commanded to stop.
+//     latch: until recovery stand (111) is taken, no other motion is. A body that is stopped, off
+//     or in damping, and was not before, sets it as well: by remote control, by its board, or by an
+//     earlier process. The body would stand up by the recovery stand put before the next motion.
 //   - A servo frame is taken from a source with the same or a higher priority than the source that
 //     controls the body.
 //   - A servo frame that differs from the last one is sent at once, 500 a second at most, of which
@@ -26,8 +27,8 @@
 //     during a dance; the machine's own lie-down always.
 //   - The capability of a motion is checked when a command arrives and again when its motion
 //     begins: the state may have changed in between.
-//   - A servo motion ends when the body lies, by a rule of its board: it does not stand up again
-//     for a stream that only goes on.
+//   - A servo motion ends when the body lies, by a rule of its board, or is lifted: it neither
+//     stands up again nor walks on, once it is put down, for a stream that only goes on.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
@@ -228,6 +229,15 @@ struct Servo {
   friend bool operator==(const Servo&, const Servo&) = default;
 };
 
+// Why the frames of a stream are refused that only goes on: it has to end, or to pause.
+struct Interruption {
+  Time last_frame{};
+  std::int32_t code = 0;
+  std::string why;
+
+  friend bool operator==(const Interruption&, const Interruption&) = default;
+};
+
 // What is sent to the board.
 struct BoardLink {
   BodyCommand command;
@@ -252,9 +262,7 @@ struct MotionCore {
   Time body_reported_at{};
   bool board_silent = false;  // since its last report
   std::string board_held;     // why only stops may be sent to it; "": free
-  // The last frame of a servo stream that the board has interrupted: it has restarted, or the body
-  // has lain down.
-  std::optional<Time> interrupted_stream;
+  std::optional<Interruption> interrupted_stream;
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted
   bool emergency_stop = false;                          // the latch
@@ -284,5 +292,9 @@ std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& cor
 // The motion that the body executes: an id of the table, kNoMotion when the board is silent or
 // reports another motion.
 std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core);
+
+// Why an emergency stop that is set has not stopped the body, as far as its board reports; "": it
+// has, or none is set.
+std::string StopTrouble(const MotionRules& rules, const MotionCore& core);
 
 }  // namespace musher::motion

@@ -30,8 +30,11 @@ MotionManager::~MotionManager() {
   });
 }
 
+// It is stopped once its board reports that.
 void MotionManager::OnEmergencyStop() {
-  if (shell_) shell_->Do(motion_event::EmergencyStop{});
+  if (!shell_) return ReportStopTrouble("it is not set up: no stop was sent to the motion board");
+  shell_->Do(motion_event::EmergencyStop{});
+  ReportStopTrouble(shell_->stop_trouble());
 }
 
 Result<> MotionManager::Run(const State& state) {
@@ -71,7 +74,8 @@ Result<> MotionManager::OpenShell() {
        [this](const std::string& capability) {
          return Allowed(capability, cyberdog::module_code::kMotionManager);
        },
-       [this](const std::string& text) { Log(text); }, name()},
+       [this](const std::string& text) { Log(text); }, name(),
+       [this](const std::string& trouble) { ReportStopTrouble(trouble); }},
       [this](MotionBackend::OnBody on_body) { return MakeBackend(std::move(on_body)); });
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
@@ -103,26 +107,25 @@ Result<std::unique_ptr<MotionBackend>> MotionManager::MakeLcmBackend(
   events.on_other_gait = [this](const std::string& why) {
     if (shell_) shell_->Do(motion_event::OtherGait{why});
   };
-  auto backend = LcmBackend::Make(loop_->node().loop(), *clock_, config_, std::move(events));
-  if (!backend) return backend.error();
-  Log("the motion board is expected on " + backend.value()->Source());
-  return std::unique_ptr<MotionBackend>(std::move(backend).value());
+  auto backend =
+      std::make_unique<LcmBackend>(loop_->node().loop(), *clock_, config_, std::move(events));
+  Log("the motion board is expected on " + backend->Source());
+  return std::unique_ptr<MotionBackend>(std::move(backend));
 }
 
-// The body may be switched on a little later than this module.
+// The body, and the network to it, may be switched on a little later than this module.
 Result<> MotionManager::AwaitBody() {
   const auto reported = std::make_shared<bool>(false);
-  std::string source;
-  OnLoop([&](MotionShell& shell) {
-    source = shell.board();
-    shell.OnNextReport([reported] { *reported = true; });
-  });
-  const Error silent{MotionCode(MotionKey::kBoardSilent),
-                     "the motion board is silent: no report on " + source + " within " +
-                         std::to_string(ToMilliseconds(config_.board_wait)) + " ms"};
-  return program::AwaitOnLoop(
-      *loop_, config_.board_wait, [&] { return *reported ? Ok() : Result<>(silent); },
-      [this] { return StopRequested(); });
+  OnLoop([&](MotionShell& shell) { shell.OnNextReport([reported] { *reported = true; }); });
+  const auto check = [&]() -> Result<> {
+    if (*reported) return Ok();
+    if (auto reachable = shell_->reachable(); !reachable) return reachable;
+    return Error{MotionCode(MotionKey::kBoardSilent),
+                 "the motion board is silent: no report on " + shell_->board() + " within " +
+                     std::to_string(ToMilliseconds(config_.board_wait)) + " ms"};
+  };
+  return program::AwaitOnLoop(*loop_, config_.board_wait, check,
+                              [this] { return StopRequested(); });
 }
 
 Result<> MotionManager::SelfCheck() {

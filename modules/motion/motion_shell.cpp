@@ -256,6 +256,10 @@ void MotionShell::Do(const MotionEvent& event) {
     Perform(action);
   }
   Arm();
+  std::string trouble = StopTrouble(Rules(), core_);
+  if (trouble == stop_trouble_) return;
+  stop_trouble_ = std::move(trouble);
+  dependencies_.on_stop_trouble(stop_trouble_);
 }
 
 void MotionShell::Perform(const MotionAction& action) {

@@ -36,6 +36,8 @@ class MotionShell {
     Gate allowed;
     std::function<void(const std::string&)> log;
     std::string name = "motion_manager";  // in node_errors
+    // StopTrouble() has changed. On the loop.
+    std::function<void(const std::string& trouble)> on_stop_trouble = [](const std::string&) {};
   };
   using MakeBackend =
       std::function<Result<std::unique_ptr<MotionBackend>>(MotionBackend::OnBody on_body)>;
@@ -55,6 +57,9 @@ class MotionShell {
   const MotionCore& core() const { return core_; }
   // Where the board's reports come from, in messages.
   std::string board() const { return backend_->Source(); }
+  Result<> reachable() const { return backend_->Reachable(); }
+  // Of motion_core.hpp.
+  const std::string& stop_trouble() const { return stop_trouble_; }
   // The result of SelfCheck: the board reports, and no motor has an error.
   Result<> Check() const;
 
@@ -88,6 +93,7 @@ class MotionShell {
   std::optional<Eigen::Vector2d> position_;  // up to which the way is measured
   double way_m_ = 0;                         // since it began
   std::optional<std::int32_t> defined_;      // the motion whose gait the board has
+  std::string stop_trouble_;                 // as reported
   RequestToken token_ = 0;
   std::map<RequestToken, OnAnswer> waiting_;
   std::vector<std::function<void()>> next_report_callbacks_;

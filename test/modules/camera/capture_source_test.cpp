@@ -1,13 +1,20 @@
 // Videos, folders and devices on their own thread. The video is written by OpenCV.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <linux/videodev2.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 #include <vector>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/modules/camera/media.hpp"
 #include "musher/modules/camera/source.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -109,6 +116,54 @@ TEST_F(CaptureSourceTest, ReportsWhatIsMissingOrBroken) {
     EXPECT_EQ(failed_->code, 4412);
     EXPECT_THAT(failed_->message, HasSubstr(item.why));
   }
+}
+
+// A virtual camera of the kernel, by the name of its driver: never a camera of this computer.
+struct VirtualCamera {
+  std::string file;  // "": there is none
+  bool needs_writer = false;
+};
+VirtualCamera FindVirtualCamera() {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/sys/class/video4linux", error)) {
+    const std::string file = "/dev/" + entry.path().filename().string();
+    const UniqueFd fd(open(file.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+    v4l2_capability is{};
+    if (!fd.valid() || ioctl(fd.get(), VIDIOC_QUERYCAP, &is) < 0) continue;
+    const std::string driver = reinterpret_cast<const char*>(is.driver);
+    if (driver == "v4l2 loopback") return {file, true};
+    if (driver == "vivid" && (is.device_caps & V4L2_CAP_VIDEO_CAPTURE) != 0) return {file, false};
+  }
+  return {};
+}
+
+TEST_F(CaptureSourceTest, ShowsWhatAVirtualCameraOfTheKernelDelivers) {
+  const VirtualCamera camera = FindVirtualCamera();
+  if (camera.file.empty()) GTEST_SKIP() << "this kernel has no camera of vivid or v4l2loopback";
+  UniqueFd writer;
+  transport::LoopHandlePtr writing;
+  std::vector<unsigned char> picture;
+  if (camera.needs_writer) {
+    writer = UniqueFd(open(camera.file.c_str(), O_RDWR | O_CLOEXEC));
+    v4l2_format format{};
+    format.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
+    format.fmt.pix.width = 640;
+    format.fmt.pix.height = 480;
+    format.fmt.pix.pixelformat = V4L2_PIX_FMT_YUYV;
+    format.fmt.pix.field = V4L2_FIELD_NONE;
+    ASSERT_EQ(ioctl(writer.get(), VIDIOC_S_FMT, &format), 0) << std::strerror(errno);
+    picture.assign(format.fmt.pix.sizeimage, 128);
+    writing = loop_.Every(Milliseconds(33), [&] {
+      EXPECT_EQ(write(writer.get(), picture.data(), picture.size()),
+                static_cast<ssize_t>(picture.size()));
+    });
+  }
+  Open(SourceKind::kDevice, camera.file, true);
+  ASSERT_TRUE(Until([this] { return frames_.size() >= 3 || failed_; }));
+  ASSERT_FALSE(failed_) << failed_->message;
+  EXPECT_GT(frames_.back().width, 0U);
+  EXPECT_EQ(frames_.back().data.size(),
+            static_cast<std::size_t>(frames_.back().step) * frames_.back().height);
 }
 
 TEST_F(CaptureSourceTest, ReportsAFileThatIsNoVideo) {

@@ -109,6 +109,43 @@ TEST(DoubleTap, CountsAgainAfterTheClockWentBack) {
   EXPECT_TRUE(taps.Take(3, Time(Milliseconds(100))));
 }
 
+std::optional<std::int32_t> Tap(Taps& taps, Time at) {
+  const auto first = taps.OnTouch(true, at);
+  const auto second = taps.OnTouch(false, at + Milliseconds(50));
+  return second ? second : first;
+}
+
+TEST(Taps, AreSingleOnceNoSecondOneFollows) {
+  Taps taps;
+  const Time start;
+  EXPECT_EQ(Tap(taps, start), std::nullopt);
+  EXPECT_EQ(taps.NextDeadline(), start + Milliseconds(350));
+  EXPECT_EQ(taps.OnTime(start + Milliseconds(349)), std::nullopt);
+  EXPECT_EQ(taps.OnTime(start + Milliseconds(350)), 1);
+  EXPECT_EQ(taps.NextDeadline(), std::nullopt);
+}
+
+TEST(Taps, AreDoubleWhenTheSecondOneFollowsWithin300ms) {
+  Taps taps;
+  const Time start;
+  Tap(taps, start);
+  EXPECT_EQ(Tap(taps, start + Milliseconds(340)), 3);
+  EXPECT_EQ(taps.NextDeadline(), std::nullopt);
+  Tap(taps, start + Milliseconds(1000));
+  EXPECT_EQ(Tap(taps, start + Milliseconds(1400)), 1) << "too late: the first one was single";
+}
+
+TEST(Taps, ThatLastAreAHold) {
+  Taps taps;
+  const Time start;
+  EXPECT_EQ(taps.OnTouch(true, start), std::nullopt);
+  EXPECT_EQ(taps.OnTouch(true, start), std::nullopt) << "the same once more";
+  EXPECT_EQ(taps.OnTime(start + Milliseconds(800)), 7);
+  EXPECT_EQ(taps.OnTouch(false, start + Milliseconds(900)), std::nullopt);
+  EXPECT_EQ(taps.OnTouch(true, start + Milliseconds(2000)), std::nullopt);
+  EXPECT_EQ(taps.OnTouch(false, start + Milliseconds(3000)), 7) << "its timer came late";
+}
+
 DeviceResult Well(const std::string& device) {
   return {device, Ok()};
 }

@@ -49,7 +49,7 @@ hold_ms = 5000
   expected.critical = {"bms", "touch"};
   expected.battery = {BatterySource::kHost, "/robot/supplies", "BAT1", Milliseconds(500),
                       Milliseconds(2000)};
-  expected.touch = true;
+  expected.touch.source = KeySource::kWorld;
   expected.led = true;
   expected.uwb = true;
   expected.power_key = {KeySource::kInput, "/dev/input/event3", 142, Milliseconds(5000)};
@@ -88,6 +88,17 @@ TEST(DeviceConfig, ReportsWhatIsWrongAndWhere) {
        {"a key without effect",
         "[battery]\nsource = \"world\"\nname = \"BAT0\"\n",
         {":3:8: warning: battery.name: has no effect"}},
+       {"an input device without a name",
+        "[battery]\nsource = \"none\"\n[touch]\nsource = \"input\"\n",
+        {"touch: the key \"device\" is missing"}},
+       {"an input device with two names",
+        "[battery]\nsource = \"none\"\n[touch]\nsource = \"input\"\ndevice = \"event0\"\n"
+        "device_name = \"pad\"\n",
+        {":6:15: error: touch.device_name: expected either device or device_name"}},
+       {"no key of a touch pad",
+        "[battery]\nsource = \"none\"\n[touch]\nsource = \"input\"\ndevice = \"event0\"\n"
+        "codes = {}\n",
+        {":6:9: error: touch.codes: expected the number of a key for tap"}},
        {"a path for a name",
         host + "name = \"../BAT0\"\n",
         {"expected the name of a supply, found a path"}},

@@ -16,7 +16,7 @@ class DevicesOnANetwork : public test::ModuleOnNetwork {
  protected:
   DevicesOnANetwork() {
     config_.battery.source = BatterySource::kWorld;
-    config_.touch = true;
+    config_.touch.source = KeySource::kWorld;
     config_.led = true;
   }
 

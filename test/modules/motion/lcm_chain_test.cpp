@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <random>
 
 #include "musher/modules/motion/lcm_link.hpp"
@@ -148,6 +149,27 @@ TEST_F(LcmChain, StopsInAnEmergencyWhen30PercentOfTheDatagramsAreLost) {
   EXPECT_FALSE(board_.lay_down) << "the stop is kept up";
 }
 
+TEST_F(LcmChain, SaysWhyAnEmergencyStopHasNotStoppedTheBody) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(500));
+  EXPECT_EQ(StopTrouble(Rules(), core_), "") << "none is set";
+  board_.board.deaf = true;
+  Do(motion_event::EmergencyStop{});
+  EXPECT_NE(StopTrouble(Rules(), core_), "") << "it is only sent";
+  RunFor(Milliseconds(1000));
+  EXPECT_THAT(StopTrouble(Rules(), core_),
+              HasSubstr("the motion board has not taken the stop: it reports mode 11, gait 27"));
+  loss_of_responses_ = 1;
+  RunFor(Milliseconds(600));
+  EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("the motion board is silent"));
+  loss_of_responses_ = 0;
+  board_.board.deaf = false;
+  RunFor(Milliseconds(300));
+  EXPECT_EQ(StopTrouble(Rules(), core_), "") << "it reports that it is off";
+  EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
+  EXPECT_EQ(StopTrouble(Rules(), core_), "") << "it is no longer set";
+}
+
 TEST_F(LcmChain, DoesNotWalkOnAfterARestartOfTheBoardBeforeTheStreamHasPaused) {
   RunFor(Milliseconds(500));
   Stream(Milliseconds(1000));
@@ -221,12 +243,34 @@ TEST_F(LcmChain, LetsALyingBodyLieThatWasCommandedToStandWhileTheCableWasOut) {
   EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk) << "once it is commanded again";
 }
 
+// By remote control, or because the board has stopped by itself.
+TEST_F(LcmChain, StandsABodyUpThatWasStoppedAtItsBoardByRecoveryStandAlone) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(500));
+  for (const std::int8_t status : std::array<std::int8_t, 3>{0, 2, 3}) {
+    SCOPED_TRACE(::testing::Message() << "status " << int{status});
+    board_.Become(status == 3 ? 7 : 0, 0);
+    board_.board.report.switch_status = status;
+    RunFor(Milliseconds(100));
+    board_.taken.clear();
+    Stream(Milliseconds(1000));
+    RunFor(Milliseconds(300));
+    Stream(Milliseconds(1000));
+    EXPECT_EQ(response_.code, 3040);
+    EXPECT_EQ(AnswerOf(Request(132)).code, 3040);
+    for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 7);
+    EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
+    Stream(Milliseconds(500));
+    EXPECT_EQ(board_.Report(now_).gait, 27);
+  }
+}
+
 TEST_F(LcmChain, StandsWalksAndLiesDownAfterATiltThatTheBoardStillReports) {
   RunFor(Milliseconds(500));
   board_.Become(0, 0);
   board_.board.report.ori_error = 1;  // kept until it walks
   RunFor(Milliseconds(100));
-  EXPECT_EQ(AnswerOf(Request(kGetDown)).code, 3050) << "only recovery stand passes";
+  EXPECT_EQ(AnswerOf(Request(kGetDown)).code, 3040) << "only recovery stand passes";
   EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
   EXPECT_EQ(AnswerOf(Request(kGetDown)).code, kCodeOk);
   EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);

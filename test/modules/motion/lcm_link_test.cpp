@@ -114,6 +114,45 @@ TEST_F(LcmLinkTest, HoldsAStandingBodyWithTwoLifeCounts) {
   EXPECT_EQ(NewCounts(), 2) << "one may be that of the commander before";
 }
 
+TEST_F(LcmLinkTest, StopsTheWalkOfALiftedBodyAndBeginsNone) {
+  Stand();
+  Command(11, 27, 0.5F);
+  Repeat(Milliseconds(500), 11, 27);
+  frames_.clear();
+  RunFor(Milliseconds(100), 11, 27, 4);
+  EXPECT_EQ(frames_.back().mode, 11);
+  EXPECT_EQ(frames_.back().gait, 1);
+  EXPECT_EQ(frames_.back().vel[0], 0);
+  Command(11, 3, 0.5F);
+  RunFor(Milliseconds(200), 11, 27, 4);
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.vel[0], 0);
+}
+
+TEST_F(LcmLinkTest, NamesAProgramThatMovesTheMotorsUntilTheBoardHasRestarted) {
+  Stand();
+  Command(11, 27, 0.5F);
+  Repeat(Milliseconds(300), 11, 27);
+  Keep(link_.OnMotorFrame("192.168.44.100:7", now_));
+  EXPECT_THAT(held_by_, HasSubstr("192.168.44.100:7 moves the motors directly"));
+  ASSERT_THAT(faults_, SizeIs(1));
+  EXPECT_EQ(faults_[0].code, 3011);
+  Keep(link_.OnMotorFrame("192.168.44.100:7", now_));
+  EXPECT_THAT(faults_, SizeIs(1));
+  RunFor(std::chrono::seconds(10));
+  frames_.clear();
+  Command(12, 0);
+  RunFor(Milliseconds(100));
+  EXPECT_EQ(FramesOfMode(12), 0) << "the board obeys no command";
+  EXPECT_NE(held_by_, "");
+  Command(0, 0);
+  EXPECT_EQ(FramesOfMode(0), 3) << "a stop is tried";
+  Hang(Milliseconds(300));
+  sequence_ = 0;  // it was switched off and on
+  RunFor(Milliseconds(200), 7, 0);
+  EXPECT_TRUE(restarted_);
+  EXPECT_EQ(held_by_, "");
+}
+
 TEST_F(LcmLinkTest, HoldsAWalkingBodyWithZeroSpeed) {
   RunFor(Milliseconds(250), 11, 27);
   ASSERT_FALSE(frames_.empty());

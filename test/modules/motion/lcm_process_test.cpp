@@ -19,6 +19,7 @@
 
 namespace musher::motion::testing::lcm_process_test {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 class LcmProcess : public ::testing::Test {
@@ -109,6 +110,21 @@ TEST_F(LcmProcess, LetsTheBodyLieDownWhenTheManagerHangs) {
   kill(manager, SIGCONT);
 }
 
+TEST_F(LcmProcess, DoesNotConfirmAnEmergencyStopBeforeItsBoardReportsIt) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  kill(board->pid(), SIGSTOP);
+  const Ended stop = RunProgram("musher", {"--timeout", "3", "estop"});
+  kill(board->pid(), SIGCONT);
+  EXPECT_EQ(stop.exit, 1) << stop.out;
+  EXPECT_THAT(stop.out, AllOf(HasSubstr("motion_manager"), HasSubstr("the motion board")));
+  EXPECT_NE(board->LineWith("command mode 0 gait 0"), "");
+  const Ended again = RunProgram("musher", {"--timeout", "30", "estop"});
+  EXPECT_EQ(again.exit, 0) << again.out;
+  EXPECT_EQ(RunProgram("musher", {"--timeout", "30", "estop", "--release"}).exit, 0);
+}
+
 TEST_F(LcmProcess, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {
   auto board = StartBoard("7", "0");
   RobotRig robot(Config());
@@ -163,6 +179,26 @@ TEST_F(LcmProcess, NamesAnotherProgramThatCommandsTheBoard) {
   loop.RunUntil([&] { return (code = robot.RequestMotion(132).code) != 0; },
                 musher::testing::In(std::chrono::seconds(30)));
   EXPECT_EQ(code, 3011);
+}
+
+TEST_F(LcmProcess, NamesAProgramThatMovesTheMotorsOfABoardThatIgnoresStopsThen) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  transport::LinuxEventLoop loop;
+  const auto other =
+      transport::LcmSocket::Open(loop, {transport::ReadLcmUrl(urls_[2]).value(), "", 0},
+                                 [](const transport::LcmSample&) {})
+          .value();
+  ASSERT_TRUE(other->Send(kMotorChannel, std::vector<std::byte>(248)));
+  EXPECT_NE(board->LineWith("motor_ctrl: commands are ignored"), "");
+  const std::string named = other->sender() + " moves the motors directly";
+  EXPECT_TRUE(robot.AwaitLog(named)) << robot.Log();
+  EXPECT_EQ(robot.RequestMotion(111).code, 3011);
+  const Ended stop = RunProgram("musher", {"--timeout", "3", "estop"});
+  EXPECT_EQ(stop.exit, 1);
+  EXPECT_THAT(stop.out, AllOf(HasSubstr("motion_manager"), HasSubstr("restart the board")));
+  RunProgram("musher", {"--timeout", "30", "estop", "--release"});
 }
 
 // LCM's own library receives whatever is sent to its port, of every group of this host.
@@ -220,6 +256,14 @@ TEST_F(LcmProcess, LeavesNoMotionManagerBehindWhenTheTestIsKilled) {
   kill(test, SIGKILL);
   waitpid(test, nullptr, 0);
   EXPECT_TRUE(musher::testing::AwaitEnd(manager));
+}
+
+TEST_F(LcmProcess, AwaitsTheNetworkToItsBoardAndSaysWhatIsMissing) {
+  RobotRig robot(Config() + "interface = \"dog77\"\nwait_ms = 1500\n");
+  EXPECT_FALSE(robot.BringUp());
+  const std::string log = robot.Log();
+  EXPECT_THAT(log, HasSubstr("this computer has no network interface 'dog77'"));
+  EXPECT_THAT(log, HasSubstr("(3005)")) << "at the second try";
 }
 
 TEST_F(LcmProcess, SaysWhereItExpectsASilentBoard) {

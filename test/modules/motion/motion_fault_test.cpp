@@ -115,7 +115,7 @@ void MotionFaultTest::ChangeBoard() {
       board.stuck = !board.stuck;
       return;
     case 3:
-      board.fault = Any<std::int8_t>({0, 0, 4, 13, 99});
+      board.fault = Any<std::int8_t>({0, 0, 2, 3, 4, 13, 99});
       return;
     case 4:
       harness_.Body(Any({0, 101, 111, 121, 201, 303}));
@@ -197,7 +197,9 @@ void MotionFaultTest::CheckRest(const MotionEvent& event) {
   const bool passes = core.closed && (*core.closed == kTearDown || *core.closed == kOta);
   // A body that lies by its own report is not commanded to stand either.
   constexpr std::int8_t kDamping = 7;
-  const bool lies = core.body && core.body->mode == kDamping;
+  const auto status = core.body ? SwitchStatus(core.body->switch_status) : SwitchStatus::kNormal;
+  const bool stopped = status == SwitchStatus::kEstop || status == SwitchStatus::kEdamp;
+  const bool lies = core.body && (core.body->mode == kDamping || core.body->mode == 0 || stopped);
   if (passes || lies || std::holds_alternative<motion_event::LieDown>(event)) left_ = last_life_;
   if (core.Idle() && Walks(last_sent_) && left_ != last_life_) Violate("nothing walks unwatched");
 }

@@ -29,10 +29,15 @@ class BodyAndStreamer {
           frame.vel_des = {0.2F, 0, 0};
           frame.step_height = {0.05F, 0.05F};
           static_cast<void>(frames_->Publish(frame));
-        })) {}
+        })) {
+    const Motion& lying = *testing::TheTable().Find(kGetDown);  // one that is off takes no walk
+    body.board.report.mode = lying.mode;
+    body.board.report.gait = lying.gait;
+    body.board.report.bar = 100;
+  }
 
   static const Motion& Walk() { return *testing::TheTable().Find(303); }
-  // It lies as it was switched on, or has lain down.
+  // It has lain down, or is off.
   bool Lies() const {
     const std::int8_t mode = body.board.report.mode;
     return mode == 0 || mode == testing::TheTable().Find(kGetDown)->mode;

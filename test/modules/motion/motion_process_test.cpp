@@ -105,6 +105,20 @@ TEST(MotionProcess, StopsTheBodyWhenTheStreamerIsInterrupted) {
   EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }));
 }
 
+TEST(MotionProcess, DoesNotConfirmAnEmergencyStopBeforeItsBoardReportsIt) {
+  RobotRig robot;
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  robot.OnBoard([](TopicBoard& board) { board.board.deaf = true; });
+  const Ended stop = RunProgram("musher", {"--timeout", "3", "estop"});
+  EXPECT_EQ(stop.exit, 1) << stop.out;
+  EXPECT_THAT(stop.out, HasSubstr("motion_manager"));
+  EXPECT_THAT(stop.out, HasSubstr("the motion board has not taken the stop: it reports mode 7"));
+  robot.OnBoard([](TopicBoard& board) { board.board.deaf = false; });
+  const Ended again = RunProgram("musher", {"--timeout", "30", "estop"});
+  EXPECT_EQ(again.exit, 0) << again.out;
+  EXPECT_EQ(RunProgram("musher", {"--timeout", "30", "estop", "--release"}).exit, 0);
+}
+
 TEST(MotionProcess, ReportsThePlacesOfErrorsInAFile) {
   TempFolder folder;
   const Ended ran = RunProgram("musher-motion-manager",

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <set>
 
 #include "musher/test/modules/motion/harness.hpp"
 
@@ -473,6 +474,39 @@ TEST(MotionServo, ReportsTheBoardsErrorAsItsCode) {
   harness.Stream(303, Milliseconds(500));
   EXPECT_EQ(harness.ServoCode(), 3024);
   EXPECT_FALSE(harness.responses.back().result);
+}
+
+// A board goes on with the walk that it has.
+TEST(MotionServo, DoesNotWalkOnWhenALiftedBodyIsPutDown) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.board.fault = 4;
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, kWalkStand));
+  harness.board.fault = 0;
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, kWalkStand)) << "the stream has not paused";
+  EXPECT_EQ(harness.ServoCode(), 3024);
+  harness.RunFor(Milliseconds(300));
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_EQ(harness.Commanded().back(), 303);
+}
+
+// The same count would keep up the walk that the board could not end.
+TEST(MotionServo, RenewsAStopThatTheBoardRefuses) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.board.ban = true;
+  const std::size_t before = harness.sent.size();
+  harness.RunFor(Milliseconds(900));
+  std::set<std::int8_t> counts;
+  for (std::size_t i = before; i < harness.sent.size(); ++i) {
+    if (harness.sent[i].command.id == kWalkStand) counts.insert(harness.sent[i].command.life_count);
+  }
+  EXPECT_GT(counts.size(), 10U);
+  harness.board.ban = false;
+  harness.RunFor(Milliseconds(300));
+  EXPECT_EQ(harness.board.report.gait, TheTable().Find(kWalkStand)->gait);
 }
 
 // --- Control of the body

@@ -278,6 +278,69 @@ TEST(MotionEmergencyStop, IsLatchedWhenTheFirstReportShowsABodyThatIsStopped) {
   }
 }
 
+// By remote control, by the board itself, or because it has lost its balance.
+TEST(MotionEmergencyStop, IsLatchedWhenTheBodyIsStoppedAtItsBoard) {
+  struct Case {
+    std::int8_t mode;
+    std::int8_t status;
+  };
+  for (const auto& [mode, status] :
+       {Case{0, 0}, Case{0, 2}, Case{12, 2}, Case{7, 3}, Case{11, 3}}) {
+    SCOPED_TRACE(::testing::Message() << "mode " << int{mode} << " status " << int{status});
+    Harness harness;
+    harness.Stream(303, Milliseconds(500));
+    const auto stop = [&] {
+      harness.board = Board();
+      harness.board.report = BodyReport{};
+      harness.board.report.mode = mode;
+      harness.board.report.switch_status = status;
+      harness.board.report.bar = 100;
+    };
+    stop();
+    harness.RunFor(Milliseconds(20));
+    const std::size_t before = harness.sent.size();
+    harness.Stream(303, Milliseconds(1000));
+    harness.RunFor(Milliseconds(500));
+    harness.Stream(303, Milliseconds(1000));
+    EXPECT_EQ(harness.sent.size(), before) << "it neither stands up nor walks";
+    EXPECT_EQ(harness.ServoCode(), 3040);
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3040);
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), kCodeOk);
+    const auto jump = harness.RequestMotion(132);
+    harness.RunFor(Milliseconds(50));
+    stop();
+    EXPECT_NE(harness.CodeOf(jump), kCodeOk);
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3040) << "a second one";
+  }
+}
+
+// While the remote control holds the body, for example.
+TEST(MotionEmergencyStop, HoldsWhereTheBoardHasNotTakenRecoveryStand) {
+  Harness harness;
+  ASSERT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk);
+  harness.board.deaf = true;
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), 3021);
+  const std::size_t before = harness.sent.size();
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_EQ(harness.ServoCode(), 3040);
+  EXPECT_EQ(harness.sent.size(), before) << "it does not stand up for the stream";
+  harness.board.deaf = false;
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
+}
+
+TEST(MotionEmergencyStop, AtTheBoardLetsTheMachineLieDown) {
+  Harness harness;
+  const auto lies = harness.LieDown(kGetDown, 3);
+  harness.RunFor(Milliseconds(150));
+  harness.board = Board();
+  harness.board.report.mode = 7;
+  harness.board.report.gait = 1;
+  harness.board.report.bar = 100;
+  harness.board.report.switch_status = 3;
+  EXPECT_EQ(harness.CodeOf(lies), kCodeOk);
+}
+
 // In the original id 0 was refused with 3003 in every state but Active and Protected.
 TEST(MotionEmergencyStop, IsTakenInEveryState) {
   for (const std::string_view state :

@@ -67,9 +67,8 @@ class LcmBoard : public ::testing::Test {
     events.on_restart = [] {};
     events.on_held = [](const std::string&) {};
     events.on_fault = [this](std::int32_t, const std::string& text) { log_ += text + "\n"; };
-    auto backend = motion::LcmBackend::Make(loop_, *clock_, config_, std::move(events));
-    if (!backend) return backend.error();
-    return std::unique_ptr<motion::MotionBackend>(std::move(backend).value());
+    return std::unique_ptr<motion::MotionBackend>(
+        std::make_unique<motion::LcmBackend>(loop_, *clock_, config_, std::move(events)));
   }
   bool RunUntil(const std::function<bool()>& done) {
     return loop_.RunUntil(done, testing::In(seconds(60)));

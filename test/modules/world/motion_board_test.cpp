@@ -108,8 +108,8 @@ class MotionBoard : public ::testing::TestWithParam<motion::BoardKind> {
       events.on_other_gait = [this](const std::string& why) {
         motion_->Do(motion::motion_event::OtherGait{why});
       };
-      return Made(
-          motion::LcmBackend::Make(robot_->loop(), *clock_, config_, std::move(events)).value());
+      return Made(std::make_unique<motion::LcmBackend>(robot_->loop(), *clock_, config_,
+                                                       std::move(events)));
     }
     return Made(motion::TopicBackend::Make(*robot_, "", std::move(on_body)).value());
   }
@@ -235,6 +235,34 @@ TEST_P(MotionBoard, ReportsToTheAppWhyABodyThatIsLiftedDoesNotMove) {
   EXPECT_EQ(Do(motion::kUserTrot, 1000, {0.5F, 0, 0}), 3024);
   SetFault("none");
   EXPECT_EQ(Do(motion::kUserTrot, 1000, {0.5F, 0, 0}), 0);
+}
+
+TEST_P(MotionBoard, DoesNotWalkOnWhenItIsPutDown) {
+  const auto set_fault = [&](const std::string& fault) {
+    static_cast<void>(faults_->Publish({fault}));
+  };
+  const auto is_still = [&](const Eigen::Vector2d& since) {
+    EXPECT_NEAR(SpeedOfBody(), 0, 0.01);
+    EXPECT_LT((TheBody().pose().position_m - since).norm(), 0.1);
+  };
+  Stream(seconds(4), 0.4F);
+  ASSERT_GT(SpeedOfBody(), 0.3);
+  set_fault("lifted");
+  Stream(seconds(1), 0.4F);
+  const Eigen::Vector2d lifted = TheBody().pose().position_m;
+  set_fault("none");
+  Stream(seconds(3), 0.4F);
+  is_still(lifted);  // the stream has not paused
+  network_.RunFor(Milliseconds(500));
+  Stream(seconds(3), 0.4F);
+  ASSERT_GT(SpeedOfBody(), 0.3) << "a new stream: it walks";
+  // A stream that ends while the board takes no stop.
+  set_fault("lifted");
+  network_.RunFor(Milliseconds(500));
+  const Eigen::Vector2d again = TheBody().pose().position_m;
+  set_fault("none");
+  network_.RunFor(seconds(3));
+  is_still(again);
 }
 
 // On LCM a motor's fault is beside the status of the motion, which the board decides on.
@@ -425,6 +453,17 @@ TEST_P(MotionBoardBadInput, OfAnotherProgramsGaitEndsTheOneThatWasDefined) {
   EXPECT_EQ(Call(*gaits_, request).code, 0) << "the board has answered to both";
   request.cmd_type = msg::MotionCustomCmd::kExecution;
   EXPECT_EQ(Call(*gaits_, request).code, 0);
+}
+
+TEST_P(MotionBoardBadInput, NamesAProgramThatMovesTheMotorsDirectly) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  Inject({"frames for the motors", "motor_ctrl", "", [] { return std::vector<std::byte>(248); }},
+         config_.lcm.localization_url);
+  EXPECT_NE(log_.find("moves the motors directly (motor_ctrl)"), std::string::npos) << log_;
+  EXPECT_EQ(Do(motion::kUserTrot, 1000, {0.5F, 0, 0}), 3011);
+  const Result<> check = motion_->Check();
+  ASSERT_FALSE(check);
+  EXPECT_NE(check.error().message.find("restart the board"), std::string::npos);
 }
 
 TEST_P(MotionBoardBadInput, GetsACodeAndASentenceAndTheBodyStands) {
