@@ -116,7 +116,7 @@ TEST_F(ProgramsTest, ThatWereMadeWrongByHandAreInvalidAndDoNotRun) {
 // Ends each call as the test says.
 class FakeRobot : public Robot {
  public:
-  Call Say(const std::string& text) override { return Begin("say " + text); }
+  Call Speak(const std::string& text) override { return Begin("say " + text); }
   Call Move(const MotionOrder& order) override {
     return Begin("move " + std::to_string(order.id) + " for " + std::to_string(order.duration_ms));
   }
