@@ -10,7 +10,6 @@
 
 #include "musher/base/suggest.hpp"
 #include "musher/base/version.hpp"
-#include "musher/cli/grammar/examples.hpp"
 
 namespace musher::cli {
 namespace {
@@ -54,8 +53,8 @@ Environment: MUSHER_NAMESPACE, MUSHER_MACHINE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, 
 MUSHER_IDENTITY, MUSHER_OTA_ROOT, CYCLONEDDS_URI, NO_COLOR.)";
 
 // Of a command's help.
-std::string Footer(std::string_view example) {
-  return (example.empty() ? "" : "\nExample: " + std::string(example) + "\n") +
+std::string Footer(const std::string& example) {
+  return (example.empty() ? "" : "\nExample: " + example + "\n") +
          "\nOptions of every command (--json, --namespace, --domain, ...): musher --help";
 }
 
@@ -117,19 +116,20 @@ void Grammar::Group(std::string title) {
 }
 
 CLI::App& Grammar::AddTo(CLI::App* family, const std::string& name, const std::string& what,
-                         RunCommand run) {
+                         RunCommand run, const std::string& example) {
   CLI::App* command = (family == nullptr ? *app_ : *family).add_subcommand(name, what);
   command->group(family == nullptr ? group_ : "Commands");
-  command->footer(Footer(family == nullptr ? ExampleOf(name) : ""));
+  command->footer(Footer(example));
   command->callback([this, run = std::move(run)] { run_ = run; });
   return *command;
 }
 
-CLI::App& Grammar::AddFamily(const std::string& name, const std::string& what) {
+CLI::App& Grammar::AddFamily(const std::string& name, const std::string& what,
+                             const std::string& example) {
   CLI::App* family = app_->add_subcommand(name, what);
   family->group(group_);
   family->require_subcommand(1);
-  family->footer(Footer(ExampleOf(name)));
+  family->footer(Footer(example));
   return *family;
 }
 
