@@ -261,7 +261,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
     if (!rests) ForgetFault();
     const Halted halted = HaltNodes();
     if (!rests && !halted.fault.empty()) return RestFailed(halted.fault);
-    Settle(rests || halted.rests.value_or(false));
+    FinishHalt(rests || halted.rests.value_or(false));
     return Ok();
   }
 
@@ -274,7 +274,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   }
 
   // A halted tree: rests, or begins with the next tick.
-  void Settle(bool rests) {
+  void FinishHalt(bool rests) {
     commanded_ = commanded_ || !rests;
     halted_ = rests;
     result_ = tree::Status::kIdle;
@@ -285,7 +285,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
 
   void HaltTree() {
     const Halted halted = HaltNodes();
-    if (halted.rests) Settle(*halted.rests || !halted.fault.empty());
+    if (halted.rests) FinishHalt(*halted.rests || !halted.fault.empty());
   }
 
   struct Halted {
@@ -360,7 +360,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
     result_ = tree::Status::kFailure;
     if (!options_.restart_after_end) resting_ = true;
     Report(!options_.restart_after_end);
-    if (halted.rests && (*halted.rests || halted.fault.empty())) Settle(*halted.rests);
+    if (halted.rests && (*halted.rests || halted.fault.empty())) FinishHalt(*halted.rests);
     return tree::Status::kFailure;
   }
 

@@ -70,6 +70,10 @@ install(CODE "
 list(TRANSFORM targets REPLACE "^musher_" "" OUTPUT_VARIABLE MUSHER_LIBRARIES)
 list(SORT MUSHER_LIBRARIES)
 list(JOIN MUSHER_LIBRARIES ", " MUSHER_LIBRARIES)
+set(MUSHER_GROOT2 OFF)  # whether ZeroMQ is linked
+if(TARGET musher_groot2)
+  set(MUSHER_GROOT2 ON)
+endif()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/musherConfig.cmake.in musherConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 write_basic_package_version_file(musherConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -62,9 +62,9 @@ class MachineController {
   SwitchResult Switch(const std::string& actuator, const State& target);
   SwitchResult Switch(const State& target);
 
-  // The same without waiting, from any thread including the loop's. `on_end` gets the result,
-  // exactly once and after this call has returned, on the loop's thread: it must return at once,
-  // and may begin the next switch. Before Init() it runs in this call, with a refusal. A switch
+  // The same without waiting, from any thread including the loop's. Before Init(), `on_end` gets a
+  // refusal in this call. After it, `on_end` gets the result exactly once, on the loop's thread and
+  // after this call has returned: it must return at once, and may begin the next switch. A switch
   // that has not ended when this object is destroyed continues or ends with the next controller;
   // its `on_end` does not run.
   using OnEnd = std::function<void(const SwitchResult&)>;

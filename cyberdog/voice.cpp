@@ -43,14 +43,14 @@ class VoiceDecision {
   void On(const voice_event::TimePassed&) {}
 
   void FollowClock();
-  void Settle();
+  void Update();
   std::vector<VoiceAction> Take() && { return std::move(actions_); }
 
  private:
   bool May(Occasion occasion) const;
-  void Say(Occasion occasion, Utterance utterance);
-  void SayFirst(Utterance utterance);
-  void SaySentence(Occasion occasion, const std::string& sentence);
+  void Announce(Occasion occasion, Utterance utterance);
+  void AnnounceFirst(Utterance utterance);
+  void AnnounceSentence(Occasion occasion, const std::string& sentence);
   void Queue(VoiceState::Waiting waiting, bool first);
 
   void AnnounceStart();
@@ -88,7 +88,7 @@ void VoiceDecision::On(const voice_event::MachineSeen& seen) {
   switch (seen.machine.phase) {
     case Phase::kFailed:
       if (std::exchange(voice_.failure_announced, true)) return;
-      Say(Occasion::kStart, {Play::kSelfCheckFailed, ""});
+      Announce(Occasion::kStart, {Play::kSelfCheckFailed, ""});
       return AnnounceFaults();
     case Phase::kRunning:
       AnnounceStart();
@@ -109,9 +109,9 @@ void VoiceDecision::AnnounceStart() {
     if (machine.adopted) {
       voice_.loading_announced = true;
     } else {
-      Say(Occasion::kStart, {Play::kReady, ""});
+      Announce(Occasion::kStart, {Play::kReady, ""});
       const bool well = machine.faults.empty();
-      Say(Occasion::kStart, {well ? Play::kSelfCheckOk : Play::kSelfCheckFailed, ""});
+      Announce(Occasion::kStart, {well ? Play::kSelfCheckOk : Play::kSelfCheckFailed, ""});
       AnnounceFaults();
     }
   }
@@ -120,7 +120,7 @@ void VoiceDecision::AnnounceStart() {
   const auto& all = config_.actuators;
   const bool staged =
       std::any_of(all.begin(), all.end(), [](const auto& a) { return a.stage > 1; });
-  if (staged) Say(Occasion::kStart, {Play::kStarted, ""});
+  if (staged) Announce(Occasion::kStart, {Play::kStarted, ""});
 }
 
 void VoiceDecision::AnnounceFaults() {
@@ -130,9 +130,9 @@ void VoiceDecision::AnnounceFaults() {
     announced.push_back(fault);
     for (const std::int32_t code : FailedCodes(PartsOf(fault.actuator), fault.error)) {
       if (const auto sound = SelfCheckSound(fault.actuator, code)) {
-        Say(Occasion::kStart, {*sound, ""});
+        Announce(Occasion::kStart, {*sound, ""});
       } else {
-        SaySentence(Occasion::kStart, fault.actuator + ": " + fault.error.message);
+        AnnounceSentence(Occasion::kStart, fault.actuator + ": " + fault.error.message);
       }
     }
   }
@@ -162,7 +162,7 @@ void VoiceDecision::AnnounceBattery() {
   const int urgency = BatteryUrgency();
   if (urgency > voice_.battery_announced) {
     if (voice_.machine.charging || !May(Occasion::kBattery)) return;
-    Say(Occasion::kBattery, {kBatteryWords.at(static_cast<std::size_t>(urgency)), ""});
+    Announce(Occasion::kBattery, {kBatteryWords.at(static_cast<std::size_t>(urgency)), ""});
   }
   voice_.battery_announced = urgency;
 }
@@ -173,7 +173,7 @@ void VoiceDecision::On(const voice_event::Recorded& recorded) {
   if (record.kind == "switch") return AnnounceSwitch(record);
   const bool announced = record.kind == "policy" && record.code != kCodeOk &&
                          record.code != kCodeTargetBusy && voice_.machine.phase == Phase::kRunning;
-  if (announced) SaySentence(Occasion::kRefusal, record.message);
+  if (announced) AnnounceSentence(Occasion::kRefusal, record.message);
 }
 
 void VoiceDecision::AnnounceSwitch(const action::Record& record) {
@@ -191,8 +191,8 @@ void VoiceDecision::AnnounceSwitch(const action::Record& record) {
                          !record.actuator && voice_.machine.phase == Phase::kRunning;
   if (!announced) return;
   const auto sound = record.switch_number == 0 ? std::nullopt : SwitchSound(record.code);
-  if (sound) return Say(Occasion::kSwitch, {*sound, ""});
-  SaySentence(Occasion::kSwitch, record.message);
+  if (sound) return Announce(Occasion::kSwitch, {*sound, ""});
+  AnnounceSentence(Occasion::kSwitch, record.message);
 }
 
 void VoiceDecision::On(const voice_event::DoubleTapped&) {
@@ -201,9 +201,9 @@ void VoiceDecision::On(const voice_event::DoubleTapped&) {
   if (voice_.tapped && now_ < *voice_.tapped + kTapPause) return;
   voice_.tapped = now_;
   if (!machine.battery || machine.battery_silent) {
-    return SayFirst({0, "the charge of the battery is not known"});
+    return AnnounceFirst({0, "the charge of the battery is not known"});
   }
-  SayFirst({static_cast<std::uint16_t>(Play::kBatteryLevel + *machine.battery), ""});
+  AnnounceFirst({static_cast<std::uint16_t>(Play::kBatteryLevel + *machine.battery), ""});
 }
 
 void VoiceDecision::On(const voice_event::AppConnected&) {
@@ -238,16 +238,16 @@ bool VoiceDecision::May(Occasion occasion) const {
          (!asleep || !rules_.quiet_asleep || occasion == Occasion::kTouch);
 }
 
-void VoiceDecision::Say(Occasion occasion, Utterance utterance) {
+void VoiceDecision::Announce(Occasion occasion, Utterance utterance) {
   if (May(occasion)) Queue({std::move(utterance), now_ + kVoiceTimeout}, false);
 }
 
 // A person waits for the answer to a double tap.
-void VoiceDecision::SayFirst(Utterance utterance) {
+void VoiceDecision::AnnounceFirst(Utterance utterance) {
   if (May(Occasion::kTouch)) Queue({std::move(utterance), now_ + kVoiceTimeout}, true);
 }
 
-void VoiceDecision::SaySentence(Occasion occasion, const std::string& sentence) {
+void VoiceDecision::AnnounceSentence(Occasion occasion, const std::string& sentence) {
   auto& said = voice_.sentences;
   std::erase_if(said, [&](const auto& s) { return now_ >= s.said + kSameSentence; });
   const std::string text = Shortened(sentence);
@@ -255,7 +255,7 @@ void VoiceDecision::SaySentence(Occasion occasion, const std::string& sentence) 
       std::any_of(said.begin(), said.end(), [&](const auto& s) { return s.text == text; });
   if (again || !May(occasion)) return;
   said.push_back({text, now_});
-  Say(occasion, {0, text});
+  Announce(occasion, {0, text});
 }
 
 void VoiceDecision::Queue(VoiceState::Waiting waiting, bool first) {
@@ -274,7 +274,7 @@ void VoiceDecision::End() {
   if (stand_up) actions_.emplace_back(voice_action::StandUp{});
 }
 
-void VoiceDecision::Settle() {
+void VoiceDecision::Update() {
   if (voice_.playing && now_ >= voice_.playing->until) End();
   if (!voice_.player) DropWithoutPlayer();
   if (voice_.player && !voice_.playing) PlayNext();
@@ -323,7 +323,7 @@ std::vector<VoiceAction> Speak(const MachineConfig& config, VoiceState& voice,
   VoiceDecision decision(config, voice, now);
   decision.FollowClock();
   std::visit([&](const auto& what) { decision.On(what); }, event);
-  decision.Settle();
+  decision.Update();
   return std::move(decision).Take();
 }
 

@@ -13,7 +13,7 @@ std::string Megabytes(std::uint64_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
 }
 
-std::uint64_t Room(const Manifest& manifest) {
+std::uint64_t NeededBytes(const Manifest& manifest) {
   std::uint64_t bytes = kReserve;
   for (const FileEntry& file : manifest.files) bytes += file.size_bytes + kBlock;
   return bytes;
@@ -142,7 +142,7 @@ Result<> Installation::CheckRoom() const {
   const auto free = root_->disk().FreeBytes(root_->path() + "/slots");
   if (!free) return free.error();
   const std::uint64_t have = free.value() + Taken(root_->disk(), root_->SlotFolder(slot_));
-  const std::uint64_t need = Room(manifest_.manifest);
+  const std::uint64_t need = NeededBytes(manifest_.manifest);
   if (need <= have) return Ok();
   return FaultError(Fault::kNoSpace, "it needs " + Megabytes(need) + " in " + root_->path() +
                                          "/slots, there are " + Megabytes(have));

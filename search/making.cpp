@@ -417,7 +417,7 @@ void RequestSwitch(const Model& model, World& world, const State& target, Notes&
   Tidy(harness);
 }
 
-bool Settle(const Model& model, World& world, Notes& notes) {
+bool RunUntilStable(const Model& model, World& world, Notes& notes) {
   for (int made = 0; made < kMostChoices; ++made) {
     const std::vector<Choice> choices = Choices(model, world);
     const auto next = std::find_if(choices.begin(), choices.end(), [](const Choice& choice) {

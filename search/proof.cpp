@@ -52,7 +52,7 @@ class Roots {
     World world = NewWorld(model_);
     Notes notes;
     Begin(model_, world, false, notes);
-    if (Settle(model_, world, notes) && world.machine.phase == Phase::kRunning) {
+    if (RunUntilStable(model_, world, notes) && world.machine.phase == Phase::kRunning) {
       const State state = world.machine.state;
       Add(state, std::move(world));
     }
@@ -73,7 +73,8 @@ class Roots {
       world.at_start = false;
       Notes notes;
       RequestSwitch(model_, world, to, notes);
-      if (Settle(model_, world, notes) && world.machine.state == to) Add(to, std::move(world));
+      if (RunUntilStable(model_, world, notes) && world.machine.state == to)
+        Add(to, std::move(world));
     }
   }
 
@@ -83,7 +84,8 @@ class Roots {
     Notes notes;
     Begin(model_, world, true, notes);
     if (!Has(State(kUninitialized))) Add(State(kUninitialized), world);
-    if (!Has(State(kSetUp)) && Settle(model_, world, notes) && world.machine.state == kSetUp) {
+    if (!Has(State(kSetUp)) && RunUntilStable(model_, world, notes) &&
+        world.machine.state == kSetUp) {
       Add(State(kSetUp), std::move(world));
     }
   }

@@ -208,7 +208,7 @@ World NewWorld(const Model& model);
 void Begin(const Model& model, World& world, bool by_hand, Notes& notes);
 // Makes choices without faults until the world is quiet. Returns false when it is not after very
 // many of them.
-bool Settle(const Model& model, World& world, Notes& notes);
+bool RunUntilStable(const Model& model, World& world, Notes& notes);
 // A caller requests a switch.
 void RequestSwitch(const Model& model, World& world, const State& target, Notes& notes);
 

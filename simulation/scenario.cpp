@@ -146,7 +146,7 @@ Ending Scenario::Run() {
   SwitchOn();
   if (!Over()) Inject();
   if (!Over()) EndFaults();
-  if (!Over()) Settle();
+  if (!Over()) AwaitStableState();
   if (!Over()) Repair();
   if (!Over()) SwitchOff();
   ending_.violation = violation();
@@ -300,7 +300,7 @@ void Scenario::EndFaults() {
   }
 }
 
-void Scenario::Settle() {
+void Scenario::AwaitStableState() {
   const Time faults_ended = robot_.network().now();
   if (!ReachStableState(std::to_string(ToMilliseconds(options_.bound)) +
                         " ms after the last fault")) {
@@ -310,11 +310,11 @@ void Scenario::Settle() {
   // A fault may be detected only now.
   RunFor(std::chrono::seconds(15));
   if (ReachStableState("although it was before")) checker_.CheckRest(options_.provided);
-  if (!Over()) SettleOtherMachine();
+  if (!Over()) AwaitOtherMachine();
 }
 
 // Beside the robot, too, whatever happened to either, the other machine is as it should be.
-void Scenario::SettleOtherMachine() {
+void Scenario::AwaitOtherMachine() {
   if (!other_) return;
   Checker& checker = other_->checker();
   if (other_->robot().leader() == nullptr) {

@@ -96,7 +96,7 @@ class Scenario {
   void SwitchOn();
   void Inject();
   void EndFaults();
-  void Settle();
+  void AwaitStableState();
   void Repair();
   void RestartBeforeTheEnd();
   void SwitchOff();
@@ -124,7 +124,7 @@ class Scenario {
   void EngageMany(transport::sim::Random random);
   void EngageNext(std::size_t panel, StopId id, bool one_source, int left);
   void ReleaseLater(const Injection& injection);
-  void SettleOtherMachine();
+  void AwaitOtherMachine();
   void ApplyByClient(const Injection& injection);
   void ApplyToPermits(const Injection& injection);
   void ApplyToClock(const Injection& injection);

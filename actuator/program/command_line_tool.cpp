@@ -86,7 +86,7 @@ std::optional<ParseEnd> Parse(CLI::App& app, int argc, const char* const* argv,
     std::ostringstream ignored;
     if (app.exit(e, out, ignored) == 0) {
       std::string text = out.str();
-      while (text.ends_with('\n')) text.pop_back();  // Say() ends the line
+      while (text.ends_with('\n')) text.pop_back();  // Print() ends the line
       return ParseEnd{ExitCode::kDone, text};
     }
     return ParseEnd{ExitCode::kUsage, UsageError(app, e)};
@@ -105,7 +105,7 @@ std::function<std::string(const std::string&)> Between(double least, double most
   };
 }
 
-int Say(const ParseEnd& end, const std::string& program) {
+int Print(const ParseEnd& end, const std::string& program) {
   const bool good = end.exit == ExitCode::kDone;
   (good ? std::cout : std::cerr) << (good ? "" : program + ": ") << end.text << std::endl;
   return static_cast<int>(end.exit);

@@ -57,7 +57,7 @@ std::optional<ParseEnd> Parse(CLI::App& app, int argc, const char* const* argv,
 std::function<std::string(const std::string&)> Between(double least, double most);
 
 // Prints the text on stdout or stderr; returns the exit code.
-int Say(const ParseEnd& end, const std::string& program);
+int Print(const ParseEnd& end, const std::string& program);
 
 // The connection from a command to a module: joins the domain, publishes and subscribes.
 //

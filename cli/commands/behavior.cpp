@@ -173,8 +173,8 @@ ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, C
 }  // namespace
 
 void AddBehavior(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("behavior", "Show the state machine or tree of an application", Behavior);
+  auto [app, options] = grammar.Add("behavior", "Show the state machine or tree of an application",
+                                    Behavior, "musher behavior show --follow");
   grammar
       .Offer(app.add_option("NAME", options.name, "The application's actuator"),
              Names::kApplications)

@@ -49,8 +49,8 @@ ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& g
 }  // namespace
 
 void AddCapabilities(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("capabilities", "Show what the robot can do now, and why not", Capabilities);
+  auto [app, options] = grammar.Add("capabilities", "Show what the robot can do now, and why not",
+                                    Capabilities, "musher capabilities back_flip");
   grammar
       .Offer(app.add_option("NAME", options.name, "Only this one; exit code 1 if it is refused"),
              Names::kCapabilities)

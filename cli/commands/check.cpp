@@ -87,7 +87,8 @@ ExitCode Check(const CheckOptions& options, const GlobalOptions& /*global*/, Con
 }  // namespace
 
 void AddCheck(Grammar& grammar) {
-  auto [app, options] = grammar.Add("check", "Report every error in a state config", Check);
+  auto [app, options] = grammar.Add("check", "Report every error in a state config", Check,
+                                    "musher check robot.toml");
   grammar.Offer(app.add_option("FILE", options.files, "State configs (TOML)"), Names::kConfigs)
       ->required()
       ->type_name("");

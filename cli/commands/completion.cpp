@@ -24,8 +24,8 @@ ExitCode Completion(const CompletionOptions& options, const GlobalOptions& /*glo
 }  // namespace
 
 void AddCompletion(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("completion", "Print the completion script of a shell", Completion);
+  auto [app, options] = grammar.Add("completion", "Print the completion script of a shell",
+                                    Completion, "musher completion bash");
   grammar
       .OneOf(app.add_option("SHELL", options.shell, "bash, zsh or fish"), {"bash", "zsh", "fish"})
       ->required();

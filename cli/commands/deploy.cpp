@@ -149,7 +149,8 @@ ExitCode RunDeploy(const DeployCommand& options, const GlobalOptions& /*global*/
 
 void AddDeploy(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("deploy", "Copy what a config names to its other hosts: all, or none", RunDeploy);
+      grammar.Add("deploy", "Copy what a config names to its other hosts: all, or none", RunDeploy,
+                  "musher deploy robot.toml --version 1.4.0 --key robot.key");
   grammar.Offer(app.add_option("CONFIG", options.config, "State config (TOML)"), Names::kConfigs)
       ->type_name("");
   app.add_option("--version", options.version, "MAJOR.MINOR.PATCH, as in 1.4.0")

@@ -318,8 +318,9 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& of_caller
 }  // namespace
 
 void AddDescribe(Grammar& grammar) {
-  auto [app, options] = grammar.Add(
-      "describe", "Show all that is known about one actuator, and what to do", Describe);
+  auto [app, options] =
+      grammar.Add("describe", "Show all that is known about one actuator, and what to do", Describe,
+                  "musher describe audio");
   grammar
       .Offer(app.add_option("ACTUATOR", options.actuator, "As in the config"), Names::kActuators)
       ->required()

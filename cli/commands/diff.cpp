@@ -108,7 +108,8 @@ ExitCode Diff(const DiffOptions& options, const GlobalOptions& global, Console& 
 
 void AddDiff(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("diff", "Show what changes between two state configs, and what it takes", Diff);
+      grammar.Add("diff", "Show what changes between two state configs, and what it takes", Diff,
+                  "musher diff old.toml robot.toml");
   grammar
       .Offer(app.add_option("FILE", options.files,
                             "Two state configs, the earlier first; or one, which is\n"

@@ -37,7 +37,8 @@ ExitCode Doctor(const DoctorOptions& options, const GlobalOptions& global, Conso
 
 void AddDoctor(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("doctor", "Check this computer for what a robot needs, and show fixes", Doctor);
+      grammar.Add("doctor", "Check this computer for what a robot needs, and show fixes", Doctor,
+                  "musher doctor robot.toml");
   grammar
       .Offer(app.add_option("CONFIG", options.file,
                             "State config (TOML): also check its state folder,\n"

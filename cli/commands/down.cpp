@@ -106,8 +106,8 @@ ExitCode Down(const DownOptions& options, const GlobalOptions& global, Console& 
 }  // namespace
 
 void AddDown(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("down", "Take the machine down: TearDown, then stop its processes", Down);
+  auto [app, options] = grammar.Add(
+      "down", "Take the machine down: TearDown, then stop its processes", Down, "musher down");
   app.add_flag("--without-controller", options.without_controller,
                "Stop the actuators of the namespace that run without a\n"
                "controller, all at the same time");

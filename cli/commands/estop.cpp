@@ -521,8 +521,8 @@ ExitCode Estop(const EstopOptions& options, const GlobalOptions& global, Console
 }  // namespace
 
 void AddEstop(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("estop", "Emergency stop; works without a controller, too", Estop);
+  auto [app, options] = grammar.Add("estop", "Emergency stop; works without a controller, too",
+                                    Estop, "musher estop \"smoke\"");
   auto* reason =
       app.add_option("REASON", options.reason, "Why; `musher status` shows it")->type_name("");
   app.add_flag("--release", options.release, "Release it; needs the controller, changes no state")

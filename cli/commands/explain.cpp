@@ -53,7 +53,8 @@ ExitCode Explain(const ExplainOptions& options, const GlobalOptions&, Console& c
 }  // namespace
 
 void AddExplain(Grammar& grammar) {
-  auto [app, options] = grammar.Add("explain", "Show what a key of a state config means", Explain);
+  auto [app, options] = grammar.Add("explain", "Show what a key of a state config means", Explain,
+                                    "musher explain policy.battery.protected_at");
   app.add_option("KEY", options.words, "restart, policy.battery.topic, or a table: view")
       ->required()
       ->type_name("");

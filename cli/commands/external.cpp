@@ -55,7 +55,8 @@ using ExternalCommand = ExitCode (*)(const ExternalOptions&, const GlobalOptions
 
 void AddProgram(Grammar& grammar, const std::string& name, const std::string& what,
                 ExternalCommand run) {
-  auto added = grammar.Add<ExternalOptions>(name, what, run);
+  auto added =
+      grammar.Add<ExternalOptions>(name, what, run, "");  // the program prints its own help
   CLI::App* app = &added.app;
   ExternalOptions* options = &added.options;
   app->set_help_flag();

@@ -160,8 +160,8 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
 }  // namespace
 
 void AddGraph(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("graph", "Draw a config, a state machine, a tree or a skill", Graph);
+  auto [app, options] = grammar.Add("graph", "Draw a config, a state machine, a tree or a skill",
+                                    Graph, "musher graph robot.toml --what actuators -o robot.svg");
   auto* file = grammar
                    .Offer(app.add_option("FILE", options.file,
                                          "State config (TOML), or behaviour trees (XML)"),

@@ -329,7 +329,8 @@ std::string EventError(const std::string& name) {
 }  // namespace
 
 void AddHistory(Grammar& grammar) {
-  auto [app, options] = grammar.Add("history", "Show past events, oldest first", History);
+  auto [app, options] = grammar.Add("history", "Show past events, oldest first", History,
+                                    "musher history --since 10m --actuator audio");
   app.add_option("--since", options.since, "How long ago (90s, 10m, 2h, 1d), or a date and time")
       ->check(TimeError)
       ->type_name("TIME");

@@ -236,7 +236,8 @@ void AddKeysRevoke(Grammar& grammar, CLI::App& family) {
 }  // namespace
 
 void AddKeys(Grammar& grammar) {
-  CLI::App& family = grammar.AddFamily("keys", "Create and revoke the credentials of processes");
+  CLI::App& family = grammar.AddFamily("keys", "Create and revoke the credentials of processes",
+                                       "musher keys init robot.toml");
   AddKeysInit(grammar, family);
   AddKeysAdd(grammar, family);
   AddKeysRevoke(grammar, family);

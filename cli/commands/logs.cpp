@@ -318,7 +318,8 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
 }  // namespace
 
 void AddLogs(Grammar& grammar) {
-  auto [app, options] = grammar.Add("logs", "Show what the actuators' processes print", Logs);
+  auto [app, options] = grammar.Add("logs", "Show what the actuators' processes print", Logs,
+                                    "musher logs -f audio motion_manager --level warning");
   grammar
       .Offer(app.add_option("ACTUATOR", options.actuators,
                             "Only of these; `controller`: its own log.\nDefault: all, by time"),

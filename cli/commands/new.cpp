@@ -121,7 +121,8 @@ void AddRos2(Grammar& grammar, CLI::App& family) {
 }  // namespace
 
 void AddNew(Grammar& grammar) {
-  CLI::App& family = grammar.AddFamily("new", "Make a project that builds and passes its own test");
+  CLI::App& family = grammar.AddFamily("new", "Make a project that builds and passes its own test",
+                                       "musher new module gripper --language python");
   AddKind(grammar, family, "module", "An actuator: a class with a callback for each state",
           NewModule);
   AddKind(grammar, family, "app", "An application: a state machine that is an actuator", NewApp);

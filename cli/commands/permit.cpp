@@ -118,7 +118,7 @@ ExitCode GivePermits(const GlobalOptions& global, Console& console) {
 
 void AddPermit(Grammar& grammar) {
   grammar.Add("permit", "Permit the machine to move while this command runs ([safety] permit_ms)",
-              GivePermits);
+              GivePermits, "musher permit");
 }
 
 }  // namespace musher::cli

@@ -30,7 +30,8 @@ ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& 
 }  // namespace
 
 void AddPlan(Grammar& grammar) {
-  auto [app, options] = grammar.Add("plan", "Show what a switch would do; changes nothing", Plan);
+  auto [app, options] = grammar.Add("plan", "Show what a switch would do; changes nothing", Plan,
+                                    "musher plan LowPower");
   grammar.Offer(app.add_option("STATE", options.state, "The state to switch to"), Names::kStates)
       ->required()
       ->type_name("");

@@ -101,12 +101,13 @@ ExitCode Reboot(const GlobalOptions& global, Console& console) {
 }  // namespace
 
 void AddWake(Grammar& grammar) {
-  grammar.Add("wake", "Wake the robot up from LowPower", Wake);
+  grammar.Add("wake", "Wake the robot up from LowPower", Wake, "musher wake");
 }
 
 void AddKeep(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("keep", "Switch to a state and hold it, whatever the battery level", Keep);
+      grammar.Add("keep", "Switch to a state and hold it, whatever the battery level", Keep,
+                  "musher keep Active --for 60");
   constexpr std::int64_t kLongestKeep = 65'535;  // limit of CyberDog's service
   auto* state =
       grammar
@@ -126,7 +127,8 @@ void AddKeep(Grammar& grammar) {
 
 void AddLowPower(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("low-power", "Turn automatic LowPower when lying still on or off", LowPower);
+      grammar.Add("low-power", "Turn automatic LowPower when lying still on or off", LowPower,
+                  "musher low-power off --this-run");
   grammar
       .OneOf(app.add_option_function<std::string>(
                  "on|off", [&on = options.on](const std::string& word) { on = word == "on"; },
@@ -137,11 +139,12 @@ void AddLowPower(Grammar& grammar) {
 }
 
 void AddPowerOff(Grammar& grammar) {
-  grammar.Add("poweroff", "Take the machine down and power the robot off", PowerOff);
+  grammar.Add("poweroff", "Take the machine down and power the robot off", PowerOff,
+              "musher poweroff");
 }
 
 void AddReboot(Grammar& grammar) {
-  grammar.Add("reboot", "Take the machine down and reboot the robot", Reboot);
+  grammar.Add("reboot", "Take the machine down and reboot the robot", Reboot, "musher reboot");
 }
 
 }  // namespace musher::cli

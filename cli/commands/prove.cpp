@@ -164,7 +164,8 @@ ExitCode Prove(const ProveOptions& options, const GlobalOptions& /*global*/, Con
 
 void AddProve(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("prove", "Search every order of events and faults of a state config", Prove);
+      grammar.Add("prove", "Search every order of events and faults of a state config", Prove,
+                  "musher prove robot.toml --faults 1 --budget 600");
   grammar.Offer(app.add_option("FILE", options.file, "The state config"), Names::kConfigs)
       ->required()
       ->type_name("");

@@ -49,7 +49,8 @@ ExitCode Replay(const ReplayOptions& options, const GlobalOptions& /*global*/, C
 
 void AddReplay(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("replay", "Re-run the recorded decisions of a journal and compare", Replay);
+      grammar.Add("replay", "Re-run the recorded decisions of a journal and compare", Replay,
+                  "musher replay journal.sqlite --config robot.toml");
   grammar
       .Offer(app.add_option("JOURNAL", options.journal, "A controller's journal.sqlite"),
              Names::kFiles)

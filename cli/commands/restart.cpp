@@ -65,8 +65,8 @@ ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Con
 }  // namespace
 
 void AddRestart(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("restart", "End an actuator's process and start it again", Restart);
+  auto [app, options] = grammar.Add("restart", "End an actuator's process and start it again",
+                                    Restart, "musher restart audio");
   grammar
       .Offer(app.add_option("ACTUATOR", options.actuator, "The one to restart"), Names::kActuators)
       ->required()

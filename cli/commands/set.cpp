@@ -20,7 +20,8 @@ ExitCode Set(const SetOptions& options, const GlobalOptions& global, Console& co
 }  // namespace
 
 void AddSet(Grammar& grammar) {
-  auto [app, options] = grammar.Add("set", "Switch the machine, or one actuator, to a state", Set);
+  auto [app, options] = grammar.Add("set", "Switch the machine, or one actuator, to a state", Set,
+                                    "musher set LowPower audio");
   grammar
       .Offer(app.add_option("STATE", options.state, "Active, LowPower, SelfCheck, ..."),
              Names::kStates)

@@ -161,8 +161,9 @@ ExitCode Simulate(const SimulateOptions& options, const GlobalOptions& /*global*
 }  // namespace
 
 void AddSimulate(Grammar& grammar) {
-  auto [app, options] = grammar.Add(
-      "simulate", "Simulate a state config under thousands of injected faults", Simulate);
+  auto [app, options] =
+      grammar.Add("simulate", "Simulate a state config under thousands of injected faults",
+                  Simulate, "musher simulate robot.toml --seeds 10000");
   grammar.Offer(app.add_option("FILE", options.file, "The state config"), Names::kConfigs)
       ->required()
       ->type_name("");

@@ -214,7 +214,8 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
 }  // namespace
 
 void AddStatus(Grammar& grammar) {
-  auto [app, options] = grammar.Add("status", "Show the machine and its actuators", Status);
+  auto [app, options] =
+      grammar.Add("status", "Show the machine and its actuators", Status, "musher status --follow");
   auto* follow = app.add_flag("-f,--follow", options.follow, "Show every change as it happens");
   app.add_flag("--failed", options.failed,
                "Only the actuators that are degraded, not well, lost or being restarted")

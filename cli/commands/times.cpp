@@ -75,7 +75,8 @@ ExitCode Times(const TimesOptions& options, const GlobalOptions& global, Console
 
 void AddTimes(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("times", "Show what states have taken, and propose limits for `times`", Times);
+      grammar.Add("times", "Show what states have taken, and propose limits for `times`", Times,
+                  "musher times robot.toml --since 7d");
   grammar
       .Offer(app.add_option("CONFIG", options.config,
                             "State config; default: of the machine of this host"),

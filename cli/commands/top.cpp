@@ -300,8 +300,8 @@ ExitCode Top(const TopOptions& options, const GlobalOptions& global, Console& co
 }  // namespace
 
 void AddTop(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("top", "Show what the processes do and use, live; q quits", Top);
+  auto [app, options] = grammar.Add("top", "Show what the processes do and use, live; q quits", Top,
+                                    "musher top --interval 2");
   app.add_option("--interval", options.interval_s, "Between two samples; default 1")
       ->check(Between(0.1, 3600, "seconds"))
       ->type_name("SECONDS");

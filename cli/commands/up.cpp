@@ -275,7 +275,8 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
 
 void AddUp(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("up", "Start a machine, stay in the foreground; Ctrl-C takes it down", Up);
+      grammar.Add("up", "Start a machine, stay in the foreground; Ctrl-C takes it down", Up,
+                  "musher up robot.toml --detach");
   grammar
       .Offer(app.add_option("FILE", options.file,
                             "State config (TOML), or an upgrade root made by\n"

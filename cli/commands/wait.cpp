@@ -110,7 +110,8 @@ ExitCode Wait(const WaitOptions& options, const GlobalOptions& global, Console& 
 
 void AddWait(Grammar& grammar) {
   auto [app, options] = grammar.Add(
-      "wait", "Wait until the machine, or one actuator, is in a state; --timeout limits it", Wait);
+      "wait", "Wait until the machine, or one actuator, is in a state; --timeout limits it", Wait,
+      "musher wait Active --timeout 30");
   grammar.Offer(app.add_option("STATE", options.state, "For example Active"), Names::kStates)
       ->required()
       ->type_name("");

@@ -96,25 +96,33 @@ class Grammar {
   // The group of the help to which the commands that follow belong.
   void Group(std::string title);
 
-  // Adds a command, or a subcommand of `family`; `what` is its line in the help. It is run with its
-  // options.
+  // Adds a command, which is run with its options. `what` is its line in the help, `example`
+  // ("musher set LowPower") stands below its own help.
   template <class Options>
   Added<Options> Add(const std::string& name, const std::string& what,
                      ExitCode (*run)(const Options&, const GlobalOptions&, Console&),
-                     CLI::App* family = nullptr) {
+                     const std::string& example) {
     const auto options = std::make_shared<Options>();
-    return {AddTo(family, name, what,
-                  [options, run](const GlobalOptions& global, Console& console) {
-                    return run(*options, global, console);
-                  }),
-            *options};
+    return {AddTo(nullptr, name, what, WithOptions(options, run), example), *options};
   }
   CLI::App& Add(const std::string& name, const std::string& what,
-                ExitCode (*run)(const GlobalOptions&, Console&), CLI::App* family = nullptr) {
-    return AddTo(family, name, what, run);
+                ExitCode (*run)(const GlobalOptions&, Console&), const std::string& example) {
+    return AddTo(nullptr, name, what, run, example);
   }
-  // A command with subcommands.
-  CLI::App& AddFamily(const std::string& name, const std::string& what);
+  // A command with subcommands, and the example of one of them.
+  CLI::App& AddFamily(const std::string& name, const std::string& what, const std::string& example);
+  // Adds a subcommand of `family`.
+  template <class Options>
+  Added<Options> Add(const std::string& name, const std::string& what,
+                     ExitCode (*run)(const Options&, const GlobalOptions&, Console&),
+                     CLI::App* family) {
+    const auto options = std::make_shared<Options>();
+    return {AddTo(family, name, what, WithOptions(options, run), ""), *options};
+  }
+  CLI::App& Add(const std::string& name, const std::string& what,
+                ExitCode (*run)(const GlobalOptions&, Console&), CLI::App* family) {
+    return AddTo(family, name, what, run, "");
+  }
 
   // The parser accepts only these words; completion offers them.
   CLI::Option* OneOf(CLI::Option* option, const std::vector<std::string>& words);
@@ -135,8 +143,15 @@ class Grammar {
  private:
   class Walk;
 
+  template <class Options>
+  static RunCommand WithOptions(std::shared_ptr<Options> options,
+                                ExitCode (*run)(const Options&, const GlobalOptions&, Console&)) {
+    return [options = std::move(options), run](const GlobalOptions& global, Console& console) {
+      return run(*options, global, console);
+    };
+  }
   CLI::App& AddTo(CLI::App* family, const std::string& name, const std::string& what,
-                  RunCommand run);
+                  RunCommand run, const std::string& example);
   void AddGlobalOptions();
   bool IsOfGlobalOption(std::string_view error) const;
   static std::string OtherWord(std::string_view word);

@@ -42,6 +42,22 @@ void ActuatorProcesses::TakeOver(event::Begin& begin, const std::vector<ChildPro
   }
 }
 
+std::vector<event::StartExamined> ActuatorProcesses::OverdueStarts(const Machine& machine,
+                                                                   Time now) const {
+  const Phase phase = machine.phase;
+  if (phase != Phase::kStarting && phase != Phase::kRunning && phase != Phase::kFailed) return {};
+  std::vector<event::StartExamined> examined;
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
+    const KnownActuator& known = machine.actuators[i];
+    const bool here = known.process.pid != 0 && known.process.host.empty();
+    const ActuatorConfig& actuator = config_.actuators[i];
+    if (!here || actuator.protocol != Protocol::kMusher || !IsOverdue(known, now)) continue;
+    const pid_t pid = known.process.pid;
+    examined.push_back({i, pid, dependencies_.process_probe->ProgressOf(actuator.name, pid)});
+  }
+  return examined;
+}
+
 // --- the processes of other hosts ---
 
 bool ActuatorProcesses::IsOnHost(ActuatorIndex i) const {

@@ -29,6 +29,10 @@ class ActuatorProcesses {
   // Connects to the other hosts that run processes, once the machine has begun.
   void OpenHosts();
 
+  // What the kernel reports of each process of this host that has not announced its actuator by its
+  // deadline; for the decision, before it gives them up.
+  std::vector<event::StartExamined> OverdueStarts(const Machine& machine, Time now) const;
+
   void Do(const action::StartProcess& a);
   void Do(const action::FindProcesses& a);
   void Do(const action::SignalProcess& a);

@@ -251,7 +251,10 @@ void ControllerShell::HandleQueued() {
   while (!queue_.empty()) {
     const Event event = std::move(queue_.front());
     queue_.pop_front();
-    if (std::holds_alternative<event::TimePassed>(event)) ExamineOverdueStarts();
+    if (std::holds_alternative<event::TimePassed>(event)) {
+      const Time now = dependencies_.node->loop().Now();
+      for (const auto& examined : processes_->OverdueStarts(machine_, now)) HandleOne(examined);
+    }
     HandleOne(event);
   }
 }
@@ -264,23 +267,6 @@ void ControllerShell::HandleOne(const Event& event) {
   presence_->SetAwaitsRequest(emergency.awaits_request || emergency.Unanswered() != nullptr);
   for (const Action& action : actions) {
     std::visit([this](const auto& a) { Do(a); }, action);
-  }
-}
-
-// Before the decision gives up the processes that have not announced themselves, it gets what the
-// kernel reports of each.
-void ControllerShell::ExamineOverdueStarts() {
-  const Phase phase = machine_.phase;
-  if (phase != Phase::kStarting && phase != Phase::kRunning && phase != Phase::kFailed) return;
-  const Time now = dependencies_.node->loop().Now();
-  for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    const ActuatorConfig& actuator = config_.actuators[i];
-    const pid_t pid = machine_.actuators[i].process.pid;
-    const bool here = machine_.actuators[i].process.host.empty();
-    if (actuator.protocol != Protocol::kMusher || pid == 0 || !here) continue;
-    if (!IsOverdue(machine_.actuators[i], now)) continue;
-    const auto progress = dependencies_.process_probe->ProgressOf(actuator.name, pid);
-    HandleOne(event::StartExamined{i, pid, progress});
   }
 }
 

@@ -143,7 +143,6 @@ class ControllerShell {
   void Handle(const Event& event);
   void HandleQueued();
   void HandleOne(const Event& event);
-  void ExamineOverdueStarts();
   void ArmTimer();
   RequestId NewAnswer(OnAnswer done);
   Dependencies::OnSaved OnSaved(Stored what, SaveNumber save);

@@ -31,7 +31,7 @@ class Coordinator : StepPart {
 
   void Handle(const Event& event);
   // Handles deadlines, then does what has become possible. Ends every step.
-  void Settle(const Event& event);
+  void FinishStep(const Event& event);
   // A fenced controller only answers requests, with a refusal.
   void Decline(const Event& event);
   // Records what the step has broken, if anything. The machine goes on: what a person sees of it,
@@ -114,7 +114,7 @@ void Coordinator::On(const event::Begin& begin) {
   rules_.Begin(begin.policy);
 }
 
-void Coordinator::Settle(const Event& event) {
+void Coordinator::FinishStep(const Event& event) {
   if (machine_.phase == Phase::kFenced) return;
   authority_.ReleaseIfReplacedElsewhere();
   if (machine_.phase == Phase::kFenced) return;
@@ -226,7 +226,7 @@ std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Ev
     coordinator.Decline(event);
   } else {
     coordinator.Handle(event);
-    coordinator.Settle(event);
+    coordinator.FinishStep(event);
   }
   if (was_sound) coordinator.ReportIfBroken();
   return std::move(step.actions);

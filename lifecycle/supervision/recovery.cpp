@@ -25,7 +25,7 @@ void Recovery::On(const event::HealthChanged& changed) {
   const RecordText what = texts::Unhealthy(changed.health, changed.how);
   switch (changed.health) {
     case Health::kHung:
-      return commands_.Hang(i, changed.silent, what);
+      return commands_.MarkHung(i, changed.silent, what);
     case Health::kCrashed:
     case Health::kPartitioned:
       if (known.presence == Presence::kPresent || known.presence == Presence::kStarting) {

@@ -219,7 +219,7 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
                        end.outcome == ActuatorOutcome::kOverdue &&
                        machine_.phase != Phase::kStopping;
   if (unknown && MayRestart(i) && ProcessOf(i) != 0) {
-    Hang(i, true, texts::HungIn(command.target, took));
+    MarkHung(i, true, texts::HungIn(command.target, took));
   }
 }
 
@@ -337,7 +337,7 @@ void Commands::LoseConnection(ActuatorIndex i, const RecordText& how, RecordId c
   if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
 }
 
-void Commands::Hang(ActuatorIndex i, bool silent, const RecordText& how) {
+void Commands::MarkHung(ActuatorIndex i, bool silent, const RecordText& how) {
   const std::int32_t pid = ProcessOf(i);
   const bool killable = MayRestart(i) && pid != 0;
   if (killable || silent) {

@@ -53,7 +53,7 @@ class Commands : StepPart {
   void LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause = 0);
   // A hung actuator is killed if it may be restarted, once its backtrace was taken. An actuator
   // that the controller may not restart is left as it is: it may recover.
-  void Hang(ActuatorIndex i, bool silent, const RecordText& how);
+  void MarkHung(ActuatorIndex i, bool silent, const RecordText& how);
   // The exit of a process can overtake its last sample.
   void AssumeTornDown(ActuatorIndex i);
   // Records that the actuator has not passed a self-check: it was found in Error, has reached its

@@ -392,7 +392,7 @@ EndedSwitch Switches::End() {
     if (s.direction != Direction::kCheck || a_step) machine_.state = s.target;
   }
   Apply(s, undone);
-  if (undone) SettleBack(s);
+  if (undone) NoteRolledBack(s);
   const SwitchResult result = conclusion().Conclude(s, undone);
   const Leg* worst = undone ? conclusion().WorstLeg(s) : nullptr;
   const bool stopped = undone && s.stopped;
@@ -475,7 +475,7 @@ void Switches::DriveTheRest(const Switch& s) {
 }
 
 // The effects of a rollback.
-void Switches::SettleBack(const Switch& s) {
+void Switches::NoteRolledBack(const Switch& s) {
   for (const Leg& leg : s.rollback.legs) {
     KnownActuator& known = Of(leg.actuator);
     const bool present = known.presence == Presence::kPresent;
@@ -488,7 +488,7 @@ void Switches::SettleBack(const Switch& s) {
     const bool restarted = present && !config_.RankOf(known.state());
     if (restarted && leg.outcome == ActuatorOutcome::kSkipped) continue;  // it is driven on its own
     if (present && leg.outcome == ActuatorOutcome::kSkipped && leg.code == kCodeProtectedError) {
-      SettleHeld(s, leg);
+      NoteHeldAfterRollback(s, leg);
       continue;
     }
     Degrade(leg.actuator, leg.code, texts::RollbackFailed(leg.target, leg.message),
@@ -499,7 +499,7 @@ void Switches::SettleBack(const Switch& s) {
 
 // The effect on an actuator that is not driven back during an emergency stop. It stays where it is
 // also after the release, which starts no callback, until the next switch.
-void Switches::SettleHeld(const Switch& s, const Leg& back) {
+void Switches::NoteHeldAfterRollback(const Switch& s, const Leg& back) {
   const KnownActuator& known = Of(back.actuator);
   const auto forward = std::ranges::find(s.legs, back.actuator, &Leg::actuator);
   if (known.report.busy()) {

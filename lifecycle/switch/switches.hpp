@@ -70,8 +70,8 @@ class Switches : StepPart {
   void Apply(const Switch& s, bool undone);
   void CheckAgain();
   void DriveTheRest(const Switch& s);
-  void SettleBack(const Switch& s);
-  void SettleHeld(const Switch& s, const Leg& back);
+  void NoteRolledBack(const Switch& s);
+  void NoteHeldAfterRollback(const Switch& s, const Leg& back);
   SwitchConclusion conclusion() const { return {config_, machine_}; }
 
   PolicyMemory& memory_;

@@ -135,7 +135,7 @@ bool ReadFiles(AudioConfig& config, std::vector<Diagnostic>& diagnostics) {
 
 }  // namespace
 
-AudioReading ReadAudioText(std::string_view text, const std::string& path) {
+Parsed<AudioConfig> ReadAudioText(std::string_view text, const std::string& path) {
   Findings findings;
   std::optional<AudioConfig> config;
   const auto document = config_toml::ParseDocument(text);
@@ -145,13 +145,13 @@ AudioReading ReadAudioText(std::string_view text, const std::string& path) {
     config = ReadAudio(std::get<Table>(document), path, findings);
   }
   bool good = config && !findings.HasErrors();
-  AudioReading reading{std::nullopt, std::move(findings).Take(path, text)};
+  Parsed<AudioConfig> reading{std::nullopt, std::move(findings).Take(path, text)};
   if (config) good = ReadFiles(*config, reading.diagnostics) && good;
   if (good) reading.config = std::move(config);
   return reading;
 }
 
-AudioReading ReadAudioFile(const std::string& path) {
+Parsed<AudioConfig> ReadAudioFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadAudioText);
 }
 

@@ -4,12 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/audio/cues.hpp"
 #include "musher/modules/audio/phrases.hpp"
 
@@ -47,16 +46,11 @@ struct AudioConfig {
   friend bool operator==(const AudioConfig&, const AudioConfig&) = default;
 };
 
-struct AudioReading {
-  std::optional<AudioConfig> config;    // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // of this file, then of the files that it names
-};
-
 // Never throws; an unreadable file is a diagnostic.
-AudioReading ReadAudioFile(const std::string& path);
+Parsed<AudioConfig> ReadAudioFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics and relative paths refer to. Reads the phrases
 // and cues.
-AudioReading ReadAudioText(std::string_view text, const std::string& path);
+Parsed<AudioConfig> ReadAudioText(std::string_view text, const std::string& path);
 
 }  // namespace musher::audio

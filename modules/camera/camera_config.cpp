@@ -194,13 +194,13 @@ class Reader {
 
 }  // namespace
 
-CamerasReading ReadCamerasText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<CamerasReading>(
+Parsed<CamerasConfig> ReadCamerasText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<CamerasConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Reader(path, findings).Read(root); });
 }
 
-CamerasReading ReadCamerasFile(const std::string& path) {
+Parsed<CamerasConfig> ReadCamerasFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadCamerasText);
 }
 

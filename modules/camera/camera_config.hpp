@@ -3,13 +3,12 @@
 // its keys.
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher::camera {
@@ -66,15 +65,10 @@ struct CamerasConfig {
   friend bool operator==(const CamerasConfig&, const CamerasConfig&) = default;
 };
 
-struct CamerasReading {
-  std::optional<CamerasConfig> config;  // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-CamerasReading ReadCamerasFile(const std::string& path);
+Parsed<CamerasConfig> ReadCamerasFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics and relative paths refer to.
-CamerasReading ReadCamerasText(std::string_view text, const std::string& path);
+Parsed<CamerasConfig> ReadCamerasText(std::string_view text, const std::string& path);
 
 }  // namespace musher::camera

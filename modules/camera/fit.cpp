@@ -40,8 +40,8 @@ cv::Mat View(msg::Image& picture) {
 }
 
 // A picture of that size and encoding, whose bytes are still to be written.
-msg::Image Room(const msg::Image& like, std::uint32_t width_px, std::uint32_t height_px,
-                const std::string& encoding) {
+msg::Image BlankImage(const msg::Image& like, std::uint32_t width_px, std::uint32_t height_px,
+                      const std::string& encoding) {
   msg::Image room;
   room.header = like.header;
   room.width = width_px;
@@ -81,12 +81,12 @@ Result<msg::Image> Fit(msg::Image picture, const Format& format) {
     if (!conversion) {
       return Error{kUnreadable, "cannot convert " + picture.encoding + " to " + encoding};
     }
-    msg::Image converted = Room(picture, picture.width, picture.height, encoding);
+    msg::Image converted = BlankImage(picture, picture.width, picture.height, encoding);
     cv::cvtColor(View(picture), View(converted), *conversion);
     picture = std::move(converted);
   }
   if (width == picture.width && height == picture.height) return picture;
-  msg::Image resized = Room(picture, width, height, encoding);
+  msg::Image resized = BlankImage(picture, width, height, encoding);
   const bool smaller = width <= picture.width && height <= picture.height;
   const cv::Mat target = View(resized);
   cv::resize(View(picture), target, target.size(), 0, 0,

@@ -62,7 +62,7 @@ class Shelf {
 
   void AddFrame(msg::Image& picture) {
     if (!recorder_ || fault_) return;
-    Result<> written = Room();
+    Result<> written = CheckSpace();
     if (written) written = recorder_->Write(picture);
     if (!written) fault_ = written.error();
   }
@@ -112,7 +112,7 @@ class Shelf {
     std::error_code failed;
     fs::create_directories(folder_, failed);
     if (failed) return Failure(folder_ + ": " + failed.message());
-    if (Result<> room = Room(); !room) return room.error();
+    if (Result<> room = CheckSpace(); !room) return room.error();
     const fs::path name = file.name;
     fs::path path = fs::path(folder_) / name;
     for (int count = 2; fs::symlink_status(path, failed).type() != fs::file_type::not_found;
@@ -127,7 +127,7 @@ class Shelf {
     return path.string();
   }
 
-  Result<> Room() const {
+  Result<> CheckSpace() const {
     std::error_code failed;
     const fs::space_info space = fs::space(folder_, failed);
     if (failed) return Failure(folder_ + ": " + failed.message());

@@ -183,13 +183,13 @@ DeviceConfig Read(const Table& table, const std::string& path, Findings& finding
 
 }  // namespace
 
-DeviceReading ReadDeviceText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<DeviceReading>(
+Parsed<DeviceConfig> ReadDeviceText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<DeviceConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Read(root, path, findings); });
 }
 
-DeviceReading ReadDeviceFile(const std::string& path) {
+Parsed<DeviceConfig> ReadDeviceFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadDeviceText);
 }
 

@@ -2,13 +2,12 @@
 // The device manager's config; README.md and config/device/device_manager.toml explain its keys.
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/device/input_device.hpp"
 #include "musher/modules/device/input_key.hpp"
 #include "musher/modules/device/power_supply.hpp"
@@ -70,15 +69,10 @@ struct DeviceConfig {
   friend bool operator==(const DeviceConfig&, const DeviceConfig&) = default;
 };
 
-struct DeviceReading {
-  std::optional<DeviceConfig> config;   // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-DeviceReading ReadDeviceFile(const std::string& path);
+Parsed<DeviceConfig> ReadDeviceFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics and relative paths refer to.
-DeviceReading ReadDeviceText(std::string_view text, const std::string& path);
+Parsed<DeviceConfig> ReadDeviceText(std::string_view text, const std::string& path);
 
 }  // namespace musher::device

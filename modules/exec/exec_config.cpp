@@ -97,14 +97,14 @@ ExecConfig Read(const Table& table, const std::string& path, const ActuatorConfi
 
 }  // namespace
 
-ExecReading ReadExecText(std::string_view text, const std::string& path,
-                         const ActuatorConfig& actuator) {
-  return config_toml::ReadTextWith<ExecReading>(
+Parsed<ExecConfig> ReadExecText(std::string_view text, const std::string& path,
+                                const ActuatorConfig& actuator) {
+  return config_toml::ReadTextWith<Parsed<ExecConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Read(root, path, actuator, findings); });
 }
 
-ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator) {
+Parsed<ExecConfig> ReadExecFile(const std::string& path, const ActuatorConfig& actuator) {
   return config_toml::ReadFileWith(path, [&](const std::string& text, const std::string& name) {
     return ReadExecText(text, name, actuator);
   });

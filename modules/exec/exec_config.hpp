@@ -16,14 +16,13 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "musher/base/code.hpp"
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/lifecycle/config/config.hpp"
 
 namespace musher::exec {
@@ -46,18 +45,13 @@ struct ExecConfig {
   friend bool operator==(const ExecConfig&, const ExecConfig&) = default;
 };
 
-struct ExecReading {
-  std::optional<ExecConfig> config;     // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Reads and checks the file at `path` for `actuator`, which must list every state of the file.
 // Never throws; an unreadable file is a diagnostic.
-ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator);
+Parsed<ExecConfig> ReadExecFile(const std::string& path, const ActuatorConfig& actuator);
 
 // The same for a text; `path` is what diagnostics and relative paths refer to.
-ExecReading ReadExecText(std::string_view text, const std::string& path,
-                         const ActuatorConfig& actuator);
+Parsed<ExecConfig> ReadExecText(std::string_view text, const std::string& path,
+                                const ActuatorConfig& actuator);
 
 // The config without a file: `program` runs from SetUp to TearDown; other states run nothing.
 ExecConfig ConfigForProgram(std::vector<std::string> program);

@@ -114,7 +114,8 @@ int Run(const Options& options) {
   if (options.file.empty()) {
     config = musher::exec::ConfigForProgram(options.program);
   } else {
-    musher::exec::ExecReading reading = musher::exec::ReadExecFile(options.file, actuator);
+    musher::Parsed<musher::exec::ExecConfig> reading =
+        musher::exec::ReadExecFile(options.file, actuator);
     musher::program::PrintErrors(reading.diagnostics);
     config = std::move(reading.config);
   }

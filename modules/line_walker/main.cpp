@@ -7,7 +7,7 @@
 namespace {
 
 int Run(const musher::program::Options& options) {
-  const musher::line_walker::WalkerReading reading =
+  const musher::Parsed<musher::line_walker::WalkerConfig> reading =
       musher::line_walker::ReadWalkerFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.config) return musher::program::kUsageError;

@@ -144,15 +144,15 @@ WalkerConfig Read(TableReader& root) {
 
 }  // namespace
 
-WalkerReading ReadWalkerText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<WalkerReading>(text, path,
-                                                  [](const Table& table, Findings& findings) {
-                                                    TableReader root(table, {1, 1}, "", findings);
-                                                    return Read(root);
-                                                  });
+Parsed<WalkerConfig> ReadWalkerText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<WalkerConfig>>(
+      text, path, [](const Table& table, Findings& findings) {
+        TableReader root(table, {1, 1}, "", findings);
+        return Read(root);
+      });
 }
 
-WalkerReading ReadWalkerFile(const std::string& path) {
+Parsed<WalkerConfig> ReadWalkerFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadWalkerText);
 }
 

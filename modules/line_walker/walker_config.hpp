@@ -1,13 +1,11 @@
 #pragma once
 // The config of the line walker, a TOML file; config/line_walker/walker.toml explains its keys.
 
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/line_walker/line_walker.hpp"
 
 namespace musher::line_walker {
@@ -35,15 +33,10 @@ struct WalkerConfig {
   friend bool operator==(const WalkerConfig&, const WalkerConfig&) = default;
 };
 
-struct WalkerReading {
-  std::optional<WalkerConfig> config;   // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-WalkerReading ReadWalkerFile(const std::string& path);
+Parsed<WalkerConfig> ReadWalkerFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics refer to.
-WalkerReading ReadWalkerText(std::string_view text, const std::string& path);
+Parsed<WalkerConfig> ReadWalkerText(std::string_view text, const std::string& path);
 
 }  // namespace musher::line_walker

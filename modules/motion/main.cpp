@@ -20,7 +20,8 @@ FILE, every key of which may be left out:
 Exit codes: 0 torn down; 1 SetUp failed; 2 usage or config.)";
 
 int Run(const musher::program::Options& options) {
-  musher::motion::ConfigReading config = musher::motion::ReadMotionConfigFile(options.file);
+  musher::Parsed<musher::motion::MotionConfig> config =
+      musher::motion::ReadMotionConfigFile(options.file);
   PrintErrors(config.diagnostics);
   if (!config.config) return kUsageError;
   musher::motion::TableReading table = musher::motion::ReadTableFile(config.config->motions);

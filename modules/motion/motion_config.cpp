@@ -104,13 +104,13 @@ std::optional<std::string> WarningOfClock(const MotionConfig& config, ClockSourc
          "simulated body";
 }
 
-ConfigReading ReadMotionConfigText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<ConfigReading>(
+Parsed<MotionConfig> ReadMotionConfigText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<MotionConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Read(root, path, findings); });
 }
 
-ConfigReading ReadMotionConfigFile(const std::string& path) {
+Parsed<MotionConfig> ReadMotionConfigFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadMotionConfigText);
 }
 

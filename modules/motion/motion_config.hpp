@@ -4,11 +4,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/network_profile.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/motion/motion_source.hpp"
 
 namespace musher::motion {
@@ -45,14 +44,9 @@ struct MotionConfig {
 // What is unsafe about it with this clock of the machine; nullopt: nothing.
 std::optional<std::string> WarningOfClock(const MotionConfig& config, ClockSource clock);
 
-struct ConfigReading {
-  std::optional<MotionConfig> config;   // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-ConfigReading ReadMotionConfigFile(const std::string& path);
+Parsed<MotionConfig> ReadMotionConfigFile(const std::string& path);
 // The same for a text; `path` is what diagnostics and relative paths refer to.
-ConfigReading ReadMotionConfigText(std::string_view text, const std::string& path);
+Parsed<MotionConfig> ReadMotionConfigText(std::string_view text, const std::string& path);
 
 }  // namespace musher::motion

@@ -32,7 +32,7 @@ class RaceOutputs {
   // The detectors that are needed now, by their index; when they change.
   virtual void Watch(const std::vector<bool>& detectors) = 0;
   // Speaks; Race::OnSpoken() with this number follows.
-  virtual void Say(const std::string& text, std::uint64_t number) = 0;
+  virtual void Speak(const std::string& text, std::uint64_t number) = 0;
   virtual void ShowState(int number) = 0;  // when it changes
   virtual void Log(const std::string& line) = 0;
 };

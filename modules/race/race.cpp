@@ -396,7 +396,7 @@ void Race::ExecuteJump() {
   static_cast<void>(done);
 }
 
-void Race::Rest(Time now) {
+void Race::Pause(Time now) {
   now_ = now;
   Record(input::kRest, {});
   if (!std::exchange(resting_, true)) rested_at_ = now;

@@ -73,7 +73,7 @@ class Race : private fsm::Listener {
   // After each tick of the machine.
   void AfterTick() { ExecuteJump(); }
   // Everything stands still until Resume(); until then the machine is not ticked.
-  void Rest(Time now);
+  void Pause(Time now);
   void Resume(Time now);
   bool resting() const { return resting_; }
   // Periodically, also while paused.

@@ -246,7 +246,7 @@ void RaceRobot::Watch(const std::vector<bool>& detectors) {
   if (const auto wire = wire_.lock()) wire->detectors->Watch(detectors);
 }
 
-void RaceRobot::Say(const std::string& text, std::uint64_t number) {
+void RaceRobot::Speak(const std::string& text, std::uint64_t number) {
   const auto wire = wire_.lock();
   if (!wire) return;
   msg::AudioTextPlay::Request request;

@@ -46,7 +46,7 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> SelfCheck() override;
   void AfterTick(Time now) override;
-  void OnPause() override { race_.Rest(Now()); }
+  void OnPause() override { race_.Pause(Now()); }
   void OnResume() override { race_.Resume(Now()); }
 
   Result<> Record(fsm::Machine& machine);
@@ -62,7 +62,7 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
   void Move(std::int32_t motion_id, std::uint64_t number) override;
   void CommandWalker(const LaneWalk& walk, bool start) override;
   void Watch(const std::vector<bool>& detectors) override;
-  void Say(const std::string& text, std::uint64_t number) override;
+  void Speak(const std::string& text, std::uint64_t number) override;
   void ShowState(int number) override;
   void Log(const std::string& line) override { FsmActuator::Log(line); }
 

@@ -113,7 +113,7 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
   } else if (input == input::kCommand) {
     OnCommand(words[0], now);
   } else if (input == input::kRest) {
-    Rest(now);
+    Pause(now);
   } else {
     Resume(now);
   }

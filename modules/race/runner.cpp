@@ -134,11 +134,11 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
 
 void Runner::ReportReservations() {
   if (const std::string slip = locomotion_.SlipText(); !slip.empty()) {
-    Say("of the way of the steps odometry has shown " + slip);
+    Log("of the way of the steps odometry has shown " + slip);
   }
   const std::size_t count = memory_.reserved();
-  if (count == 0) return Say("without a reservation");
-  Say("with " + std::to_string(count) + (count == 1 ? " reservation:" : " reservations:"));
+  if (count == 0) return Log("without a reservation");
+  Log("with " + std::to_string(count) + (count == 1 ? " reservation:" : " reservations:"));
   const std::vector<Reservation>& kept = memory_.reservations();
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const bool last = i + 1 == kept.size();
@@ -206,7 +206,7 @@ void Runner::ReservePose() {
   const std::string reason =
       "whether it was moved in the pause is not known: no odometry on " + course_.odometry.topic;
   Reserve(reason);
-  Say(reason);
+  Log(reason);
 }
 
 bool Runner::PoseOfRestAt(Time time) const {
@@ -281,7 +281,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
 
 // In the error state itself a fault only drops the step: it has nowhere else to go.
 std::optional<Index> Runner::Fail(const std::string& reason) {
-  Say(reason);
+  Log(reason);
   if (state_ == course_.error) {
     Reserve(reason);
     Leave();
@@ -353,7 +353,7 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
   if (!StoppedByLight(now, time)) return Outcome::kRunning;
   Interrupt();
   interrupted_->walk = locomotion_.Halt(time);
-  Say("a yellow light: it stops with " +
+  Log("a yellow light: it stops with " +
       Steps(static_cast<int>(interrupted_->walk.left() / course_.step)) + " left");
   return Outcome::kTarget;
 }
@@ -367,7 +367,7 @@ void Runner::Interrupt() {
 void Runner::ReserveDistances() {
   if (const auto difference = locomotion_.TakeDifference()) {
     Reserve(*difference);
-    Say(*difference);
+    Log(*difference);
     unsure_ = true;
   }
   if (!locomotion_.streaming() || locomotion_.doubt().empty()) return;
@@ -375,7 +375,7 @@ void Runner::ReserveDistances() {
   if (std::exchange(by_time_, true)) return;
   const std::string reason = "walks without odometry, by their time: " + locomotion_.doubt();
   Reserve(reason);
-  Say(reason);
+  Log(reason);
 }
 
 // The same along a lane: the line walker gets a STOP, and walks on after the countdown. A walk that
@@ -389,14 +389,14 @@ Runner::Outcome Runner::AdvanceLane(const LaneWalk& walk, Duration now, Time tim
   if (StoppedByLight(now, time)) {
     Interrupt();
     interrupted_->lane = lane_walker_.Interrupt();
-    Say("a yellow light: the line walker stops");
+    Log("a yellow light: the line walker stops");
     return Outcome::kTarget;
   }
   std::string reason;
   const LaneWalker::End end = lane_walker_.Advance(now, reason);
   if (!reason.empty() && end == LaneWalker::End::kNone) {  // it is started once more
     Reserve(reason);
-    Say(reason);
+    Log(reason);
   }
   if (end == LaneWalker::End::kGood) return EndLane(walk, time);
   const std::optional<double> way_m = lane_walker_.WayM(time);
@@ -429,7 +429,7 @@ Runner::Outcome Runner::EndLane(const LaneWalk& walk, Time time) {
                              ", and how far it has come is not known: no odometry on " +
                              course_.odometry.topic;
   Reserve(reason);
-  Say(reason);
+  Log(reason);
   unsure_ = true;
   return Outcome::kDone;
 }
@@ -478,7 +478,7 @@ bool Runner::Blind(Duration now, Time time) {
   perception_.Want(detector);
   if (!blind_since_) blind_since_ = now;
   if (perception_.HasStarted(detector) && !std::exchange(blind_said_, true)) {
-    Say("no picture for the detector " + name + " for " + blind + ": it stands until one comes");
+    Log("no picture for the detector " + name + " for " + blind + ": it stands until one comes");
   }
   if (now - *blind_since_ > course_.check.silent) {
     fault_ = "all pictures for the detector " + name + " are older than " + blind + ", for " +
@@ -531,7 +531,7 @@ bool Runner::Unseen(Duration now) {
   const std::string what =
       "the lane is not seen by the detector " + course_.detectors[rule.detector].name + " for ";
   if (!std::exchange(unseen_said_, true)) {
-    Say(what + std::to_string(ToMilliseconds(most)) + " ms: " + unseen_why_ +
+    Log(what + std::to_string(ToMilliseconds(most)) + " ms: " + unseen_why_ +
         "; it stands until it is");
   }
   if (unseen >= most + kLongestUnseen) {
@@ -567,7 +567,7 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
     const int counted = step.less ? memory_.Count(*step.less) - step.beyond : 0;
     const int made = std::max(counted, 0);
     if (walks && step.count <= made) {
-      Say(name + " " + std::to_string(step.count) + " - " + std::to_string(made) +
+      Log(name + " " + std::to_string(step.count) + " - " + std::to_string(made) +
           ": no step is left");
       return Outcome::kSkipped;
     }
@@ -689,7 +689,7 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) 
     return GiveUpCheck(check, found + " after " + std::to_string(at_.tries) + " corrections");
   }
   ++at_.tries;
-  Say(found + ", correction " + std::to_string(at_.tries) + ": " +
+  Log(found + ", correction " + std::to_string(at_.tries) + ": " +
       course_.movements[correction->movement].name + " " + std::to_string(correction->count));
   locomotion_.Walk(*correction);
   Phase(kCorrect, now);
@@ -708,7 +708,7 @@ Runner::Outcome Runner::GiveUpCheck(const Check& check, const std::string& why) 
   const int most = course_.check.most_given_up;
   const int count = memory_.given_up();
   if (most == 0 || count <= most) {
-    Say(why + "; it continues");
+    Log(why + "; it continues");
     return Outcome::kDone;
   }
   const std::size_t name_end = why.find(':');
@@ -750,7 +750,7 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
     const bool once = course_.detectors[*wait.detector].kind == Detector::Kind::kText;
     if (value && (once || Agreed(*wait.detector, value, true))) {
       memory_.Set(wait.result, *value);
-      Say(result.name + " is " + result.values[*value]);
+      Log(result.name + " is " + result.values[*value]);
       return Outcome::kDone;
     }
     if (!value) ReportUnknown(wait, sighting->text);
@@ -760,7 +760,7 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
       "no " + result.name + " within " + std::to_string(ToMilliseconds(wait.limit)) + " ms";
   if (at_.tries < wait.retries) {
     ++at_.tries;
-    Say(none + ", retry " + std::to_string(at_.tries) + " of " + std::to_string(wait.retries));
+    Log(none + ", retry " + std::to_string(at_.tries) + " of " + std::to_string(wait.retries));
     locomotion_.Walk(wait.retry);
     Phase(kRetry, now);
     return Outcome::kRunning;
@@ -770,7 +770,7 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
   unsure_ = true;
   const std::string taken = none + ": its default " + result.values[*result.by_default];
   Reserve(taken);
-  Say(taken);
+  Log(taken);
   return Outcome::kDone;
 }
 
@@ -781,7 +781,7 @@ void Runner::ReportUnknown(const Wait& wait, const std::string& text) {
   unknown_.push_back(text);
   const ResultRule& result = course_.results[wait.result];
   const std::string shown = Printable(text);
-  Say("the detector " + course_.detectors[*wait.detector].name + " reads '" + shown + "'; " +
+  Log("the detector " + course_.detectors[*wait.detector].name + " reads '" + shown + "'; " +
       NoSuch(result.name, shown, result.values));
 }
 
@@ -804,7 +804,7 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   const bool of_walk = perception_.SightingSince(until.detector, at_.after) != nullptr;
   if (sighting != nullptr && of_walk && SameWord(sighting->phase, until.phase)) {
     memory_.SetMissed(step.until, false);
-    Say(until.name + " after " + store(locomotion_.Halt(time)));
+    Log(until.name + " after " + store(locomotion_.Halt(time)));
     return Outcome::kDone;
   }
   if (WaitsForSight(until, sighting, now)) {
@@ -844,7 +844,7 @@ bool Runner::WaitsForSight(const Until& until, const Sighting* sighting, Duratio
   const std::string reason =
       until.name + " has been hidden for " + std::to_string(ToMilliseconds(kLongestHidden)) + " ms";
   Reserve(reason);
-  Say(reason + "; it walks on");
+  Log(reason + "; it walks on");
   return false;
 }
 
@@ -863,7 +863,7 @@ Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
     const bool unsure =
         step.unsure && (result ? memory_.IsDefault(*result) : unsure_ || unsure_before_);
     if (unsure && !result)
-      Say("it is not sure of the place: a check on the way was given up, or a walk not confirmed");
+      Log("it is not sure of the place: a check on the way was given up, or a walk not confirmed");
     voice_.Begin(unsure ? *step.unsure : step.speech, memory_, now);
     Phase(1, now);
   }
@@ -872,7 +872,7 @@ Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
 
 bool Runner::LeftOut(const std::optional<Index>& only, const std::string& what) {
   if (!only || !memory_.Missed(*only)) return false;
-  Say(what + " is left out: no " + course_.untils[*only].name + " was found");
+  Log(what + " is left out: no " + course_.untils[*only].name + " was found");
   return true;
 }
 
@@ -886,14 +886,14 @@ Runner::Outcome Runner::Run(const CountStep& step, Duration /*now*/, Time /*time
 Runner::Outcome Runner::GiveUp(const Otherwise& otherwise, const std::string& what) {
   if (otherwise.kind != Otherwise::Kind::kState || otherwise.state != course_.error) Reserve(what);
   if (otherwise.kind != Otherwise::Kind::kState) {
-    Say(what + "; it continues");
+    Log(what + "; it continues");
     return Outcome::kDone;
   }
   if (otherwise.state == course_.error) {
     fault_ = what;
     return Outcome::kRunning;
   }
-  Say(what);
+  Log(what);
   target_ = otherwise.state;
   return Outcome::kTarget;
 }

@@ -192,7 +192,7 @@ class Runner {
   int StepsOf(Duration time) const {
     return static_cast<int>((time + course_.step / 2) / course_.step);
   }
-  void Say(const std::string& line) { outputs_.Log(rule().name + ": " + line); }
+  void Log(const std::string& line) { outputs_.Log(rule().name + ": " + line); }
   const StateRule& rule() const { return course_.states[state_]; }
   bool idle() const { return state_ == course_.start || state_ == course_.end; }
 

@@ -36,7 +36,7 @@ bool Voice::Advance(Duration now) {
   if (!over) return false;
   begun_at_ = now;
   speaking_ = true;
-  outputs_.Say(phrases_[begun_++], ++number_);
+  outputs_.Speak(phrases_[begun_++], ++number_);
   return false;
 }
 

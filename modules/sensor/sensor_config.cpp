@@ -117,13 +117,13 @@ class Reader {
 
 }  // namespace
 
-ManagerReading ReadManagerText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<ManagerReading>(
+Parsed<ManagerConfig> ReadManagerText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<ManagerConfig>>(
       text, path,
       [](const Table& root, Findings& findings) { return Reader(findings).Read(root); });
 }
 
-ManagerReading ReadManagerFile(const std::string& path) {
+Parsed<ManagerConfig> ReadManagerFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadManagerText);
 }
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/modules/sensor/sensor_kind.hpp"
 
@@ -47,15 +47,10 @@ struct ManagerConfig {
   friend bool operator==(const ManagerConfig&, const ManagerConfig&) = default;
 };
 
-struct ManagerReading {
-  std::optional<ManagerConfig> config;  // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-ManagerReading ReadManagerFile(const std::string& path);
+Parsed<ManagerConfig> ReadManagerFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics refer to.
-ManagerReading ReadManagerText(std::string_view text, const std::string& path);
+Parsed<ManagerConfig> ReadManagerText(std::string_view text, const std::string& path);
 
 }  // namespace musher::sensor

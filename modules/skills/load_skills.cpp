@@ -25,7 +25,7 @@ LoadedSkills LoadSkills(const SkillsConfig& config, Robot& robot, const Register
     loaded.entries = registry.All();
     return loaded;
   }
-  skill::ConfigReading reading = skill::ReadConfigFile(config.skill_config, registry);
+  Parsed<skill::Config> reading = skill::ReadConfigFile(config.skill_config, registry);
   loaded.diagnostics = std::move(reading.diagnostics);
   if (!reading.config) return loaded;
   if (const Result<> fits = registry.Configure(*reading.config); !fits) {

@@ -8,17 +8,18 @@
 
 namespace {
 
+using musher::Parsed;
 using musher::skills::LoadedSkills;
 using musher::skills::LoadSkills;
 using musher::skills::ReadSkillsFile;
 using musher::skills::RegisterSkills;
 using musher::skills::RosRobot;
 using musher::skills::SkillsActuator;
-using musher::skills::SkillsReading;
+using musher::skills::SkillsConfig;
 
 int Run(const musher::program::Options& options) {
   const musher::program::EndSignals signals;  // before any thread
-  const SkillsReading reading = ReadSkillsFile(options.file);
+  const Parsed<SkillsConfig> reading = ReadSkillsFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.config) return musher::program::kUsageError;
   RosRobot robot(*reading.config);

@@ -50,7 +50,7 @@ void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
   if (signals_ == nullptr) return;
   topics.Keep(std::shared_ptr<transport::LoopHandle>(signals_->Watch(topics.node().loop(), [this] {
     CancelSkills("its process ends");  // and OnPause()
-    robot_.Rest();
+    robot_.StandStill();
   })));
 }
 
@@ -82,7 +82,7 @@ void SkillsActuator::AfterTick(Time /*now*/) {
 
 void SkillsActuator::OnPause() {
   if (const auto nav2 = nav2_.lock()) nav2->Update();
-  robot_.Rest();
+  robot_.StandStill();
 }
 
 Result<> SkillsActuator::SelfCheck() {

@@ -7,7 +7,8 @@
 namespace {
 
 int Run(const musher::program::Options& options) {
-  const musher::vision::VisionReading reading = musher::vision::ReadVisionFile(options.file);
+  const musher::Parsed<musher::vision::VisionConfig> reading =
+      musher::vision::ReadVisionFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.config) return musher::program::kUsageError;
   musher::vision::VisionManager manager(

@@ -134,11 +134,11 @@ bool VisionConfig::LooksIn(std::string_view state) const {
                      [&](const State& each) { return each == state; });
 }
 
-VisionReading ReadVisionText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<VisionReading>(text, path, Read);
+Parsed<VisionConfig> ReadVisionText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<VisionConfig>>(text, path, Read);
 }
 
-VisionReading ReadVisionFile(const std::string& path) {
+Parsed<VisionConfig> ReadVisionFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadVisionText);
 }
 

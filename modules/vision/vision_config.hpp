@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/modules/vision/course/course_config.hpp"
 #include "musher/modules/vision/faces/detector.hpp"
@@ -41,15 +41,10 @@ struct VisionConfig {
   bool LooksIn(std::string_view state) const;
 };
 
-struct VisionReading {
-  std::optional<VisionConfig> config;   // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-VisionReading ReadVisionFile(const std::string& path);
+Parsed<VisionConfig> ReadVisionFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics refer to.
-VisionReading ReadVisionText(std::string_view text, const std::string& path);
+Parsed<VisionConfig> ReadVisionText(std::string_view text, const std::string& path);
 
 }  // namespace musher::vision

@@ -46,7 +46,7 @@ class Say : public CallNode {
       : CallNode(setup, robot), text_(setup.Input<std::string>("text", "to be spoken")) {}
 
  private:
-  Robot::Call Begin(Robot& robot) override { return robot.Say(text_.Get()); }
+  Robot::Call Begin(Robot& robot) override { return robot.Speak(text_.Get()); }
 
   tree::InPort<std::string> text_;
 };

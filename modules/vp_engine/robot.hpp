@@ -36,7 +36,7 @@ class Robot {
   virtual ~Robot() = default;
 
   // Each ends when the robot has done it, or with the reason why it has not.
-  virtual Call Say(const std::string& text) = 0;
+  virtual Call Speak(const std::string& text) = 0;
   virtual Call Move(const MotionOrder& order) = 0;
   virtual Call Light(const LightOrder& order) = 0;
 

@@ -40,7 +40,7 @@ Robot::Call ServiceRobot::Begin(transport::Client<S>* client, const typename S::
   return call;
 }
 
-Robot::Call ServiceRobot::Say(const std::string& text) {
+Robot::Call ServiceRobot::Speak(const std::string& text) {
   msg::AudioTextPlay::Request request;
   request.module_name = "vp_engine";
   request.is_online = true;

@@ -22,7 +22,7 @@ class ServiceRobot final : public Robot {
   // The endpoints must be dropped before this object. Before this, every call fails.
   void Open(transport::Endpoints& topics);
 
-  Call Say(const std::string& text) override;
+  Call Speak(const std::string& text) override;
   Call Move(const MotionOrder& order) override;
   Call Light(const LightOrder& order) override;
   std::optional<Result<>> EndOf(Call call) override;

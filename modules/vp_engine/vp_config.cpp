@@ -54,13 +54,13 @@ VpConfig Read(const Table& table, const std::string& path, Findings& findings) {
 
 }  // namespace
 
-VpReading ReadVpText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<VpReading>(
+Parsed<VpConfig> ReadVpText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<VpConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Read(root, path, findings); });
 }
 
-VpReading ReadVpFile(const std::string& path) {
+Parsed<VpConfig> ReadVpFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadVpText);
 }
 

@@ -2,13 +2,11 @@
 // The config of musher-vp-engine, a TOML file; every key is explained in
 // config/vp_engine/vp_engine.toml. Reading reports all errors at once, with line and column.
 
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 
 namespace musher::vp_engine {
 
@@ -29,14 +27,9 @@ struct VpConfig {
   Duration light_time = Milliseconds(2'000);
 };
 
-struct VpReading {
-  std::optional<VpConfig> config;       // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-VpReading ReadVpFile(const std::string& path);
+Parsed<VpConfig> ReadVpFile(const std::string& path);
 // The same for a text; `path` is what diagnostics refer to, and relative paths are in its folder.
-VpReading ReadVpText(std::string_view text, const std::string& path);
+Parsed<VpConfig> ReadVpText(std::string_view text, const std::string& path);
 
 }  // namespace musher::vp_engine

@@ -61,7 +61,7 @@ Result<> Show::Apply(std::string_view input, std::string_view text) {
   } else if (input == input::kHead) {
     perception_.OnHead(Nanoseconds(numbers[0]), numbers[1], now);
   } else {
-    Settle();  // the machine's part is recorded as a line of its own
+    Clear();  // the machine's part is recorded as a line of its own
     resting_ = input == input::kRest;
   }
   return Ok();

@@ -227,10 +227,10 @@ void Show::AfterTick() {
   outputs_.LookAt(motion.look_at_target);
 }
 
-void Show::Rest(Time now, bool frozen) {
+void Show::Pause(Time now, bool frozen) {
   Note(now);
   Record(input::kRest, {});
-  Settle();
+  Clear();
   resting_ = true;
   // In IDLE already: no transition, so that pauses do not fill the history.
   const bool home = state() == state::kIdle && machine_->waiting_commands() == 0;
@@ -244,12 +244,12 @@ void Show::Rest(Time now, bool frozen) {
 void Show::Resume(Time now) {
   Note(now);
   Record(input::kResume, {});
-  Settle();
+  Clear();
   resting_ = false;
 }
 
 // As if nothing had been seen, said or done.
-void Show::Settle() {
+void Show::Clear() {
   perception_.Forget();
   data_.audio.pending_speech.Clear();
   data_.photo_requested = false;

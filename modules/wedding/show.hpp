@@ -87,7 +87,7 @@ class Show : private fsm::Listener {
   void AfterTick();
   // To the neutral pose, looking ahead, in IDLE. Until Resume() the machine is not ticked.
   // `frozen`: the robot must not be moved, so no output is sent.
-  void Rest(Time now, bool frozen = false);
+  void Pause(Time now, bool frozen = false);
   void Resume(Time now);
   bool resting() const { return resting_; }
   // Periodically, also while paused.
@@ -116,7 +116,7 @@ class Show : private fsm::Listener {
                       std::span<const double> positions);
   void Record(std::string_view input, std::initializer_list<double> numbers);
   void RecordTooClose();
-  void Settle();
+  void Clear();
 
   const ShowConfig config_;
   ShowOutputs& outputs_;

@@ -146,13 +146,13 @@ WeddingConfig Read(const Table& table, const std::string& path, Findings& findin
 
 }  // namespace
 
-WeddingReading ReadWeddingText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<WeddingReading>(
+Parsed<WeddingConfig> ReadWeddingText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<WeddingConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Read(root, path, findings); });
 }
 
-WeddingReading ReadWeddingFile(const std::string& path) {
+Parsed<WeddingConfig> ReadWeddingFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadWeddingText);
 }
 

@@ -5,9 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/wedding/data/gaze.hpp"
 #include "musher/modules/wedding/data/show_rules.hpp"
 #include "musher/modules/wedding/extension/interview.hpp"
@@ -55,15 +54,10 @@ struct WeddingConfig {
   friend bool operator==(const WeddingConfig&, const WeddingConfig&) = default;
 };
 
-struct WeddingReading {
-  std::optional<WeddingConfig> config;  // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-WeddingReading ReadWeddingFile(const std::string& path);
+Parsed<WeddingConfig> ReadWeddingFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics refer to.
-WeddingReading ReadWeddingText(std::string_view text, const std::string& path);
+Parsed<WeddingConfig> ReadWeddingText(std::string_view text, const std::string& path);
 
 }  // namespace musher::wedding

@@ -19,7 +19,7 @@ FsmActuator::Options OptionsOf(const WeddingConfig& config) {
   FsmActuator::Options options;
   options.rate_hz = config.rate_hz;
   options.begin = config.autostart ? Begin::kAtActive : Begin::kOnCommand;
-  options.resume = FsmActuator::Resume::kWhereItWas;  // in IDLE, where Rest() left it
+  options.resume = FsmActuator::Resume::kWhereItWas;  // in IDLE, where Pause() left it
   return options;
 }
 

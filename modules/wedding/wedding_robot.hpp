@@ -46,7 +46,7 @@ class WeddingRobot : public FsmActuator, private ShowOutputs {
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> SelfCheck() override;
   void AfterTick(Time /*now*/) override { show_.AfterTick(); }
-  void OnPause() override { show_.Rest(Now(), EmergencyStopped()); }
+  void OnPause() override { show_.Pause(Now(), EmergencyStopped()); }
   void OnResume() override { show_.Resume(Now()); }
 
   Result<> Record(fsm::Machine& machine);

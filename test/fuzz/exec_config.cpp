@@ -22,7 +22,7 @@ ActuatorConfig Actuator() {
 
 void CheckConfig(std::string_view text) {
   const ActuatorConfig actuator = Actuator();
-  const ExecReading reading = ReadExecText(text, "/robots/voice.toml", actuator);
+  const Parsed<ExecConfig> reading = ReadExecText(text, "/robots/voice.toml", actuator);
   const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
   for (const Diagnostic& diagnostic : reading.diagnostics) {
     Require(diagnostic.line >= 0 && diagnostic.line <= lines, "a diagnostic is inside the file");

@@ -112,6 +112,11 @@ TEST(House, NoExceptionWhereAFileVanishesWhileItIsRead) {
   EXPECT_EQ(ViolationsOf(product, ThrowingIterators), "");
 }
 
+TEST(House, AMethodIsNamedForWhatItDoes) {
+  const Filter product = [](const SourceFile& file) { return file.IsCpp() && !file.In("test/"); };
+  EXPECT_EQ(ViolationsOf(product, VagueMethods), "");
+}
+
 TEST(House, NoClientOutlivesTheControllerThatItWaitsFor) {
   const Filter client = [](const SourceFile& file) {
     return file.In("python/") || (file.IsCpp() && (file.In("cli/") || file.In("view/")));

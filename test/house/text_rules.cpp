@@ -100,6 +100,15 @@ std::vector<std::string> ThrowingIterators(const SourceFile& file) {
   return Find(file, WithoutComments(file.text), throwing, "may throw; base/files.hpp does not");
 }
 
+std::vector<std::string> VagueMethods(const SourceFile& file) {
+  static const std::regex declaration(
+      R"(^\s*(?!(return|else|throw|new|case)\b)\w[\w:<>*&, ]*[\s*&](\w+::)*)"
+      R"((Hang|Rest|Room|Say|Settle|Tend)\()");
+  return Find(file, WithoutComments(file.text), declaration,
+              "could do anything; say what: MarkHung, Pause, Reserve, Publish, WaitUntilStable, "
+              "Update");
+}
+
 std::vector<std::string> ChainedReferences(const SourceFile& file) {
   static const std::regex comment(R"(//\s?(.*)$)");
   static const std::regex end_of_sentence(R"([.;:!?] )");

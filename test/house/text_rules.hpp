@@ -17,6 +17,9 @@ std::vector<std::string> Sleeps(const SourceFile& file);
 std::vector<std::string> UnwatchedCalls(const SourceFile& file);
 // Iterators that throw where a file or a folder vanishes while it is read, as in /proc.
 std::vector<std::string> ThrowingIterators(const SourceFile& file);
+// Declared functions whose name, as Settle(), has many meanings: a reader has to open them to learn
+// what they do.
+std::vector<std::string> VagueMethods(const SourceFile& file);
 // Sentences of comments that refer back twice, as by "that of": a reader has to find two nouns that
 // are not there. Repeat the noun, or make two sentences.
 std::vector<std::string> ChainedReferences(const SourceFile& file);

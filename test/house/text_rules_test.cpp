@@ -65,6 +65,19 @@ TEST(TextRules, FindIteratorsThatThrow) {
   EXPECT_THAT(ThrowingIterators(Cpp("fs::directory_iterator entry(folder, error);")), IsEmpty());
 }
 
+TEST(TextRules, FindMethodsThatCouldDoAnything) {
+  EXPECT_THAT(VagueMethods(Cpp("  void Hang(ActuatorIndex i, bool silent);")), SizeIs(1));
+  EXPECT_THAT(VagueMethods(Cpp("Result<std::vector<Segment>> Mission::Rest(Time now) const {")),
+              SizeIs(1));
+  EXPECT_THAT(VagueMethods(Cpp("  virtual void Tend() = 0;")), SizeIs(1));
+  EXPECT_THAT(VagueMethods(Cpp("  const Room& Room() const;")), SizeIs(1));
+  EXPECT_THAT(VagueMethods(Cpp("  Settle();\n  return Settle();\n  if (on) Say(text);")),
+              IsEmpty());
+  EXPECT_THAT(VagueMethods(Cpp("  void MarkHung();\n  bool HasRest();\n  // to Hang()")),
+              IsEmpty());
+  EXPECT_THAT(VagueMethods(Cpp("  Say(tree::Setup& setup, Robot& robot)")), IsEmpty());
+}
+
 TEST(TextRules, FindLeftovers) {
   EXPECT_THAT(Leftovers(Cpp(std::string("// TO") + "DO: later")), SizeIs(1));
   EXPECT_THAT(Leftovers(Cpp("int to_do = 1;")), IsEmpty());

@@ -198,9 +198,9 @@ TEST(ProofOfAConfig, AllowsASwitchUpThatAnActuatorIsLostAfter) {
   World world = NewWorld(model);
   Notes notes;
   Begin(model, world, false, notes);
-  Settle(model, world, notes);
+  RunUntilStable(model, world, notes);
   RequestSwitch(model, world, kProtected, notes);
-  Settle(model, world, notes);
+  RunUntilStable(model, world, notes);
   world.requests.clear();
   world.from = kProtected;
   world.at_start = true;

@@ -86,13 +86,13 @@ World WorldIn(const Model& model, const State& state) {
   Notes notes;
   const bool in_start = state == "Uninitialized" || state == "SetUp";
   Begin(model, world, in_start, notes);
-  if (state != "Uninitialized") Settle(model, world, notes);
+  if (state != "Uninitialized") RunUntilStable(model, world, notes);
   std::vector<State> path;
   if (state == "SelfCheck") path = {"Error", "SelfCheck"};
   if (!in_start && path.empty() && state != "Active") path = {state};
   for (const State& next : path) {
     RequestSwitch(model, world, next, notes);
-    Settle(model, world, notes);
+    RunUntilStable(model, world, notes);
   }
   assert(notes.violations.empty());
   assert(world.machine.state == state);

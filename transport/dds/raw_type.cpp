@@ -32,7 +32,7 @@ struct RawData : ddsi_serdata {
 };
 
 // Reserves so many bytes, so that padding does not reallocate; a picture is large.
-msg::Bytes Room(std::size_t size) {
+msg::Bytes Reserved(std::size_t size) {
   msg::Bytes bytes;
   bytes.reserve(Padded(size));
   return bytes;
@@ -53,7 +53,7 @@ std::uint32_t SizeOf(const ddsi_serdata* data) {
 // Fragments arrive in order and may overlap.
 ddsi_serdata* FromFragments(const ddsi_sertype* type, ddsi_serdata_kind kind,
                             const nn_rdata* fragment, std::size_t size) {
-  msg::Bytes bytes = Room(size);
+  msg::Bytes bytes = Reserved(size);
   for (; fragment != nullptr; fragment = fragment->nextfrag) {
     const std::size_t filled = bytes.size();
     const std::size_t end = std::min<std::size_t>(fragment->maxp1, size);
@@ -69,7 +69,7 @@ ddsi_serdata* FromFragments(const ddsi_sertype* type, ddsi_serdata_kind kind,
 ddsi_serdata* FromBuffers(const ddsi_sertype* type, ddsi_serdata_kind kind,
                           ddsrt_msg_iovlen_t count, const ddsrt_iovec_t* buffers,
                           std::size_t size) {
-  msg::Bytes bytes = Room(size);
+  msg::Bytes bytes = Reserved(size);
   for (ddsrt_msg_iovlen_t i = 0; i < count; ++i) {
     const auto* part = static_cast<const std::byte*>(buffers[i].iov_base);
     bytes.insert(bytes.end(), part,

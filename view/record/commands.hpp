@@ -51,8 +51,8 @@ int RunRecover(const std::string& damaged, const std::string& out);
 
 // Prints "musher-record: <message>" to stderr and returns the exit code.
 int Fail(const Error& error, int exit = 2);
-void Say(const std::string& sentence);
-// Whether stderr is one; ShowLine() replaces a line on it, which the next Say() overwrites.
+void Print(const std::string& sentence);
+// Whether stderr is one; ShowLine() replaces a line on it, which the next Print() overwrites.
 bool OnTerminal();
 void ShowLine(const std::string& line);
 

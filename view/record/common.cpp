@@ -19,13 +19,13 @@ void ShowLine(const std::string& line) {
   std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
 }
 
-void Say(const std::string& sentence) {
+void Print(const std::string& sentence) {
   if (OnTerminal()) ShowLine("");  // over the line that shows the progress
   std::fprintf(stderr, "musher-record: %s\n", sentence.c_str());
 }
 
 int Fail(const Error& error, int exit) {
-  Say(error.message);
+  Print(error.message);
   return exit;
 }
 

@@ -50,7 +50,7 @@ int RunInfo(const std::string& file) {
   }
   std::fflush(stdout);
   if (scan.value()->damage().empty()) return 0;
-  Say(scan.value()->damage() + "; musher-record recover writes a whole file");
+  Print(scan.value()->damage() + "; musher-record recover writes a whole file");
   return 1;
 }
 

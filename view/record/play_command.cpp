@@ -32,16 +32,17 @@ Result<std::unique_ptr<McapSource>> OpenSource(const PlayCommandOptions& options
   auto source = McapSource::Open(options.file, std::move(choice).value(), start, options.machine);
   if (!source) return source.error();
   for (const std::string& pattern : source.value()->choice().Unmatched()) {
-    Say("no topic matched " + pattern);
+    Print("no topic matched " + pattern);
   }
   if (!source.value()->of_machine().empty()) {
-    Say("not played, because a robot would obey: " + Joined(source.value()->of_machine()) +
-        "; --machine-topics plays them");
+    Print("not played, because a robot would obey: " + Joined(source.value()->of_machine()) +
+          "; --machine-topics plays them");
   }
   if (!source.value()->untyped().empty()) {
-    Say("not played, because their type is not in the file: " + Joined(source.value()->untyped()));
+    Print("not played, because their type is not in the file: " +
+          Joined(source.value()->untyped()));
   }
-  if (!source.value()->damage().empty()) Say(source.value()->damage());
+  if (!source.value()->damage().empty()) Print(source.value()->damage());
   if (source.value()->channels().empty()) {
     return Error{kCodeParametersInvalid, options.file + ": there is no topic to be played"};
   }
@@ -202,7 +203,7 @@ int RunPlay(const PlayCommandOptions& options) {
       exit = Fail(flushed.error(), 1);
     }
   }
-  Say(Counted(player.value()->published(), "message") + " published");
+  Print(Counted(player.value()->published(), "message") + " published");
   return exit;
 }
 

@@ -94,7 +94,7 @@ Result<> Session::Start() {
   node_ = std::move(node).value();
   if (auto opened = OpenSink(); !opened) return opened;
   topics_ = std::make_unique<TopicRecorder>(*node_, std::move(choice).value(), *sink_, WallNow,
-                                            [](const std::string& sentence) { Say(sentence); });
+                                            [](const std::string& sentence) { Print(sentence); });
   auto watch = transport::WatchTopics(
       *node_, [this](const transport::DiscoveredEndpoint& endpoint) { OnFound(endpoint); },
       [this](transport::EndpointId id) { topics_->OnLost(id); });
@@ -118,7 +118,7 @@ Result<> Session::OpenSink() {
   }
   if (options_.ring.empty()) {
     auto sink = FileSink::Open(loop_, file, [this](const std::string& why) {
-      Say("the recording ends: " + why);
+      Print("the recording ends: " + why);
       exit_ = why.find("--max-size") == std::string::npos ? 1 : 0;
       loop_.Stop();
     });
@@ -130,7 +130,7 @@ Result<> Session::OpenSink() {
     if (OnTerminal()) {
       progress_ = loop_.Every(std::chrono::seconds(1), [this] { ShowProgress(); });
     }
-    Say("recording into " + file.path + "; Ctrl-C ends it");
+    Print("recording into " + file.path + "; Ctrl-C ends it");
     return Ok();
   }
   RingOptions ring;
@@ -141,11 +141,11 @@ Result<> Session::OpenSink() {
   if (options_.output.empty()) file.path = "musher_ring";
   file.max_bytes = 0;
   auto sink = RingSink::Open(loop_, file, ring, WallNow,
-                             [](const std::string& sentence) { Say(sentence); });
+                             [](const std::string& sentence) { Print(sentence); });
   if (!sink) return sink.error();
   ring_ = std::move(sink).value();
   sink_ = ring_.get();
-  Say("the last " + options_.ring + " are in a ring; trouble is kept in " + file.path);
+  Print("the last " + options_.ring + " are in a ring; trouble is kept in " + file.path);
   return Ok();
 }
 
@@ -173,14 +173,14 @@ void Session::OnFound(const transport::DiscoveredEndpoint& endpoint) {
   topics_->OnFound({endpoint.id, endpoint.topic, endpoint.type, QosOf(endpoint)});
   const bool is_new = topics_->topics() > before;
   if (is_new && SchemaText(endpoint.type).empty() && !std::exchange(said_unknown_, true)) {
-    Say("the type " + RosType(endpoint.type) + " of " + RosTopic(endpoint.topic) +
-        " is unknown to Musher; such topics are recorded without a schema");
+    Print("the type " + RosType(endpoint.type) + " of " + RosTopic(endpoint.topic) +
+          " is unknown to Musher; such topics are recorded without a schema");
   }
 }
 
 void Session::Trouble(const std::string& reason) {
   if (!ring_) return;
-  Say("trouble: " + reason);
+  Print("trouble: " + reason);
   ring_->OnTrouble(reason);
 }
 
@@ -224,14 +224,14 @@ int Session::End() {
   for (const auto& [topic, count] : counts) {
     messages += count.messages;
     lost += count.lost;
-    if (count.lost > 0) Say(topic + ": " + std::to_string(count.lost) + " lost");
+    if (count.lost > 0) Print(topic + ": " + std::to_string(count.lost) + " lost");
   }
   for (const std::string& pattern : topics_->choice().Unmatched()) {
-    Say("no topic matched " + pattern);
+    Print("no topic matched " + pattern);
   }
-  Say(Counted(counts.size(), "topic") + ", " + Counted(messages, "message") + ", " +
-      Counted(of_journal, "entry", "entries") + " of the journal, " + std::to_string(lost) +
-      " lost" + SizeOf(seconds));
+  Print(Counted(counts.size(), "topic") + ", " + Counted(messages, "message") + ", " +
+        Counted(of_journal, "entry", "entries") + " of the journal, " + std::to_string(lost) +
+        " lost" + SizeOf(seconds));
   return exit_;
 }
 

@@ -132,14 +132,15 @@ class ConfigReader {
 
 }  // namespace
 
-ConfigReading ReadConfig(std::string_view text, const std::string& file, const Registry& registry) {
-  return config_toml::ReadTextWith<ConfigReading>(
+Parsed<Config> ReadConfig(std::string_view text, const std::string& file,
+                          const Registry& registry) {
+  return config_toml::ReadTextWith<Parsed<Config>>(
       text, file, [&](const config_toml::Table& root, Findings& findings) {
         return ConfigReader(registry, findings).Read(root);
       });
 }
 
-ConfigReading ReadConfigFile(const std::string& path, const Registry& registry) {
+Parsed<Config> ReadConfigFile(const std::string& path, const Registry& registry) {
   return config_toml::ReadFileWith(path, [&](const std::string& text, const std::string& file) {
     return ReadConfig(text, file, registry);
   });

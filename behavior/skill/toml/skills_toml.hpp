@@ -25,23 +25,16 @@
 // All keys are optional; what is not there is as the skill declares it. All errors are reported at
 // once, as "file:line:column: error: …", an unknown name with the nearest one.
 
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/behavior/skill/registry.hpp"
 
 namespace musher::skill {
 
-struct ConfigReading {
-  std::optional<Config> config;  // nothing where there are errors
-  std::vector<Diagnostic> diagnostics;
-};
-
 // `registry` has the skills, states and parameters that may be named.
-ConfigReading ReadConfig(std::string_view text, const std::string& file, const Registry& registry);
-ConfigReading ReadConfigFile(const std::string& path, const Registry& registry);
+Parsed<Config> ReadConfig(std::string_view text, const std::string& file, const Registry& registry);
+Parsed<Config> ReadConfigFile(const std::string& path, const Registry& registry);
 
 }  // namespace musher::skill

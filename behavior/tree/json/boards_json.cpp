@@ -13,27 +13,28 @@
 namespace musher::tree {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // Nothing: the value has no JSON.
-std::optional<Json> ToJson(const Value& value) {
-  if (value.empty()) return Json(nullptr);
-  if (const auto* truth = value.As<bool>()) return Json(*truth);
-  if (const auto* text = value.Text()) return Json(*text);
-  if (const auto* whole = value.As<std::int64_t>()) return Json(*whole);
-  if (const auto* whole = value.As<std::uint64_t>()) return Json(*whole);
+std::optional<OrderedJson> ToJson(const Value& value) {
+  if (value.empty()) return OrderedJson(nullptr);
+  if (const auto* truth = value.As<bool>()) return OrderedJson(*truth);
+  if (const auto* text = value.Text()) return OrderedJson(*text);
+  if (const auto* whole = value.As<std::int64_t>()) return OrderedJson(*whole);
+  if (const auto* whole = value.As<std::uint64_t>()) return OrderedJson(*whole);
   if (const auto text = value.Json()) {
-    Json json = Json::parse(*text, nullptr, false);
+    OrderedJson json = OrderedJson::parse(*text, nullptr, false);
     if (json.is_discarded()) return std::nullopt;
     return json;
   }
   double number = 0;
   if (!value.ToNumber(number)) return std::nullopt;
-  return Fits<std::int64_t>(number) ? Json(static_cast<std::int64_t>(number)) : Json(number);
+  return Fits<std::int64_t>(number) ? OrderedJson(static_cast<std::int64_t>(number))
+                                    : OrderedJson(number);
 }
 
 // `type` null: any. A null of JSON is an empty value.
-Result<Value> FromJson(const Json& json, const Type* type) {
+Result<Value> FromJson(const OrderedJson& json, const Type* type) {
   Value value;
   if (json.is_null()) return value;
   if (json.is_boolean()) value.Set(json.get<bool>());
@@ -74,15 +75,15 @@ std::vector<std::pair<std::string, Board*>> BoardsOf(const Tree& tree) {
   return boards;
 }
 
-Json Parsed(std::string_view text, const std::string& file, std::vector<Diagnostic>& found) {
+OrderedJson Parsed(std::string_view text, const std::string& file, std::vector<Diagnostic>& found) {
   if (internal::IsTooLargeJson(text)) {
     found.push_back(
         {file, 0, 0, Severity::kError, "the JSON is larger than 1 MiB, or nested deeper than 100"});
     return {};
   }
   try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& error) {
+    return OrderedJson::parse(text);
+  } catch (const OrderedJson::parse_error& error) {
     found.push_back(internal::JsonDiagnostic(text, file, error.byte == 0 ? 0 : error.byte - 1,
                                              Severity::kError, "it is no JSON"));
     return {};
@@ -92,20 +93,20 @@ Json Parsed(std::string_view text, const std::string& file, std::vector<Diagnost
 }  // namespace
 
 std::string BoardsToJson(const Tree& tree) {
-  Json json = Json::object();
+  OrderedJson json = OrderedJson::object();
   for (const auto& [path, board] : BoardsOf(tree)) {
-    Json& entries = json[path] = Json::object();
+    OrderedJson& entries = json[path] = OrderedJson::object();
     for (const std::string& key : board->Keys()) {
       if (!board->Owns(key)) continue;
       if (auto value = ToJson(board->Find(key)->value)) entries[key] = std::move(*value);
     }
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 std::vector<Diagnostic> BoardsFromJson(Tree& tree, std::string_view text, const std::string& file) {
   std::vector<Diagnostic> found;
-  const Json json = Parsed(text, file, found);
+  const OrderedJson json = Parsed(text, file, found);
   if (!found.empty()) return found;
   const internal::JsonPlaces places(text);
   const auto fail = [&](std::size_t byte, std::string what) {

@@ -15,7 +15,7 @@
 namespace musher::tree {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Path = std::vector<std::string>;
 
 constexpr const char* kConfigs = "TestNodeConfigs";
@@ -27,7 +27,7 @@ class Reader {
   Reader(Factory& factory, std::string_view text, const std::string& file)
       : factory_(factory), text_(text), file_(file), places_(text) {}
 
-  std::vector<Diagnostic> Add(const Json& json) && {
+  std::vector<Diagnostic> Add(const OrderedJson& json) && {
     if (!json.is_object()) return Fail({}, Kind(json) + "; expected an object"), std::move(found_);
     for (const auto& [key, value] : json.items()) {
       if (key != kConfigs && key != kRules) {
@@ -62,7 +62,7 @@ class Reader {
   }
 
  private:
-  static std::string Kind(const Json& value) {
+  static std::string Kind(const OrderedJson& value) {
     return std::string(value.is_null() ? "" : "of type ") + value.type_name();
   }
   void Report(std::size_t byte, Severity severity, std::string message) {
@@ -75,7 +75,7 @@ class Reader {
     Report(places_.At(path).name, Severity::kError, std::move(message));
   }
 
-  void AddConfig(const std::string& name, const Json& json) {
+  void AddConfig(const std::string& name, const OrderedJson& json) {
     TestNodeConfig& config = configs_[name];
     if (!json.is_object()) {
       return Fail({kConfigs, name},
@@ -101,7 +101,7 @@ class Reader {
     }
   }
 
-  void ReadStatus(const Path& path, const Json& value, Status& status) {
+  void ReadStatus(const Path& path, const OrderedJson& value, Status& status) {
     constexpr std::array kStatus = {Status::kSuccess, Status::kFailure, Status::kSkipped};
     for (const Status each : kStatus) {
       if (value.is_string() && value.get<std::string>() == Name(each)) {
@@ -113,7 +113,7 @@ class Reader {
                    (value.is_string() ? "'" + value.get<std::string>() + "'" : Kind(value)) +
                    "; expected SUCCESS, FAILURE or SKIPPED");
   }
-  void ReadDelay(const Path& path, const Json& value, Duration& delay) {
+  void ReadDelay(const Path& path, const OrderedJson& value, Duration& delay) {
     if (value.is_number_integer() && value.get<double>() >= 0 &&
         value.get<double>() <= static_cast<double>(kLongestDelayMs)) {
       delay = Milliseconds(value.get<std::int64_t>());
@@ -122,7 +122,7 @@ class Reader {
     Fail(path, "'async_delay' is " + (value.is_number() ? value.dump() : Kind(value)) +
                    "; expected a whole number of ms from 0 to " + std::to_string(kLongestDelayMs));
   }
-  void ReadText(const Path& path, const Json& value, std::string& text) {
+  void ReadText(const Path& path, const OrderedJson& value, std::string& text) {
     if (value.is_string()) {
       text = value.get<std::string>();
       return;
@@ -130,7 +130,7 @@ class Reader {
     Fail(path, "'" + path.back() + "' is " + Kind(value) + "; expected a script as a text");
   }
 
-  void AddRule(const std::string& pattern, const Json& by) {
+  void AddRule(const std::string& pattern, const OrderedJson& by) {
     const Path path = {kRules, pattern};
     if (pattern.empty()) return FailName(path, "a rule has no name or path");
     if (!by.is_string()) {
@@ -164,10 +164,10 @@ std::vector<Diagnostic> AddSubstitutions(Factory& factory, std::string_view json
     return {
         {file, 0, 0, Severity::kError, "the JSON is larger than 1 MiB, or nested deeper than 100"}};
   }
-  Json parsed;
+  OrderedJson parsed;
   try {
-    parsed = Json::parse(json);
-  } catch (const Json::parse_error& error) {
+    parsed = OrderedJson::parse(json);
+  } catch (const OrderedJson::parse_error& error) {
     return {internal::JsonDiagnostic(json, file, error.byte == 0 ? 0 : error.byte - 1,
                                      Severity::kError, "it is no JSON")};
   }

@@ -8,7 +8,8 @@
 namespace musher::cli {
 
 void AddOta(Grammar& grammar) {
-  CLI::App& family = grammar.AddFamily("ota", "Upgrade a robot; roll back if that fails");
+  CLI::App& family = grammar.AddFamily("ota", "Upgrade a robot; roll back if that fails",
+                                       "musher ota install release-2");
   AddOtaKeygen(grammar, family);
   AddOtaBundle(grammar, family);
   AddOtaInit(grammar, family);

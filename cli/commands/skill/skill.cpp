@@ -70,7 +70,8 @@ void AddSkillList(Grammar& grammar, CLI::App& family) {
 
 void AddSkill(Grammar& grammar) {
   CLI::App& family =
-      grammar.AddFamily("skill", "List, run, pause, cancel and watch the robot's skills");
+      grammar.AddFamily("skill", "List, run, pause, cancel and watch the robot's skills",
+                        "musher skill run take_off altitude=2");
   AddSkillList(grammar, family);
   AddSkillRun(grammar, family);
   AddSkillPlan(grammar, family);

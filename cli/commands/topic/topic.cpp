@@ -126,7 +126,8 @@ Failure TopicStream::Silence(Duration timeout) const {
 }
 
 void AddTopic(Grammar& grammar) {
-  CLI::App& family = grammar.AddFamily("topic", "List, show and measure topics, also ROS 2's");
+  CLI::App& family = grammar.AddFamily("topic", "List, show and measure topics, also ROS 2's",
+                                       "musher topic echo /scan");
   grammar.Add("list", "List the topics with their writers, readers and types", TopicList, &family);
   auto [app, options] = grammar.Add(
       "info", "Show the writers and readers of a topic with their QoS", TopicInfo, &family);

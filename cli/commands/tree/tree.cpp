@@ -79,7 +79,8 @@ void AddTreeModels(Grammar& grammar, CLI::App& family) {
 }  // namespace
 
 void AddTree(Grammar& grammar) {
-  CLI::App& family = grammar.AddFamily("tree", "Check, show and replay behaviour trees in files");
+  CLI::App& family = grammar.AddFamily("tree", "Check, show and replay behaviour trees in files",
+                                       "musher tree check mission.xml");
   AddTreeCheck(grammar, family);
   AddTreeShow(grammar, family);
   AddTreeModels(grammar, family);

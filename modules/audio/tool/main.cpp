@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   namespace tool = musher::audio::tool;
   const auto parsed = tool::ParseCommandLine(argc, argv);
   if (const auto* end = std::get_if<tool::ParseEnd>(&parsed)) {
-    return musher::program::Say(*end, "musher-audio");
+    return musher::program::Print(*end, "musher-audio");
   }
   const auto& line = std::get<tool::CommandLine>(parsed);
   return static_cast<int>(std::visit(

@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
   musher::camera::SetUpCodecs();
   const auto parsed = tool::ParseCommandLine(argc, argv);
   if (const auto* end = std::get_if<tool::ParseEnd>(&parsed)) {
-    return musher::program::Say(*end, "musher-camera");
+    return musher::program::Print(*end, "musher-camera");
   }
   const auto& line = std::get<tool::CommandLine>(parsed);
   return static_cast<int>(std::visit(

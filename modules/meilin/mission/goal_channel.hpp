@@ -34,7 +34,7 @@ struct GoalRecord {
 class AnyChannel {
  public:
   virtual ~AnyChannel() = default;
-  virtual void Tend() = 0;
+  virtual void Update() = 0;
   virtual void CancelOne(const std::shared_ptr<GoalRecord>& record) = 0;
   virtual void CancelAll() = 0;
   virtual std::size_t open_goals() const = 0;
@@ -82,11 +82,11 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
   GoalPtr Begin(const typename A::Goal& goal) {
     auto record = std::make_shared<GoalRecord>();
     waiting_.push_back({record, goal});
-    Tend();
+    Update();
     return std::make_unique<GoalHandle>(record, this->weak_from_this());
   }
 
-  void Tend() override {
+  void Update() override {
     std::erase_if(open_, [](const auto& record) { return HasEnded(record->state); });
     if (!waiting_.empty()) DropSilent();
     for (const auto& record : open_) {

@@ -10,12 +10,13 @@
 
 namespace {
 
+using musher::Parsed;
 using musher::meilin::MatchConfig;
 using musher::meilin::MatchReading;
-using musher::meilin::MissionReading;
+using musher::meilin::MissionConfig;
 
 int Run(const musher::program::Options& options) {
-  const MissionReading reading = musher::meilin::ReadMissionFile(options.file);
+  const Parsed<MissionConfig> reading = musher::meilin::ReadMissionFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.config) return musher::program::kUsageError;
   MatchConfig match;

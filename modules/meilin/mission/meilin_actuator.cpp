@@ -128,7 +128,7 @@ Result<> MeilinActuator::SelfCheck() {
 }
 
 void MeilinActuator::BeforeTick(Time now) {
-  robot_.Tend();
+  robot_.Update();
   mission_.BeforeTick(now);
   Follow();
   RequestPlan(now);

@@ -281,7 +281,7 @@ bool Mission::HasRest() const {
   return progress_.next < steps() && DoneNow().count(kMeilinDone) == 0;
 }
 
-Result<std::vector<Segment>> Mission::Rest(Time now) const {
+Result<std::vector<Segment>> Mission::RemainingSegments(Time now) const {
   if (!old_.empty()) return OldRest(now);
   PlanReading reading = CheckRest(now);
   if (!reading.ok()) return Error{kCodeFailed, reading.message()};
@@ -332,7 +332,7 @@ std::string Mission::WhyNot(const std::string& region, Time now) const {
   const std::set<std::string> done = DoneFor(region);
   if (std::string why = WhyNotThere(done, now); !why.empty()) return why;
   if (!region.empty() || !HasRest()) return "";
-  const Result<std::vector<Segment>> rest = Rest(now);
+  const Result<std::vector<Segment>> rest = RemainingSegments(now);
   if (rest) return "";
   return "the rest of plan " + progress_.plan_id +
          " does not fit where the robot is: " + rest.error().message +
@@ -402,7 +402,7 @@ void Mission::QueueRest(Time now) {
   board_->queue.Set(queue);
   if (!HasRest()) return;
   const std::string& id = progress_.plan_id;
-  Result<std::vector<Segment>> rest = Rest(now);
+  Result<std::vector<Segment>> rest = RemainingSegments(now);
   if (!rest) {
     const std::string why = "plan " + id +
                             " does not fit where the robot is: " + rest.error().message +

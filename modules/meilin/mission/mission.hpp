@@ -130,7 +130,7 @@ class Mission {
   Result<std::optional<Point2>> PointAt(Time now) const;  // the same of an old plan
   bool HasRest() const;
   // What is left of the plan, from where the robot is; an error: it does not fit there.
-  Result<std::vector<Segment>> Rest(Time now) const;
+  Result<std::vector<Segment>> RemainingSegments(Time now) const;
   PlanReading CheckRest(Time now) const;
   Result<std::vector<Segment>> OldRest(Time now) const;
   std::int64_t steps() const;  // of the plan

@@ -121,13 +121,13 @@ MissionConfig Read(const Table& table, const std::string& path, Findings& findin
 
 }  // namespace
 
-MissionReading ReadMissionText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<MissionReading>(
+Parsed<MissionConfig> ReadMissionText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<MissionConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Read(root, path, findings); });
 }
 
-MissionReading ReadMissionFile(const std::string& path) {
+Parsed<MissionConfig> ReadMissionFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadMissionText);
 }
 

@@ -6,12 +6,10 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/meilin/nodes/settings.hpp"
 
 namespace musher::meilin {
@@ -38,12 +36,7 @@ struct MissionConfig {
   Settings settings;
 };
 
-struct MissionReading {
-  std::optional<MissionConfig> config;
-  std::vector<Diagnostic> diagnostics;
-};
-
-MissionReading ReadMissionText(std::string_view text, const std::string& path);
-MissionReading ReadMissionFile(const std::string& path);
+Parsed<MissionConfig> ReadMissionText(std::string_view text, const std::string& path);
+Parsed<MissionConfig> ReadMissionFile(const std::string& path);
 
 }  // namespace musher::meilin

@@ -133,10 +133,10 @@ void RosRobot::Subscribe(transport::Endpoints& endpoints) {
                                  [this](const msg::Bool& idle) { Count(arm_idle_, idle.data); });
 }
 
-void RosRobot::Tend() {
+void RosRobot::Update() {
   const auto wire = wire_.lock();
   if (!wire) return;
-  for (const auto& [server, channel] : wire->All()) channel->Tend();
+  for (const auto& [server, channel] : wire->All()) channel->Update();
 }
 
 void RosRobot::CancelAll() {

@@ -35,7 +35,7 @@ class RosRobot final : public Robot {
   // Opens its topics, for as long as these endpoints exist. `warn`: what nodes want to be logged.
   void Open(transport::Endpoints& endpoints, std::function<void(const std::string&)> warn);
   // Before each tick: goals that wait are sent, cancellations that were lost are repeated.
-  void Tend();
+  void Update();
   // Cancels every goal, also those that a process before this one has left behind.
   void CancelAll();
   // Goals that have not ended.

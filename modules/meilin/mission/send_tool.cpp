@@ -209,7 +209,7 @@ int Send(int argc, const char* const* argv) {
       "reset", "The robot stands, and the match waits for its start, without a plan");
   app.add_subcommand("state", "Prints the state of the match");
   if (const auto end = program::Parse(app, argc, argv, options)) {
-    return program::Say(*end, "musher-meilin");
+    return program::Print(*end, "musher-meilin");
   }
   const auto link = ToolLink::Open(options);
   if (!link) return FailSend(ExitCode::kUsage, link.error().message);
@@ -229,7 +229,7 @@ int StartTool(int argc, const char* const* argv) {
                  "full: from the preparation on; meilin: the field; final: the rack; without: it "
                  "goes on where it was ended");
   if (const auto end = program::Parse(app, argc, argv, options)) {
-    return program::Say(*end, "musher-meilin");
+    return program::Print(*end, "musher-meilin");
   }
   const auto link = ToolLink::Open(options);
   if (!link) return FailSend(ExitCode::kUsage, link.error().message);

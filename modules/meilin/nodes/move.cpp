@@ -36,9 +36,9 @@ Status Move::OnStart(const tree::Tick& tick) {
   board_.active_action.Set("move");
   if (const std::string why = MakePlan(tick.now); !why.empty()) return Fail(why);
   board_.SetState(kActionRunning);
-  settling_ = plan_.pre_align || plan_.lowers;
-  if (settling_) {
-    Settle(tick.now);
+  preparing_ = plan_.pre_align || plan_.lowers;
+  if (preparing_) {
+    Prepare(tick.now);
   } else {
     Travel(tick.now);
   }
@@ -124,7 +124,7 @@ std::string Move::PlanClimb() {
   return "";
 }
 
-void Move::Settle(Time now) {
+void Move::Prepare(Time now) {
   if (plan_.pre_align) {
     align_.Begin(robot_.MoveToPose(kMoveServer, *plan_.pre_align), AlignNames("pre_align"),
                  settings_.align_timeout_s, now);
@@ -139,7 +139,7 @@ void Move::Settle(Time now) {
 }
 
 void Move::Travel(Time now) {
-  settling_ = false;
+  preparing_ = false;
   align_.Cancel();
   suspension_.Cancel();
   const Pose2 target = settings_.grid.CentrePose(plan_.to, plan_.to_yaw_rad);
@@ -158,11 +158,11 @@ Status Move::Look(Time now) {
   const Status suspension = suspension_.Look(now);
   if (suspension == Status::kFailure) return Fail(suspension_.failure());
   if (align == Status::kFailure) return Fail(align_.failure());
-  if (settling() && plan_.lowers && suspension == Status::kSuccess) {
+  if (preparing() && plan_.lowers && suspension == Status::kSuccess) {
     board_.suspension_offset_mm.Set(0);
   }
   if (align == Status::kRunning || suspension == Status::kRunning) return Status::kRunning;
-  if (!settling()) return Done(now);
+  if (!preparing()) return Done(now);
   Travel(now);
   return Status::kRunning;
 }
@@ -195,7 +195,7 @@ Status Move::Fail(const std::string& why) {
 }
 
 void Move::OnHalted(const tree::Tick&) {
-  const bool climbs = !settling() && plan_.climb && suspension_.running();
+  const bool climbs = !preparing() && plan_.climb && suspension_.running();
   align_.Cancel();
   suspension_.Cancel();
   if (!climbs) return;

@@ -55,9 +55,9 @@ class Move final : public tree::StatefulAction {
   // Empty: the straight way is flat.
   std::string CheckFlat(Time now) const;
   std::string PlanClimb();
-  void Settle(Time now);
+  void Prepare(Time now);
   void Travel(Time now);
-  bool settling() const { return settling_; }
+  bool preparing() const { return preparing_; }
   tree::Status Look(Time now);
   tree::Status Done(Time now);
   tree::Status Fail(const std::string& why);
@@ -71,7 +71,7 @@ class Move final : public tree::StatefulAction {
   const Settings& settings_;
   MissionBoard board_;
   Plan plan_;
-  bool settling_ = false;
+  bool preparing_ = false;
   GoalWatch align_;
   GoalWatch suspension_;
 };

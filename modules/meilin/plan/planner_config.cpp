@@ -71,11 +71,11 @@ PlannerConfig ReadPlanner(const Table& table, Findings& findings) {
 
 }  // namespace
 
-PlannerReading ReadPlannerText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<PlannerReading>(text, path, ReadPlanner);
+Parsed<PlannerConfig> ReadPlannerText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<PlannerConfig>>(text, path, ReadPlanner);
 }
 
-PlannerReading ReadPlannerFile(const std::string& path) {
+Parsed<PlannerConfig> ReadPlannerFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadPlannerText);
 }
 

@@ -1,13 +1,11 @@
 #pragma once
 // The config of the planner, a TOML file; config/meilin/planner.toml explains its keys.
 
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/meilin/plan/route_search.hpp"
 
 namespace musher::meilin {
@@ -29,14 +27,9 @@ struct PlannerConfig {
   Duration auto_send{};  // after a map; 0: only on command
 };
 
-struct PlannerReading {
-  std::optional<PlannerConfig> config;  // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-PlannerReading ReadPlannerFile(const std::string& path);
+Parsed<PlannerConfig> ReadPlannerFile(const std::string& path);
 // The same for a text; `path` is what diagnostics refer to.
-PlannerReading ReadPlannerText(std::string_view text, const std::string& path);
+Parsed<PlannerConfig> ReadPlannerText(std::string_view text, const std::string& path);
 
 }  // namespace musher::meilin

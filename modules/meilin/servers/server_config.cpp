@@ -146,11 +146,11 @@ ServerConfig ReadServer(const config_toml::Table& table, config_toml::Findings& 
 
 }  // namespace
 
-ServerReading ReadServerText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<ServerReading>(text, path, ReadServer);
+Parsed<ServerConfig> ReadServerText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<ServerConfig>>(text, path, ReadServer);
 }
 
-ServerReading ReadServerFile(const std::string& path) {
+Parsed<ServerConfig> ReadServerFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadServerText);
 }
 

@@ -2,13 +2,11 @@
 // The file of musher-meilin-server; the files in config/meilin explain the keys.
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/meilin/servers/move_server.hpp"
 #include "musher/modules/meilin/servers/suspension_server.hpp"
 #include "musher/modules/meilin/servers/tool_server.hpp"
@@ -20,16 +18,11 @@ struct ServerConfig {
   std::variant<MoveConfig, SuspensionConfig, ArmConfig, SpearConfig> server;
 };
 
-struct ServerReading {
-  std::optional<ServerConfig> config;   // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-ServerReading ReadServerFile(const std::string& path);
+Parsed<ServerConfig> ReadServerFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics refer to.
-ServerReading ReadServerText(std::string_view text, const std::string& path);
+Parsed<ServerConfig> ReadServerText(std::string_view text, const std::string& path);
 
 // The server of a config; on the loop.
 Result<std::unique_ptr<Server>> Make(const Dependencies& dependencies, const ServerConfig& config);

@@ -92,11 +92,11 @@ ControllerConfig ReadController(const config_toml::Table& table, config_toml::Fi
 
 }  // namespace
 
-ControllerReading ReadControllerText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<ControllerReading>(text, path, ReadController);
+Parsed<ControllerConfig> ReadControllerText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<ControllerConfig>>(text, path, ReadController);
 }
 
-ControllerReading ReadControllerFile(const std::string& path) {
+Parsed<ControllerConfig> ReadControllerFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadControllerText);
 }
 

@@ -1,12 +1,11 @@
 #pragma once
 // The file of musher-controller; config/navigation/controller.toml explains its keys.
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/navigation/server/robot_table.hpp"
 #include "musher/navigation/controller/follower.hpp"
 #include "musher/navigation/controller/progress_check.hpp"
@@ -62,15 +61,10 @@ struct ControllerConfig {
   std::vector<ControllerRobot> robots;
 };
 
-struct ControllerReading {
-  std::optional<ControllerConfig> config;  // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;     // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-ControllerReading ReadControllerFile(const std::string& path);
+Parsed<ControllerConfig> ReadControllerFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics refer to.
-ControllerReading ReadControllerText(std::string_view text, const std::string& path);
+Parsed<ControllerConfig> ReadControllerText(std::string_view text, const std::string& path);
 
 }  // namespace musher::navigation

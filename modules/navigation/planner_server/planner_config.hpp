@@ -1,12 +1,11 @@
 #pragma once
 // The file of musher-planner; config/navigation/planner.toml explains its keys.
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/navigation/server/robot_table.hpp"
 #include "musher/navigation/grid/local_grid.hpp"
 
@@ -37,15 +36,10 @@ struct PlannerConfig {
   std::vector<PlannerRobot> robots;
 };
 
-struct PlannerReading {
-  std::optional<PlannerConfig> config;  // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-PlannerReading ReadPlannerFile(const std::string& path);
+Parsed<PlannerConfig> ReadPlannerFile(const std::string& path);
 
 // The same for a text; `path` is what diagnostics refer to.
-PlannerReading ReadPlannerText(std::string_view text, const std::string& path);
+Parsed<PlannerConfig> ReadPlannerText(std::string_view text, const std::string& path);
 
 }  // namespace musher::navigation

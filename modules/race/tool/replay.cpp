@@ -21,7 +21,7 @@ class NoOutputs : public RaceOutputs {
   void Move(std::int32_t /*motion_id*/, std::uint64_t /*number*/) override {}
   void CommandWalker(const LaneWalk& /*walk*/, bool /*start*/) override {}
   void Watch(const std::vector<bool>& /*detectors*/) override {}
-  void Say(const std::string& /*text*/, std::uint64_t /*number*/) override {}
+  void Speak(const std::string& /*text*/, std::uint64_t /*number*/) override {}
   void ShowState(int /*number*/) override {}
   void Log(const std::string& line) override { std::cerr << "musher-race: " << line << "\n"; }
 };

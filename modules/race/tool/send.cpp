@@ -61,7 +61,7 @@ int PublishCommand(int argc, const char* const* argv) {
   const bool is_text = argc > 1 && argv[1][0] != '-' && std::string_view(argv[1]) != "command";
   if (is_text) words.insert(words.begin() + 1, "command");
   if (const auto end = program::Parse(app, static_cast<int>(words.size()), words.data(), options)) {
-    return program::Say(*end, "musher-race");
+    return program::Print(*end, "musher-race");
   }
   const auto link = ToolLink::Open(options);
   if (!link) return Fail(ExitCode::kUsage, link.error().message);

@@ -201,13 +201,13 @@ class Reader {
 
 }  // namespace
 
-SkillsReading ReadSkillsText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<SkillsReading>(
+Parsed<SkillsConfig> ReadSkillsText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<SkillsConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Reader(path, findings).Read(root); });
 }
 
-SkillsReading ReadSkillsFile(const std::string& path) {
+Parsed<SkillsConfig> ReadSkillsFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadSkillsText);
 }
 

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
 #include "musher/base/toml/document.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/navigation/gate/motion_gate.hpp"
 #include "musher/navigation/gate/motion_guard.hpp"
 #include "musher/navigation/pose.hpp"
@@ -88,14 +88,9 @@ struct SkillsConfig {
   Duration self_check_time = Milliseconds(5000);  // of the steady clock
 };
 
-struct SkillsReading {
-  std::optional<SkillsConfig> config;   // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-SkillsReading ReadSkillsFile(const std::string& path);
+Parsed<SkillsConfig> ReadSkillsFile(const std::string& path);
 // The same for a text; `path` is what diagnostics refer to, and relative paths are in its folder.
-SkillsReading ReadSkillsText(std::string_view text, const std::string& path);
+Parsed<SkillsConfig> ReadSkillsText(std::string_view text, const std::string& path);
 
 }  // namespace musher::skills

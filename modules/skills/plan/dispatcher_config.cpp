@@ -18,8 +18,8 @@ Row Action(std::string_view key, std::string& name, bool relative) {
 
 }  // namespace
 
-DispatcherReading ReadDispatcherText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<DispatcherReading>(
+Parsed<DispatcherConfig> ReadDispatcherText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<Parsed<DispatcherConfig>>(
       text, path, [](const Table& root, Findings& findings) {
         DispatcherConfig config;
         TableReader reader(root, {1, 1}, "", findings);
@@ -32,7 +32,7 @@ DispatcherReading ReadDispatcherText(std::string_view text, const std::string& p
       });
 }
 
-DispatcherReading ReadDispatcherFile(const std::string& path) {
+Parsed<DispatcherConfig> ReadDispatcherFile(const std::string& path) {
   return config_toml::ReadFileWith(path, ReadDispatcherText);
 }
 

@@ -2,12 +2,10 @@
 // The config of musher-plan-dispatcher, a TOML file; every key is explained in
 // config/skills/plan_dispatcher.toml. All errors are reported at once, with line and column.
 
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/parsed.hpp"
 #include "musher/modules/skills/plan/plan_run.hpp"
 
 namespace musher::skills {
@@ -18,14 +16,9 @@ struct DispatcherConfig {
   PlanRules rules;
 };
 
-struct DispatcherReading {
-  std::optional<DispatcherConfig> config;  // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;     // by line
-};
-
 // Never throws; an unreadable file is a diagnostic.
-DispatcherReading ReadDispatcherFile(const std::string& path);
+Parsed<DispatcherConfig> ReadDispatcherFile(const std::string& path);
 // The same for a text; `path` is what diagnostics refer to.
-DispatcherReading ReadDispatcherText(std::string_view text, const std::string& path);
+Parsed<DispatcherConfig> ReadDispatcherText(std::string_view text, const std::string& path);
 
 }  // namespace musher::skills

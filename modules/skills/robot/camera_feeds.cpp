@@ -36,7 +36,7 @@ skill::Future<Picture> CameraFeeds::Take(const std::string& camera) {
   return future;
 }
 
-void CameraFeeds::Tend() {
+void CameraFeeds::Update() {
   std::erase_if(feeds_, [](const auto& named) {
     Feed& feed = *named.second;
     std::erase_if(feed.wanted, [](const auto& source) { return !source.wanted(); });

@@ -26,7 +26,7 @@ class CameraFeeds {
   // that cannot be read.
   skill::Future<Picture> Take(const std::string& camera);
   // At each step: unsubscribes from the cameras of which no picture is wanted.
-  void Tend();
+  void Update();
 
  private:
   struct Feed {

@@ -46,7 +46,7 @@ std::optional<std::vector<SeenObject>> DetectorFeeds::Look() {
   return all;
 }
 
-void DetectorFeeds::Tend() {
+void DetectorFeeds::Update() {
   const Time now = clock_.Now();
   if (!asked_ || (now >= *asked_ && now - *asked_ < kUnused)) return;
   asked_.reset();

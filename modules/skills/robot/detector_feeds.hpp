@@ -31,7 +31,7 @@ class DetectorFeeds {
   // all of them have looked. It looks for 5 s after each call.
   std::optional<std::vector<SeenObject>> Look();
   // Each step.
-  void Tend();
+  void Update();
 
  private:
   struct Feed {

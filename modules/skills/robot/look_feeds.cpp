@@ -127,7 +127,7 @@ std::string LookFeeds::WhyNone() const {
          (feeds_.back().view == nullptr ? config_.names.detections : feeds_.back().view->topic);
 }
 
-void LookFeeds::Tend() {
+void LookFeeds::Update() {
   const Time now = clock_.Now();
   if (!asked_ || (now >= *asked_ && now - *asked_ < kLooksAfterCall)) return;
   asked_.reset();

@@ -35,7 +35,7 @@ class LookFeeds {
   std::optional<Look> LookFor(const std::string& target);
   std::string WhyNone() const;
   // Each step.
-  void Tend();
+  void Update();
 
  private:
   struct Thing {

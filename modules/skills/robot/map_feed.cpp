@@ -28,7 +28,7 @@ GroundMap MapFeed::Ask() {
   return {asked_ - subscribed_ < kAwaited, cells_, true};
 }
 
-void MapFeed::Tend() {
+void MapFeed::Update() {
   if (!subscription_ || clock_.Now() - asked_ < kKept) return;
   subscription_.reset();
   cells_.reset();

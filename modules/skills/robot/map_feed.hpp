@@ -30,7 +30,7 @@ class MapFeed {
 
   GroundMap Ask();
   // Each step.
-  void Tend();
+  void Update();
 
  private:
   void OnGrid(const msg::OccupancyGrid& grid);

@@ -169,7 +169,7 @@ void Navigator::CancelRequest(const std::shared_ptr<Request>& request) {
                    [request](const auto& /*reply*/) { request->waits_for_reply = false; });
 }
 
-void Navigator::Tend() {
+void Navigator::Update() {
   std::erase_if(requests_, [](const auto& request) { return request->ended; });
   std::erase_if(drives_, [](const auto& goal) { return goal->navigator == nullptr; });
   for (const auto& request : requests_) {
@@ -204,7 +204,7 @@ void Navigator::RequestCancelOfEarlier() {
 }
 
 void Navigator::CancelAll() {
-  Tend();
+  Update();
   for (const auto& request : requests_) {
     request->source.Fail("the planning was cancelled");
     CancelRequest(request);

@@ -44,7 +44,7 @@ class Navigator {
   std::unique_ptr<Drive> FollowPath(const navigation::Path& path);
 
   // At each step: cancels what is not wanted any more, and repeats cancellations.
-  void Tend();
+  void Update();
   // Cancels all requests and drives.
   void CancelAll();
   // Cancels the drives that the controller has accepted until now, by its clock: also those that a

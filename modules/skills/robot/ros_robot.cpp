@@ -45,15 +45,15 @@ void RosRobot::BeginStep(Time now) {
   const auto wire = wire_.lock();
   if (!wire) return;
   wire->active_at = now;
-  wire->navigator->Tend();
-  wire->cameras->Tend();
-  if (wire->detectors) wire->detectors->Tend();
-  wire->looks->Tend();
-  wire->maps->Tend();
+  wire->navigator->Update();
+  wire->cameras->Update();
+  if (wire->detectors) wire->detectors->Update();
+  wire->looks->Update();
+  wire->maps->Update();
 }
 
-void RosRobot::Rest() {
-  if (const auto wire = wire_.lock()) wire->Rest();
+void RosRobot::StandStill() {
+  if (const auto wire = wire_.lock()) wire->StandStill();
 }
 
 RosRobot::Missing RosRobot::Look() const {

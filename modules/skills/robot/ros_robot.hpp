@@ -5,7 +5,7 @@
 //
 // Without topics it has no pose and nothing to see, requests fail, and commands go nowhere: skills
 // may be declared and be tested under injected faults. When the endpoints are dropped, and by
-// Rest(), the robot stands: 0 is published and drives are cancelled.
+// StandStill(), the robot stands: 0 is published and drives are cancelled.
 //
 // Units and frames: those of robot.hpp. Threads: the loop's; a thread of its own writes photos.
 
@@ -34,7 +34,7 @@ class RosRobot final : public Robot {
   // Before the skills make a step at this time.
   void BeginStep(Time now);
   // The robot stands, its drives are cancelled.
-  void Rest();
+  void StandStill();
 
   // What of its environment cannot be reached.
   struct Missing {

@@ -37,16 +37,16 @@ struct RosRobot::Wire {
        RosRobot::WriteLine log);
   ~Wire() {
     holds_.reset();
-    Rest();
+    StandStill();
   }
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
-  void Rest() {
+  void StandStill() {
     active_at.reset();  // nor does a person move it from now on
     navigator->CancelAll();
     StopMotion();
-    cameras->Tend();
+    cameras->Update();
   }
   void SetVelocity(const navigation::Velocity& command) {
     holding_ = false;
@@ -111,7 +111,8 @@ struct RosRobot::Wire {
   std::vector<transport::Client<msg::Trigger>*> memories;          // of planner and controller
   std::unique_ptr<VelocityOutput> velocity;
   FlightHold hold;
-  // Of the last step of the skills; nullopt: none since Rest(), so the robot is not in Active.
+  // Of the last step of the skills; nullopt: none since StandStill(), so the robot is not in
+  // Active.
   std::optional<Time> active_at;
   std::unique_ptr<Navigator> navigator;
   std::unique_ptr<Traffic> traffic;

@@ -297,7 +297,7 @@ double Travel::distance_to_goal_m() const {
   return pose && !path_.empty() ? Apart(pose->at, path_.back().at) : length_m_;
 }
 
-navigation::Path Travel::Rest(const navigation::Pose& pose) const {
+navigation::Path Travel::RemainingPath(const navigation::Pose& pose) const {
   std::size_t next = 0;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < path_.size(); ++i) {
@@ -313,7 +313,7 @@ navigation::Path Travel::Rest(const navigation::Pose& pose) const {
 
 void Travel::BeginRest() {
   const auto pose = robot_.pose();
-  Begin(pose ? Rest(*pose) : navigation::Path(path_));
+  Begin(pose ? RemainingPath(*pose) : navigation::Path(path_));
 }
 
 std::vector<navigation::Point> Travel::InTheWay(double ahead_m) const {
@@ -321,7 +321,7 @@ std::vector<navigation::Point> Travel::InTheWay(double ahead_m) const {
   const auto pose = robot_.pose();
   if (!pose || path_.empty()) return {};
   std::vector<navigation::Point> places;
-  const navigation::Path rest = Rest(*pose);
+  const navigation::Path rest = RemainingPath(*pose);
   for (std::size_t i = 1; i < rest.size() && ahead_m > 0; ++i) {
     const navigation::Point &from = rest[i - 1].at, &to = rest[i].at;
     const double length_m = FlatApart(from, to), gone_m = std::min(length_m, ahead_m);

@@ -124,7 +124,7 @@ class Travel {
   TravelStep PlanEnd(const navigation::Pose& goal);
   TravelStep DriveEnd();
   // What is left of the last path, from where the robot is.
-  navigation::Path Rest(const navigation::Pose& pose) const;
+  navigation::Path RemainingPath(const navigation::Pose& pose) const;
 
   Robot& robot_;
   skill::Future<navigation::Path> plan_;

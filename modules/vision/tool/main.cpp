@@ -45,7 +45,8 @@ musher::Result<> CheckOptions(const musher::vision::VisionConfig& config,
 }
 
 ExitCode Look(const musher::vision::tool::LookOptions& options) {
-  const musher::vision::VisionReading reading = musher::vision::ReadVisionFile(options.file);
+  const musher::Parsed<musher::vision::VisionConfig> reading =
+      musher::vision::ReadVisionFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.config) return ExitCode::kUsage;
   if (const musher::Result<> known = CheckOptions(*reading.config, options); !known) {
@@ -59,7 +60,8 @@ ExitCode Look(const musher::vision::tool::LookOptions& options) {
 }
 
 ExitCode Tune(const musher::vision::tool::TuneOptions& options) {
-  const musher::vision::VisionReading reading = musher::vision::ReadVisionFile(options.file);
+  const musher::Parsed<musher::vision::VisionConfig> reading =
+      musher::vision::ReadVisionFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.config) return ExitCode::kUsage;
   const musher::Result<> tuned = musher::vision::tool::Tune(*reading.config, options, std::cout);

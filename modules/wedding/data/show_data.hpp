@@ -102,7 +102,7 @@ struct ShowData {
     left_alone = perception.face_detected;
     left_alone_face = perception.face_id;
   }
-  void Say(std::string_view sound) {
+  void Speak(std::string_view sound) {
     audio.current_speech = sound;
     audio.pending_speech.Push(sound);
   }

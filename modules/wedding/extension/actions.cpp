@@ -90,7 +90,7 @@ void ActionPlayer::Tick(Duration step, ShowData& data) {
   elapsed_ += step;
   const ActionPack& pack = PackOf(*action_);
   if (!next_sound_ || elapsed_ < *next_sound_) return;
-  if (Share(random_) < pack.speech.probability) data.Say(bag_.Draw(pack.sounds, random_));
+  if (Share(random_) < pack.speech.probability) data.Speak(bag_.Draw(pack.sounds, random_));
   next_sound_.reset();
   if (pack.speech.again_most > Duration(0)) {
     next_sound_ = elapsed_ + DrawBetween(pack.speech.again_least, pack.speech.again_most);

@@ -19,7 +19,7 @@ void Interview::Declare(fsm::Transitions& transitions) {
 void Interview::OnEnter(const fsm::Tick& tick) {
   question_ = 0;
   data().motion.target_pose = pose::kMicHold;
-  data().Say(sound::kInterviewStart);
+  data().Speak(sound::kInterviewStart);
   if (rules_.video) data().video_wanted = true;
   Begin(Phase::kGreeting, tick);
 }
@@ -73,11 +73,11 @@ void Interview::NextPhase(const fsm::Tick& tick) {
 // Plays the next question, or thanks.
 void Interview::PlayNextQuestion(const fsm::Tick& tick) {
   if (static_cast<std::size_t>(question_) < sounds_.size()) {
-    data().Say(sounds_.at(static_cast<std::size_t>(question_)));
+    data().Speak(sounds_.at(static_cast<std::size_t>(question_)));
     ++question_;
     return Begin(Phase::kQuestion, tick);
   }
-  data().Say(sound::kInterviewThanks);
+  data().Speak(sound::kInterviewThanks);
   Begin(Phase::kEnding, tick);
 }
 

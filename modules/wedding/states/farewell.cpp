@@ -8,7 +8,7 @@ void Farewell::Declare(fsm::Transitions& transitions) {
 }
 
 void Farewell::OnEnter(const fsm::Tick& /*tick*/) {
-  data().Say(sound::kFarewell);
+  data().Speak(sound::kFarewell);
   data().motion.target_pose = pose::kWave;
 }
 

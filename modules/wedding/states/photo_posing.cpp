@@ -28,7 +28,7 @@ void PhotoPosing::Declare(fsm::Transitions& transitions) {
 
 void PhotoPosing::OnEnter(const fsm::Tick& /*tick*/) {
   phase_ = Phase::kConfirm;
-  data().Say(sound::kPhotoConfirm);
+  data().Speak(sound::kPhotoConfirm);
   data().motion.target_pose = PoseFor(data().perception.gesture);
 }
 
@@ -44,12 +44,12 @@ void PhotoPosing::Begin(Phase phase) {
   phase_ = phase;
   switch (phase) {
     case Phase::kCountdown:
-      return data().Say(sound::kCountdown);
+      return data().Speak(sound::kCountdown);
     case Phase::kShutter:
       data().photo_requested = true;
-      return data().Say(sound::kShutter);
+      return data().Speak(sound::kShutter);
     case Phase::kDone:
-      return data().Say(sound::kPhotoDone);
+      return data().Speak(sound::kPhotoDone);
     default:
       return;
   }

@@ -15,7 +15,7 @@ void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {
   data_.motion.look_at_target = Gaze{};
   const PerceptionData& seen = data_.perception;
   if (seen.too_close && seen.too_close_number != data_.too_close_warned) {
-    data_.Say(sound::kTooClose);
+    data_.Speak(sound::kTooClose);
   }
   data_.too_close_warned = seen.too_close_number;
 }

@@ -9,7 +9,7 @@ void Tracking::Declare(fsm::Transitions& transitions) {
 }
 
 void Tracking::OnEnter(const fsm::Tick& /*tick*/) {
-  if (rules_.greets) data().Say(sound::kGreeting);
+  if (rules_.greets) data().Speak(sound::kGreeting);
 }
 
 void Tracking::Run(const fsm::Tick& tick) {

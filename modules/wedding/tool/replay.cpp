@@ -56,7 +56,7 @@ int Replay(int argc, const char* const* argv) {
     return EndOfParse(app, error, program::kUsageError);
   }
   if (config_file.empty()) return Play(file, {});
-  const WeddingReading reading = ReadWeddingFile(config_file);
+  const Parsed<WeddingConfig> reading = ReadWeddingFile(config_file);
   program::PrintErrors(reading.diagnostics);
   return reading.config ? Play(file, reading.config->show) : program::kUsageError;
 }

@@ -98,7 +98,7 @@ class Grammar {
 
   int Run(int argc, const char* const* argv) {
     if (const auto end = program::Parse(app_, argc, argv, options_)) {
-      return program::Say(*end, "musher-wedding");
+      return program::Print(*end, "musher-wedding");
     }
     const auto link = ToolLink::Open(options_);
     if (!link) return Fail(ExitCode::kUsage, link.error().message);

@@ -21,21 +21,21 @@
 namespace musher::world {
 namespace {
 
-void Say(const std::string& line) {
+void Print(const std::string& line) {
   std::cerr << "world: " << line << std::endl;
 }
 
 int DrawTo(const World& world, const std::string& path) {
   const Result<> drawn = Draw(world, path);
-  Say(drawn ? "drawn: " + path : drawn.error().message);
+  Print(drawn ? "drawn: " + path : drawn.error().message);
   return drawn ? 0 : 1;
 }
 
 World Played(const Scene& scene, Duration time) {
-  if (!scene.sampled.empty()) Say(SampledText(scene));
+  if (!scene.sampled.empty()) Print(SampledText(scene));
   World world(scene);
   while (world.now() < time) {
-    for (const std::string& line : world.Step().log) Say(line);
+    for (const std::string& line : world.Step().log) Print(line);
   }
   return world;
 }
@@ -51,14 +51,14 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
 
   const auto node = transport::NodeThread::Start();
   if (!node) {
-    Say(node.error().message);
+    Print(node.error().message);
     return 1;
   }
   std::thread drawer;
   HostOptions options;
   options.name_space = name_space;
   options.picture_path = std::filesystem::absolute(scene.picture.file).string();
-  options.log = Say;
+  options.log = Print;
   options.in_background = [&drawer](std::function<void()> work) {
     if (drawer.joinable()) drawer.join();
     drawer = std::thread(std::move(work));
@@ -76,10 +76,10 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
     }
   });
   if (!host) {
-    Say(why_not);
+    Print(why_not);
     return 1;
   }
-  Say("\"" + scene.name + "\" runs; " + SampledText(scene) + "; Ctrl+C ends it");
+  Print("\"" + scene.name + "\" runs; " + SampledText(scene) + "; Ctrl+C ends it");
   int signal = 0;
   sigwait(&signals, &signal);
   std::optional<World> world;
@@ -110,7 +110,7 @@ int ShootScene(const Scene& scene, Duration time, const std::string& camera,
   }
   const auto named = std::find(names.begin(), names.end(), camera);
   if (named == names.end()) {
-    Say("there is no camera \"" + camera + "\"; the cameras are " + Joined(names, "none"));
+    Print("there is no camera \"" + camera + "\"; the cameras are " + Joined(names, "none"));
     return 2;
   }
   const auto index = static_cast<std::size_t>(named - names.begin());
@@ -118,7 +118,7 @@ int ShootScene(const Scene& scene, Duration time, const std::string& camera,
   const auto image = index < robots_from ? TakeShot(world, index)
                                          : TakeShotOfRobot(world, robots.at(index - robots_from));
   const Result<> saved = image ? SaveImage(image.value(), path) : Result<>(image.error());
-  Say(saved ? "drawn: " + path : saved.error().message);
+  Print(saved ? "drawn: " + path : saved.error().message);
   return saved ? 0 : 1;
 }
 

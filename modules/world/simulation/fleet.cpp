@@ -84,7 +84,7 @@ Fleet::Fleet(const Scene& scene) {
   for (const ObjectSpec& spec : scene.objects) {
     objects_.push_back({spec.middle_m, spec.yaw_rad, std::nullopt, 0});
   }
-  for (std::size_t i = 0; i < objects_.size(); ++i) Settle(scene, i);
+  for (std::size_t i = 0; i < objects_.size(); ++i) DropToSupport(scene, i);
   for (std::size_t i = 0; i < scene.movers.size(); ++i) {
     movers_.emplace_back(scene.movers[i], SeedOf(scene, kMovers, i));
   }
@@ -294,7 +294,7 @@ std::vector<Solid> Fleet::Supports(const Scene& scene, std::size_t without_objec
   return solids;
 }
 
-void Fleet::Settle(const Scene& scene, std::size_t index) {
+void Fleet::DropToSupport(const Scene& scene, std::size_t index) {
   FleetObject& object = objects_[index];
   const BodyCylinder core = CoreOf(SolidOf(scene.objects[index], object));
   const double height = scene.objects[index].size_m.z();
@@ -359,7 +359,7 @@ HandReply Fleet::Attach(const Scene& scene, std::size_t robot, std::size_t index
   Carry(scene);
   // What stood on it falls.
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (i != index && !objects_[i].held_by) Settle(scene, i);
+    if (i != index && !objects_[i].held_by) DropToSupport(scene, i);
   }
   return {true, "Object attached", distance_m};
 }
@@ -371,7 +371,7 @@ HandReply Fleet::Release(const Scene& scene, std::size_t robot, std::size_t inde
   }
   objects_[index].held_by.reset();
   robots_[robot].holds.reset();
-  Settle(scene, index);
+  DropToSupport(scene, index);
   return {true, "Object released", (objects_[index].middle_m - HandOf(scene, robot)).norm()};
 }
 
@@ -412,7 +412,7 @@ HandReply Fleet::Place(const Scene& scene, std::size_t robot, std::size_t index,
   there.held_by.reset();
   objects_[index] = there;
   robots_[robot].holds.reset();
-  Settle(scene, index);
+  DropToSupport(scene, index);
   return {true, "Object placed", distance_m};
 }
 

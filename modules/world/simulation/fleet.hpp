@@ -102,7 +102,7 @@ class Fleet {
   Eigen::Vector3d HandOf(const Scene& scene, std::size_t robot) const;
   std::optional<std::string> Between(const Scene& scene, std::size_t robot,
                                      const Eigen::Vector3d& to_m) const;
-  void Settle(const Scene& scene, std::size_t object);
+  void DropToSupport(const Scene& scene, std::size_t object);
   std::vector<Solid> Supports(const Scene& scene, std::size_t without_object) const;
 
   HandReply Attach(const Scene& scene, std::size_t robot, std::size_t object, double distance_m);

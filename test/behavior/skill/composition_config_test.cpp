@@ -33,16 +33,16 @@ class Compositions : public ::testing::Test {
     }));
     walk_.step = testing::CompletesAfter(3);
   }
-  ConfigReading Reading(const std::string& text) {
+  Parsed<Config> Reading(const std::string& text) {
     return ReadConfig(text, "skills.toml", registry_);
   }
   std::vector<std::string> ErrorsOf(const std::string& text) {
-    const ConfigReading reading = Reading(text);
+    const Parsed<Config> reading = Reading(text);
     EXPECT_FALSE(reading.config);
     return musher::testing::Lines(reading.diagnostics);
   }
   void Configure(const std::string& text) {
-    const ConfigReading reading = Reading(text);
+    const Parsed<Config> reading = Reading(text);
     ASSERT_THAT(reading.diagnostics, IsEmpty());
     const Result<> configured = registry_.Configure(*reading.config);
     ASSERT_TRUE(configured.ok()) << configured.error().message;
@@ -53,7 +53,7 @@ class Compositions : public ::testing::Test {
 };
 
 TEST_F(Compositions, RunTheirSkillsAndThoseOfOthersInside) {
-  const ConfigReading reading =
+  const Parsed<Config> reading =
       ReadConfigFile(SourceDir() + "/test/behavior/skill/survey.toml", registry_);
   ASSERT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(registry_.Configure(*reading.config));
@@ -79,7 +79,7 @@ TEST_F(Compositions, RunTheirSkillsAndThoseOfOthersInside) {
 }
 
 TEST_F(Compositions, MayStandBeforeThoseThatTheyRun) {
-  const ConfigReading reading = Reading(R"([skill.a]
+  const Parsed<Config> reading = Reading(R"([skill.a]
 in_order = [{ skill = "b" }]
 [skill.b]
 first_to_finish = [{ skill = "c" }, { skill = "wait" }]
@@ -183,7 +183,7 @@ TEST_F(Compositions, AreLimitedInSizeAndDepth) {
 
 TEST_F(Compositions, OfAnotherConfigAreNotAddedTwice) {
   const std::string text = "[skill.a]\nin_order = [{ skill = \"wait\" }]\n";
-  const ConfigReading reading = Reading(text);
+  const Parsed<Config> reading = Reading(text);
   ASSERT_TRUE(registry_.Configure(*reading.config));
   const Result<> again = registry_.Configure(*reading.config);
   ASSERT_FALSE(again.ok());

@@ -28,7 +28,7 @@ class AConfig : public ::testing::Test {
 };
 
 TEST_F(AConfig, HasTheSkillsOfRobotsAndTheirSettings) {
-  const ConfigReading reading = ReadConfig(R"([group.base]
+  const Parsed<Config> reading = ReadConfig(R"([group.base]
 skills = ["wait"]
 
 [group.ground]
@@ -42,7 +42,7 @@ retries = 0
 state_limits_ms = { EXECUTING = 30000, INITIALIZING = 0 }
 parameters = { speed = 1, goal = [1, 2.5] }
 )",
-                                           "skills.toml", registry_);
+                                            "skills.toml", registry_);
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(reading.config->groups[1],

@@ -176,7 +176,7 @@ TEST_F(TheTutorial, SurveysWithANewPlanWhereThePathIsBlocked) {
 }
 
 TEST_F(TheTutorial, TakesSkillsLimitsAndDefaultsFromItsConfig) {
-  const ConfigReading reading = ReadConfig(kSettings, "skills.toml", registry_);
+  const Parsed<Config> reading = ReadConfig(kSettings, "skills.toml", registry_);
   ASSERT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.front());
   ASSERT_TRUE(registry_.Configure(*reading.config));
   const auto skills = registry_.Of(*reading.config, "cf2x");

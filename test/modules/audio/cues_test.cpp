@@ -193,7 +193,7 @@ TEST(CueTopics, AreReadWithTheConfig) {
   const TempFolder folder;
   std::ofstream(folder / "phrases.toml") << "[[phrase]]\nid = 1\nen = \"one\"\n";
   std::ofstream(folder / "cues.toml") << "[[cue]]\nid = \"a\"\nen = \"an a\"\n";
-  const AudioReading reading = ReadAudioText(
+  const Parsed<AudioConfig> reading = ReadAudioText(
       "phrases = \"phrases.toml\"\n"
       "[[cues]]\ntopic = \"/show/play\"\nfile = \"cues.toml\"\n"
       "[[cues]]\ntopic = \"show/say\"\nfile = \"cues.toml\"\ninterrupts = false\n",
@@ -207,7 +207,7 @@ TEST(CueTopics, AreReadWithTheConfig) {
 TEST(CueTopics, ReportAllErrorsOfAllFiles) {
   const TempFolder folder;
   std::ofstream(folder / "cues.toml") << "[[cue]]\nid = 3\nen = \"an a\"\n";
-  const AudioReading reading = ReadAudioText(
+  const Parsed<AudioConfig> reading = ReadAudioText(
       "phrases = \"phrases.toml\"\n"
       "[[cues]]\ntopic = \"/show play\"\nfile = \"cues.toml\"\n"
       "[[cues]]\ntopic = \"/show/play\"\nfile = \"absent.toml\"\n"
@@ -229,7 +229,7 @@ TEST(CueTopics, ReportAllErrorsOfAllFiles) {
 }
 
 TEST(CueTopics, OfTheWeddingRobotHaveEverySoundInBothLanguages) {
-  const AudioReading reading = ReadAudioFile(SourceDir() + "/config/audio/wedding.toml");
+  const Parsed<AudioConfig> reading = ReadAudioFile(SourceDir() + "/config/audio/wedding.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(Texts(reading.diagnostics), IsEmpty());
   ASSERT_THAT(reading.config->cue_topics, SizeIs(1));

@@ -130,7 +130,7 @@ TEST(Phrases, OfTwoRangesMayNotOverlap) {
 }
 
 TEST(AudioConfig, OfTheRobotIsWhole) {
-  const AudioReading reading = ReadAudioFile(SourceDir() + "/config/audio/audio.toml");
+  const Parsed<AudioConfig> reading = ReadAudioFile(SourceDir() + "/config/audio/audio.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(Texts(reading.diagnostics), IsEmpty());
   EXPECT_EQ(reading.config->output.kind, OutputKind::kAuto);
@@ -152,7 +152,7 @@ TEST(AudioConfig, OfTheRobotIsWhole) {
 TEST(AudioConfig, ReadsEveryKey) {
   const TempFolder folder;
   std::ofstream(folder / "phrases.toml") << "[[phrase]]\nid = 1\nen = \"one\"\n";
-  const AudioReading reading = ReadAudioText(R"(
+  const Parsed<AudioConfig> reading = ReadAudioText(R"(
 output = "wav"
 folder = "spoken"
 volume = 30
@@ -164,7 +164,7 @@ words_per_minute = 120
 english = "en-gb"
 chinese = "yue"
 )",
-                                             folder / "audio.toml");
+                                                    folder / "audio.toml");
   ASSERT_TRUE(reading.config) << ::testing::PrintToString(Texts(reading.diagnostics));
   AudioConfig expected;
   expected.output = {OutputKind::kWav, "default", folder / "spoken"};
@@ -180,7 +180,7 @@ chinese = "yue"
 TEST(AudioConfig, ReportsAllErrorsOfBothFiles) {
   const TempFolder folder;
   std::ofstream(folder / "phrases.toml") << "[[phrase]]\nid = -1\nen = \"one\"\n";
-  const AudioReading reading = ReadAudioText(
+  const Parsed<AudioConfig> reading = ReadAudioText(
       "output = \"radio\"\nvolume = 101\nlanguage = \"fr\"\nphrases = \"phrases.toml\"\n"
       "loudness = 3\n[voice]\nwords_per_minute = 9\nenglish = \"\"\n",
       folder / "audio.toml");

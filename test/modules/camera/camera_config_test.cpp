@@ -12,13 +12,14 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 CamerasConfig Good(const std::string& text) {
-  const CamerasReading reading = ReadCamerasText(text, "/etc/dog/cameras.toml");
+  const Parsed<CamerasConfig> reading = ReadCamerasText(text, "/etc/dog/cameras.toml");
   for (const Diagnostic& found : reading.diagnostics) ADD_FAILURE() << FormatDiagnostic(found);
   return reading.config.value_or(CamerasConfig{});
 }
 
 TEST(CamerasConfig, OfTheRepositoryIsGood) {
-  const CamerasReading reading = ReadCamerasFile(SourceDir() + "/config/camera/cameras.toml");
+  const Parsed<CamerasConfig> reading =
+      ReadCamerasFile(SourceDir() + "/config/camera/cameras.toml");
   ASSERT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.at(0));
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_EQ(reading.config->cameras.size(), 3u);
@@ -125,7 +126,7 @@ from = "w"
 }
 
 TEST(CamerasConfig, ReportsAMissingFile) {
-  const CamerasReading reading = ReadCamerasFile("/nowhere/cameras.toml");
+  const Parsed<CamerasConfig> reading = ReadCamerasFile("/nowhere/cameras.toml");
   EXPECT_FALSE(reading.config);
   ASSERT_EQ(reading.diagnostics.size(), 1u);
 }

@@ -14,12 +14,12 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-DeviceReading Read(const std::string& text) {
+Parsed<DeviceConfig> Read(const std::string& text) {
   return ReadDeviceText(text, "/robot/device.toml");
 }
 
 TEST(DeviceConfig, HasTheValuesOfTheFile) {
-  const DeviceReading reading = Read(R"(
+  const Parsed<DeviceConfig> reading = Read(R"(
 self_check_ms = 700
 skip = ["uwb"]
 critical = ["bms", "touch"]
@@ -57,7 +57,8 @@ hold_ms = 5000
 }
 
 TEST(DeviceConfig, NeedsNoMoreThanTheBatterysSource) {
-  const DeviceReading reading = Read("[battery]\nsource = \"none\"\n[led]\nsource = \"none\"\n");
+  const Parsed<DeviceConfig> reading =
+      Read("[battery]\nsource = \"none\"\n[led]\nsource = \"none\"\n");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(*reading.config, DeviceConfig());
 }
@@ -107,7 +108,7 @@ TEST(DeviceConfig, ReportsWhatIsWrongAndWhere) {
 
 TEST(DeviceConfig, OfTheDemoIsGoodAndNamesEveryKey) {
   const std::string file = SourceDir() + "/config/device/device_manager.toml";
-  const DeviceReading reading = ReadDeviceFile(file);
+  const Parsed<DeviceConfig> reading = ReadDeviceFile(file);
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   EXPECT_THAT(reading.config->critical, ElementsAre("bms", "touch"));
@@ -120,7 +121,7 @@ TEST(DeviceConfig, OfTheDemoIsGoodAndNamesEveryKey) {
 }
 
 TEST(DeviceConfig, ReportsWhyAFileCannotBeRead) {
-  const DeviceReading missing = ReadDeviceFile("/nowhere/at/all.toml");
+  const Parsed<DeviceConfig> missing = ReadDeviceFile("/nowhere/at/all.toml");
   ASSERT_EQ(missing.diagnostics.size(), 1U);
   EXPECT_THAT(missing.diagnostics.front().message, HasSubstr("No such file"));
 }

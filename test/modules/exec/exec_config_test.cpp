@@ -21,12 +21,12 @@ ActuatorConfig Audio() {
   return audio;
 }
 
-ExecReading Read(const std::string& text) {
+Parsed<ExecConfig> Read(const std::string& text) {
   return ReadExecText(text, "/robot/audio.toml", Audio());
 }
 
 TEST(ExecConfig, HasTheValuesOfTheFile) {
-  const ExecReading reading = Read(R"(
+  const Parsed<ExecConfig> reading = Read(R"(
 module = 5000
 stop_ms = 700
 cwd = "work"
@@ -49,7 +49,7 @@ shell = "test -e /dev/snd && true"
 }
 
 TEST(ExecConfig, NeedsNoMoreThanOneState) {
-  const ExecReading reading = Read("[state.SetUp]\nstart = [\"server\"]\n");
+  const Parsed<ExecConfig> reading = Read("[state.SetUp]\nstart = [\"server\"]\n");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(*reading.config, ConfigForProgram({"server"}));
 }
@@ -88,10 +88,10 @@ TEST(ExecConfig, ReportsWhatIsWrongAndWhere) {
 }
 
 TEST(ExecConfig, ReportsWhyAFileCannotBeRead) {
-  const ExecReading missing = ReadExecFile("/nowhere/at/all.toml", Audio());
+  const Parsed<ExecConfig> missing = ReadExecFile("/nowhere/at/all.toml", Audio());
   ASSERT_EQ(missing.diagnostics.size(), 1U);
   EXPECT_THAT(missing.diagnostics.front().message, HasSubstr("No such file"));
-  const ExecReading folder = ReadExecFile("/", Audio());
+  const Parsed<ExecConfig> folder = ReadExecFile("/", Audio());
   ASSERT_EQ(folder.diagnostics.size(), 1U);
   EXPECT_THAT(folder.diagnostics.front().message, HasSubstr("it is a folder"));
 }
@@ -103,7 +103,8 @@ TEST(CyberdogConfig, HasAGoodExecFileForEachActuator) {
   EXPECT_THAT(machine.diagnostics, IsEmpty());
   ASSERT_EQ(machine.config->actuators.size(), 7U);
   for (const ActuatorConfig& actuator : machine.config->actuators) {
-    const ExecReading reading = ReadExecFile(folder + "exec/" + actuator.name + ".toml", actuator);
+    const Parsed<ExecConfig> reading =
+        ReadExecFile(folder + "exec/" + actuator.name + ".toml", actuator);
     EXPECT_TRUE(reading.config) << actuator.name;
     EXPECT_THAT(actuator.command, ElementsAre("musher-exec", actuator.name + ".toml"));
   }

@@ -44,7 +44,7 @@ TEST(WalkerConfig, ReportsWhatIsWrongAndWhere) {
 }
 
 TEST(WalkerConfig, OfAMissingFileIsAnError) {
-  const WalkerReading reading = ReadWalkerFile("/nowhere/walker.toml");
+  const Parsed<WalkerConfig> reading = ReadWalkerFile("/nowhere/walker.toml");
   EXPECT_FALSE(reading.config);
   ASSERT_EQ(reading.diagnostics.size(), 1U);
 }

@@ -192,7 +192,7 @@ TEST(BadInput, AMotionThatFailsJustBeforeAPauseIsRepeatedAfterIt) {
     rig.field.calls.clear();
     rig.Tick(ticks);
     EXPECT_EQ(rig.state(), "IN_A1");
-    rig.race->Rest(rig.now);
+    rig.race->Pause(rig.now);
     rig.machine->Pause();
     rig.Run(std::chrono::seconds(5));
     rig.script.motion_replies = true;
@@ -209,7 +209,7 @@ TEST(BadInput, AWalkerThatIsStoppedJustBeforeAPauseIsStartedAgainAfterIt) {
   rig.script.walker = [](Duration) { return std::string(); };
   rig.Tick(3);
   EXPECT_EQ(rig.state(), "S1_TO_S2");
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(std::chrono::seconds(5));
   rig.script.walker = [](Duration walked) -> std::string {
@@ -265,7 +265,7 @@ TEST(BadInput, APauseInEveryStateIsQuietAndTheStateIsLeftAfterIt) {
       rig.Command("START:" + state.name);
       rig.Tick(tick);
       if (rig.state() != state.name) break;
-      rig.race->Rest(rig.now);
+      rig.race->Pause(rig.now);
       rig.machine->Pause();
       ASSERT_FALSE(rig.field.streaming || rig.field.walking_lane) << state.name << tick;
       ASSERT_TRUE(std::ranges::none_of(rig.field.watched, [](bool on) { return on; }));

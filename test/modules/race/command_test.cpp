@@ -304,7 +304,7 @@ TEST(Command, ThatIsUnknownIsRefusedAndLoggedAtALimitedRate) {
 
 TEST(Command, StartIsRefusedInAPause) {
   Rig rig;
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Command("START");
   rig.Command("START:IN_S2");

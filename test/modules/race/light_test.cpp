@@ -452,7 +452,7 @@ TEST(YellowLight, StaysInterruptedOverAPause) {
   rig.Run(Milliseconds(2000));
   rig.seen = true;
   ASSERT_TRUE(rig.RunTo("YELLOW_LIGHT_COUNTDOWN", Milliseconds(2000)));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(std::chrono::seconds(5));
   rig.race->Resume(rig.now);

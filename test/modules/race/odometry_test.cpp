@@ -351,7 +351,7 @@ TEST(WalkByOdometry, ContinuesAfterAPauseWithTheRest) {
   rig.script.slip = 0.1;
   rig.Command("START:QRA_TO_A1");
   rig.Run(Milliseconds(3000));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(std::chrono::seconds(20));
   rig.race->Resume(rig.now);

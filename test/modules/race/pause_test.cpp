@@ -12,7 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 void PauseFor(Rig& rig, Duration time) {
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(time);
   rig.race->Resume(rig.now);
@@ -22,10 +22,10 @@ TEST(Pause, EndsTheStreamAndContinuesWithTheRestAfterStandingUp) {
   Rig rig;
   rig.Command("START:QRA_TO_A1");
   rig.Run(Milliseconds(2000));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   EXPECT_FALSE(rig.field.streaming);
   EXPECT_EQ(rig.field.ends, 1);
-  rig.race->Rest(rig.now);  // idempotent
+  rig.race->Pause(rig.now);  // idempotent
   EXPECT_EQ(rig.field.ends, 1);
   rig.machine->Pause();
   rig.Run(std::chrono::seconds(55));
@@ -43,7 +43,7 @@ TEST(Pause, ClosesTheDetectorsAndStopsTheWalker) {
   rig.Command("START:IN_QR_A");
   rig.Run(Milliseconds(500));
   ASSERT_TRUE(rig.Wants("qr"));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   EXPECT_FALSE(rig.Wants("qr"));
   rig.race->Resume(rig.now);
   rig.Command("START:S1_TO_S2");
@@ -59,7 +59,7 @@ TEST(Pause, RepeatsAMotionThatFailedByIt) {
   rig.script.motion_replies = false;
   rig.Command("START");
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.motions.size() == 1; }));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.race->OnMotionDone(rig.field.calls.front(), Error{3003, "DeActive"}, rig.now);
   rig.field.calls.clear();
@@ -93,7 +93,7 @@ TEST_F(Latched, BodyStandsUpBeforeALieDownIsRepeated) {
   rig_.Command("START:IN_A1");
   ASSERT_TRUE(rig_.RunUntil([&] { return rig_.field.motions.size() == 1; }));
   latched_ = true;
-  rig_.race->Rest(rig_.now);
+  rig_.race->Pause(rig_.now);
   rig_.machine->Pause();
   rig_.script.motion_replies = true;
   rig_.Run(std::chrono::seconds(5));
@@ -156,7 +156,7 @@ TEST(Pause, AcceptsResetAndStop) {
   Rig rig;
   rig.Command("START:IN_QRB");
   rig.Run(std::chrono::seconds(1));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Command("STOP");
   EXPECT_EQ(rig.state(), "START");
@@ -196,7 +196,7 @@ TEST(Pause, InWhichTheRobotIsMovedIsAFault) {
     rig.script.odometry = Truth;
     rig.Command("START:QRA_TO_A1");
     rig.Run(Milliseconds(3000));
-    rig.race->Rest(rig.now);
+    rig.race->Pause(rig.now);
     rig.machine->Pause();
     rig.Run(Milliseconds(5000));
     rig.pose.at.x_m += ahead_m;
@@ -216,7 +216,7 @@ TEST(Pause, InWhichTheRobotIsMovedIsNoFaultWhereTheCourseDoesNotCompareIt) {
   rig.script.odometry = Truth;
   rig.Command("START:QRA_TO_A1");
   rig.Run(Milliseconds(3000));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(Milliseconds(5000));
   rig.pose.at.x_m += 0.4;
@@ -249,7 +249,7 @@ TEST(Pause, OnAChargerIsFollowedByTheRestOnlyAfterStart) {
   rig.script.odometry = Truth;
   rig.Command("START:QRA_TO_A1");
   rig.Run(Milliseconds(3000));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(Milliseconds(5000));
   rig.race->OnCharger(true, rig.now);
@@ -343,7 +343,7 @@ TEST(Pause, ThatFollowsAtOnceDoesNotHideThatItWasMovedInTheFirst) {
   rig.script.odometry = Truth;
   rig.Command("START:QRA_TO_A1");
   rig.Run(Milliseconds(3000));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(Milliseconds(5000));
   rig.pose.at.x_m += 0.4;
@@ -358,7 +358,7 @@ TEST(Pause, DuringTheWaitForStartDoesNotHideThatItWasMovedBefore) {
   rig.script.odometry = Truth;
   rig.Command("START:QRA_TO_A1");
   rig.Run(Milliseconds(3000));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(std::chrono::seconds(61));
   rig.pose.at.x_m += 0.4;
@@ -388,7 +388,7 @@ TEST(Pause, InWhichTheRobotStandsUpIsNone) {
   rig.script.odometry = Truth;
   rig.Command("START:QRA_TO_A1");
   rig.Run(Milliseconds(3000));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(Milliseconds(5000));
   rig.pose.at.x_m += 0.1;
@@ -426,7 +426,7 @@ TEST(Pause, BeforeTheFirstRunStopsTheWalkerOfAnEarlierProcess) {
   EXPECT_THAT(field.walker, ElementsAre());
   race.Resume({});
   EXPECT_THAT(field.walker, ElementsAre("STOP"));
-  race.Rest({});
+  race.Pause({});
   race.Resume({});
   EXPECT_THAT(field.walker, ElementsAre("STOP"));
 }

@@ -43,7 +43,7 @@ void Inject(Rig& rig, int kind, int value) {
       return;
     case 6:
       if (rig.race->resting()) return rig.race->Resume(rig.now);
-      rig.race->Rest(rig.now);
+      rig.race->Pause(rig.now);
       return rig.machine->Pause();
     case 7:
       return rig.race->OnWalkerStatus(0, value % 2 == 0 ? "State:WALKING" : "x,End:lost", rig.now);
@@ -72,7 +72,7 @@ RC_GTEST_PROP(RaceProperty, NeverLeavesAStreamWithoutItsEndAndIsReplayedIdentica
     RC_ASSERT(rig.field.streams - rig.field.ends == (rig.field.streaming ? 1 : 0));
     if (rig.race->resting()) RC_ASSERT(!rig.field.streaming);
   }
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   RC_ASSERT(!rig.field.streaming);
   RC_ASSERT(rig.field.streams == rig.field.ends);
 

@@ -61,7 +61,7 @@ class Field : public RaceOutputs {
     walking_lane = start;
   }
   void Watch(const std::vector<bool>& detectors) override { watched = detectors; }
-  void Say(const std::string& text, std::uint64_t number) override {
+  void Speak(const std::string& text, std::uint64_t number) override {
     spoken.push_back(text);
     speeches.push_back(number);
   }

@@ -65,7 +65,7 @@ TEST(Route, OfOneCourseIsReplayedFromItsRecording) {
   rig.Command("SET_QR_A:A-2");
   rig.Command("START");
   rig.Run(std::chrono::seconds(20));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(std::chrono::seconds(5));
   rig.race->Resume(rig.now);

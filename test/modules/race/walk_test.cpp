@@ -644,7 +644,7 @@ TEST(Lane, ThatTheRaceItselfHasStoppedIsStartedAgain) {
   rig.Command("START:S1_TO_S2");
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.walking_lane; }));
   rig.Run(Milliseconds(2000));
-  rig.race->Rest(rig.now);
+  rig.race->Pause(rig.now);
   rig.machine->Pause();
   rig.Run(Milliseconds(1000));
   rig.script.walker = [](Duration walked) -> std::string {

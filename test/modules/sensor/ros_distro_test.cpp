@@ -33,7 +33,7 @@ class Distributions : public SensorsOnANetwork, public ::testing::WithParamInter
 
 TEST_P(Distributions, ReadTheUltrasonicPayloadInTheirOwnLayout) {
   const std::string text = std::string("ros_distro = \"") + GetParam().name + "\"\n";
-  const ManagerReading reading = ReadManagerText(text, "sensors.toml");
+  const Parsed<ManagerConfig> reading = ReadManagerText(text, "sensors.toml");
   ASSERT_TRUE(reading.config);
   config_.ros_distro = reading.config->ros_distro;
   EXPECT_EQ(config_.ros_distro, GetParam().distro);

@@ -18,7 +18,7 @@ std::vector<std::string> Said(const std::string& text) {
 }
 
 TEST(SensorManagerConfig, OfTheRepositoryIsGood) {
-  const ManagerReading reading =
+  const Parsed<ManagerConfig> reading =
       ReadManagerFile(SourceDir() + "/config/sensor/sensor_manager.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
@@ -27,7 +27,7 @@ TEST(SensorManagerConfig, OfTheRepositoryIsGood) {
 }
 
 TEST(SensorManagerConfig, HasTheValuesOfTheFile) {
-  const ManagerReading reading = ReadManagerText(R"(
+  const Parsed<ManagerConfig> reading = ReadManagerText(R"(
 self_check_ms = 700
 start_ms = 100
 stamp_tolerance_ms = 0
@@ -47,7 +47,7 @@ silence_ms = 250
 source = "driver/gps"
 satellites = "driver/satellites"
 )",
-                                                 "/robot/sensors.toml");
+                                                        "/robot/sensors.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   ManagerConfig expected;
@@ -66,7 +66,7 @@ satellites = "driver/satellites"
 }
 
 TEST(SensorManagerConfig, MayHaveNoSensors) {
-  const ManagerReading reading = ReadManagerText("", "s.toml");
+  const Parsed<ManagerConfig> reading = ReadManagerText("", "s.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(*reading.config, ManagerConfig());
 }
@@ -95,7 +95,7 @@ TEST(SensorManagerConfig, ReportsAllErrorsAtOnce) {
 }
 
 TEST(SensorManagerConfig, ThatCannotBeReadReportsWhy) {
-  const ManagerReading missing = ReadManagerFile("/nowhere/sensors.toml");
+  const Parsed<ManagerConfig> missing = ReadManagerFile("/nowhere/sensors.toml");
   EXPECT_FALSE(missing.config);
   ASSERT_EQ(missing.diagnostics.size(), 1U);
   EXPECT_THAT(FormatDiagnostic(missing.diagnostics[0]), HasSubstr("/nowhere/sensors.toml: error:"));

@@ -263,7 +263,8 @@ TEST_F(ARosRobot, ExecutesTeleoperationThroughTheGateWhileNoSkillMovesIt) {
   EXPECT_EQ(peers_->commands.back().linear.x, 0.2) << "the skill has the base";
 }
 
-// Rest() sent one 0, and what a person commanded in the next half second began to move it again.
+// StandStill() sent one 0, and what a person commanded in the next half second began to move it
+// again.
 TEST_F(ARosRobot, IsNotMovedByAPersonFromAStopUntilItIsSteppedInActiveAgain) {
   sees_m_ = 9;
   Run(200);
@@ -282,7 +283,7 @@ TEST_F(ARosRobot, IsNotMovedByAPersonFromAStopUntilItIsSteppedInActiveAgain) {
   };
   teleoperate(true);
   EXPECT_EQ(peers_->commands.back().linear.x, 0.5);
-  robot_.Rest();
+  robot_.StandStill();
   network_.RunFor(Milliseconds(10));
   ASSERT_EQ(peers_->commands.back(), msg::Twist{});
   const std::size_t count = peers_->commands.size();
@@ -494,7 +495,7 @@ TEST_F(ARosFlyer, KeepsItsPlaceAfterASkillHasEnded) {
 TEST_F(ARosFlyer, KeepsItsPlaceAlsoInAPauseAndAtAStop) {
   robot_.SetVelocity({0.5, 0, 0, 0});
   Fly(1);
-  robot_.Rest();
+  robot_.StandStill();
   const double place_m = Fly(2);
   EXPECT_NEAR(Fly(20), place_m, 0.2);
   robot_.SetVelocity({-0.5, 0, 0, 0});
@@ -541,7 +542,7 @@ TEST_F(ARosFlyer, IsNotHeldAgainstADriveOfAnotherClient) {
 TEST_F(ARosFlyer, LandsInEveryStateWhenItsBatteryIsLow) {
   robot_.SetVelocity({0.5, 0, 0, 0});
   Fly(1);
-  robot_.Rest();  // as at an emergency stop
+  robot_.StandStill();  // as at an emergency stop
   Fly(2);
   ReportBattery(0.11F);
   EXPECT_EQ(robot_.LowBattery(), "");
@@ -835,7 +836,7 @@ TEST_F(ARosRobot, StandsAndCancelsItsDrivesAtRest) {
   const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
   const auto path = robot_.ComputePath({{3, 1, 0}, 0}, std::nullopt);
   Run(100);
-  robot_.Rest();
+  robot_.StandStill();
   Run(100);
   EXPECT_EQ(peers_->commands.back(), msg::Twist{});
   EXPECT_EQ(ResultOf(drive->end()).value(), false);

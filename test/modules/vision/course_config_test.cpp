@@ -28,13 +28,13 @@ std::vector<std::string> Said(const std::string& text) {
 }
 
 VisionConfig Read(const std::string& text) {
-  const VisionReading reading = ReadVisionText(text, "/robot/course.toml");
+  const Parsed<VisionConfig> reading = ReadVisionText(text, "/robot/course.toml");
   EXPECT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.front());
   return reading.config.value();
 }
 
 TEST(CourseConfig, OfTheRepositoryIsGood) {
-  const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
+  const Parsed<VisionConfig> reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   EXPECT_FALSE(reading.config->detect_faces);
@@ -56,7 +56,7 @@ TEST(CourseConfig, OfTheRepositoryHasTheColorsOfItsHall) {
       "}"
       "\nred = { from = [1, 2, 3], to = [4, 5, 6] }";
   text.insert(text.find("\n[hall]\n") + 7, colors);
-  const VisionReading reading = ReadVisionText(text, "/robot/course.toml");
+  const Parsed<VisionConfig> reading = ReadVisionText(text, "/robot/course.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   const HsvRange of_hall{{1, 2, 3}, {4, 5, 6}};

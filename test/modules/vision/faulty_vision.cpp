@@ -41,7 +41,7 @@ class FaultyCourseDetector : public CourseDetector {
 };
 
 int Run(const program::Options& options) {
-  const VisionReading reading = ReadVisionFile(options.file);
+  const Parsed<VisionConfig> reading = ReadVisionFile(options.file);
   program::PrintErrors(reading.diagnostics);
   if (!reading.config) return program::kUsageError;
   VisionConfig config = *reading.config;

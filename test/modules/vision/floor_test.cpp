@@ -28,7 +28,7 @@ namespace musher::vision::floors {
 namespace {
 
 LinesParameters Shipped(const std::string& name) {
-  const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
+  const Parsed<VisionConfig> reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
   for (const CourseEntry& entry : reading.config.value().detectors) {
     if (entry.name == name) return std::get<LinesParameters>(entry.parameters);
   }

@@ -430,7 +430,7 @@ Verdict OfWord(const std::string& said, const Truth& truth) {
 }
 
 CourseEntry Shipped(CourseKind kind) {
-  const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
+  const Parsed<VisionConfig> reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
   for (const CourseEntry& entry : reading.config.value().detectors) {
     if (entry.kind == kind) return entry;
   }

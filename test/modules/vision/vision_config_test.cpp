@@ -31,7 +31,7 @@ TEST(VisionConfig, OfOldFilesCountsEqualPicturesNoLonger) {
 }
 
 TEST(VisionConfig, OfTheRepositoryIsGood) {
-  const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/faces.toml");
+  const Parsed<VisionConfig> reading = ReadVisionFile(SourceDir() + "/config/vision/faces.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   EXPECT_TRUE(reading.config->LooksIn("Active"));
@@ -41,7 +41,7 @@ TEST(VisionConfig, OfTheRepositoryIsGood) {
 }
 
 TEST(VisionConfig, IsWholeWithoutAKey) {
-  const VisionReading reading = ReadVisionText("", "/robot/faces.toml");
+  const Parsed<VisionConfig> reading = ReadVisionText("", "/robot/faces.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(reading.config->picture, "image_rgb");
   EXPECT_EQ(reading.config->CameraInfoTopic(), "image_rgb/camera_info");
@@ -49,7 +49,7 @@ TEST(VisionConfig, IsWholeWithoutAKey) {
 }
 
 TEST(VisionConfig, HasTheValuesOfTheFile) {
-  const VisionReading reading = ReadVisionText(R"(
+  const Parsed<VisionConfig> reading = ReadVisionText(R"(
 picture = "/camera/head/image_raw"
 hfov_deg = 90
 publish_under = "faces"
@@ -81,7 +81,7 @@ near_m = 0.5
 clear_m = 0.5
 hold_ms = 0
 )",
-                                               "/robot/faces.toml");
+                                                      "/robot/faces.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   const VisionConfig& config = *reading.config;
@@ -146,7 +146,7 @@ TEST(StatesOfAModule, RefuseAMisspeltOneWithTheNearest) {
 }
 
 TEST(VisionConfig, ThatCannotBeReadIsReported) {
-  const VisionReading reading = ReadVisionFile("/no/faces.toml");
+  const Parsed<VisionConfig> reading = ReadVisionFile("/no/faces.toml");
   EXPECT_FALSE(reading.config);
   EXPECT_FALSE(reading.diagnostics.empty());
 }

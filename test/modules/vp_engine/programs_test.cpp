@@ -116,7 +116,7 @@ TEST_F(ProgramsTest, ThatWereMadeWrongByHandAreInvalidAndDoNotRun) {
 // Ends each call as the test says.
 class FakeRobot : public Robot {
  public:
-  Call Say(const std::string& text) override { return Begin("say " + text); }
+  Call Speak(const std::string& text) override { return Begin("say " + text); }
   Call Move(const MotionOrder& order) override {
     return Begin("move " + std::to_string(order.id) + " for " + std::to_string(order.duration_ms));
   }
@@ -192,7 +192,7 @@ TEST_F(ANode, WaitsSecondsOfTheTreesTime) {
 }
 
 TEST(VpConfig, OfTheProductIsValidAndItsExamplesAreBuilt) {
-  const VpReading read = ReadVpFile(SourceDir() + "/config/vp_engine/vp_engine.toml");
+  const Parsed<VpConfig> read = ReadVpFile(SourceDir() + "/config/vp_engine/vp_engine.toml");
   ASSERT_TRUE(read.config) << FormatDiagnostic(read.diagnostics.front());
   FakeRobot robot;
   tree::Factory factory;
@@ -210,7 +210,7 @@ TEST(VpConfig, OfTheProductIsValidAndItsExamplesAreBuilt) {
 }
 
 TEST(VpConfig, ReportsAllErrorsAtOnce) {
-  const VpReading read = ReadVpText(
+  const Parsed<VpConfig> read = ReadVpText(
       "folder = \"\"\nrate_hz = 0\n[services]\nspeech = \"a b\"\nmoton = \"x\"\n", "v.toml");
   EXPECT_FALSE(read.config);
   ASSERT_EQ(read.diagnostics.size(), 4U);
@@ -218,10 +218,10 @@ TEST(VpConfig, ReportsAllErrorsAtOnce) {
 }
 
 TEST(VpConfig, RecordsAndLetsGroot2HoldNodesOnRequestOnly) {
-  const VpReading bare = ReadVpText("", "v.toml");
+  const Parsed<VpConfig> bare = ReadVpText("", "v.toml");
   EXPECT_EQ(bare.config.value().record, "");
   EXPECT_FALSE(bare.config.value().groot2_hooks);
-  const VpReading read =
+  const Parsed<VpConfig> read =
       ReadVpText("groot2_hooks = true\nrecord = \"v.tree\"\nrecord_mib = 2\n", "v.toml");
   EXPECT_TRUE(read.config.value().groot2_hooks);
   EXPECT_EQ(read.config.value().record, "v.tree");

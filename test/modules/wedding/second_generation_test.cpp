@@ -175,7 +175,7 @@ TEST_F(SecondShow, AShuffledBagDrawsEachSoundOnceAndNoneTwiceInARow) {
 TEST_F(SecondShow, APausedShowMovesNothingAndContinuesWithItsPack) {
   Tick(50);
   machine_->Pause();
-  show_->Rest(now_);
+  show_->Pause(now_);
   EXPECT_EQ(script_.motions.back(), "stop");
   show_->Resume(now_);
   Tick(2);

@@ -67,7 +67,7 @@ TEST_F(BlindShow, IsNotKeptGoingByRefusedInput) {
 
 TEST_F(BlindShow, StartsTheTimeoutAgainAfterAPause) {
   Tick(Ticks(Milliseconds(2000)));
-  show_->Rest(now_);
+  show_->Pause(now_);
   now_ += std::chrono::hours(1);
   show_->Resume(now_);
   EXPECT_EQ(TicksTo("SAFE_STOP", 1000), Ticks(Milliseconds(3000)) + 2);

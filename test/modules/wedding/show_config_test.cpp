@@ -12,7 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 WeddingConfig Shipped(const char* file) {
-  const WeddingReading reading = ReadWeddingFile(SourceDir() + "/config/wedding/" + file);
+  const Parsed<WeddingConfig> reading = ReadWeddingFile(SourceDir() + "/config/wedding/" + file);
   for (const Diagnostic& diagnostic : reading.diagnostics) {
     ADD_FAILURE() << FormatDiagnostic(diagnostic);
   }
@@ -20,7 +20,7 @@ WeddingConfig Shipped(const char* file) {
 }
 
 TEST(WeddingConfigTest, HasTheDefaultsWithAnEmptyFile) {
-  const WeddingReading reading = ReadWeddingText("", "show.toml");
+  const Parsed<WeddingConfig> reading = ReadWeddingText("", "show.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   EXPECT_EQ(reading.config, WeddingConfig{});
 }

@@ -100,7 +100,7 @@ class WildShow : public ShowRig {
     const Gaze gaze = show.data().motion.look_at_target;
     RC_ASSERT(gaze == data().motion.look_at_target);
   }
-  void Rest() { show_->Rest(now_); }
+  void Pause() { show_->Pause(now_); }
   void Resume() { show_->Resume(now_); }
 
   using ShowRig::Gesture;
@@ -133,7 +133,7 @@ RC_GTEST_PROP(ShowProperty, ReplaysItsRecordingIdentically, (bool extended)) {
       200, rc::gen::pair(rc::gen::inRange(0, kKinds), rc::gen::inRange(0, 100)));
   for (const auto& [kind, value] : events) {
     if (kind == 7 && value > 80) {  // the robot goes to LowPower and comes back
-      show.Rest();
+      show.Pause();
       show.Resume();
     }
     show.Happen(kind, value);

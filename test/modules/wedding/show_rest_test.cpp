@@ -33,7 +33,7 @@ TEST_F(RestingShow, DoesNotFillItsHistoryWithPausesInIdle) {
   const std::size_t before = machine_->history().size();
   for (int i = 0; i < 40; ++i) {
     machine_->Pause();
-    show_->Rest(now_);
+    show_->Pause(now_);
     show_->Resume(now_);
     Tick(10);
   }
@@ -59,7 +59,7 @@ TEST_F(RestingShow, AsksAGuestWhoIsTooCloseOnceHoweverOftenItIsReset) {
 
 TEST_F(RestingShow, DropsACommandThatWaitsInIdle) {
   Command("photo");
-  show_->Rest(now_);
+  show_->Pause(now_);
   show_->Resume(now_);
   Tick(2);
   EXPECT_EQ(state(), "IDLE");

@@ -94,7 +94,7 @@ TEST_F(ShowTest, StaysInSafeStopWithoutADetectorUntilOneReportsThatNoGuestIsTooC
 TEST_F(ShowTest, RemembersThroughAPauseThatAGuestIsTooClose) {
   TooClose(true);
   Tick();
-  show_->Rest(now_);
+  show_->Pause(now_);
   show_->Resume(now_);
   EXPECT_EQ(TicksTo("SAFE_STOP", 1), 1);
 }
@@ -263,7 +263,7 @@ TEST_F(ShowTest, RestsNeutralAndContinuesFromIdle) {
   Gesture("heart");
   TickWithFace(10, {0.9, 0.5});
   ASSERT_EQ(state(), "PHOTO_POSING");
-  show_->Rest(now_);
+  show_->Pause(now_);
   EXPECT_EQ(state(), "IDLE");
   EXPECT_EQ(script_.poses.back(), "neutral");
   EXPECT_EQ(script_.gazes.back(), Gaze{});
@@ -281,7 +281,7 @@ TEST_F(ShowTest, PublishesNothingForARobotThatMustNotBeMoved) {
   TickWithFace(10, {0.9, 0.5});
   const std::size_t gazes = script_.gazes.size();
   const std::size_t poses = script_.poses.size();
-  show_->Rest(now_, true);
+  show_->Pause(now_, true);
   EXPECT_EQ(script_.gazes.size(), gazes);
   EXPECT_EQ(script_.poses.size(), poses);
   EXPECT_EQ(state(), "IDLE");
@@ -289,7 +289,7 @@ TEST_F(ShowTest, PublishesNothingForARobotThatMustNotBeMoved) {
 
 TEST_F(ShowTest, PublishesItsPoseAgainForARestartedMotionAdapter) {
   Tick();
-  show_->Rest(now_);
+  show_->Pause(now_);
   show_->Resume(now_);
   Tick();
   EXPECT_THAT(script_.poses, ElementsAre("neutral", "neutral", "neutral"));

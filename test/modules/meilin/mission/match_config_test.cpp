@@ -76,12 +76,12 @@ TEST(MeilinMatchConfig, RefusesWhatTheRobotCannotReach) {
   }
 }
 TEST(MeilinMissionConfig, TheFileIsRight) {
-  const MissionReading reading = ReadMissionText(ConfigText("mission.toml"), "mission.toml");
+  const Parsed<MissionConfig> reading = ReadMissionText(ConfigText("mission.toml"), "mission.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(reading.config->settings.grid.origin.x_m, 1.2);
 }
 TEST(MeilinMissionConfig, NamesWhatIsWrong) {
-  const MissionReading reading = ReadMissionText(
+  const Parsed<MissionConfig> reading = ReadMissionText(
       "tree_file = \"a.xml\"\nmeilin_grid_origin = [1]\nmeilin_side = \"green\"\nmeilin_yaw = 1\n",
       "m.toml");
   EXPECT_FALSE(reading.config);

@@ -215,7 +215,8 @@ TEST_F(PlannerEndpointTest, AnswersAThousandDamagedMaps) {
 }
 
 TEST(PlannerConfig, HasItsDefaultsInTheShippedFile) {
-  const PlannerReading shipped = ReadPlannerFile(SourceDir() + "/config/meilin/planner.toml");
+  const Parsed<PlannerConfig> shipped =
+      ReadPlannerFile(SourceDir() + "/config/meilin/planner.toml");
   ASSERT_TRUE(shipped.config);
   const PlannerConfig standard;
   EXPECT_EQ(shipped.config->auto_send, standard.auto_send);
@@ -229,14 +230,14 @@ TEST(PlannerConfig, HasItsDefaultsInTheShippedFile) {
 TEST(PlannerConfig, HasAnEntranceInRow0) {
   EXPECT_EQ(ReadPlannerText("entrance = [0, 2]\n", "p.toml").config->rules.entrance, (Cell{0, 2}));
   for (const char* text : {"entrance = [1, 0]", "entrance = [0, 3]", "entrance = [0]"}) {
-    const PlannerReading reading = ReadPlannerText(text, "p.toml");
+    const Parsed<PlannerConfig> reading = ReadPlannerText(text, "p.toml");
     ASSERT_EQ(reading.diagnostics.size(), 1U) << text;
     EXPECT_THAT(reading.diagnostics[0].message, HasSubstr("a match enters in row 0")) << text;
   }
 }
 
 TEST(PlannerConfig, NamesThePlaceOfAnError) {
-  const PlannerReading reading = ReadPlannerText(
+  const Parsed<PlannerConfig> reading = ReadPlannerText(
       "auto_sent_ms = 1\n[topics]\nmap = \"a b\"\n[costs]\nflat_s = -1\n", "p.toml");
   ASSERT_EQ(reading.diagnostics.size(), 3U);
   EXPECT_EQ(FormatDiagnostic(reading.diagnostics[0]),

@@ -26,7 +26,7 @@ class ServerRig : public ::testing::Test {
   using Outcome = transport::GoalOutcome<A>;
 
   void Start(const std::string& file) {
-    const ServerReading reading = ReadServerText(file, "server.toml");
+    const Parsed<ServerConfig> reading = ReadServerText(file, "server.toml");
     ASSERT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.at(0));
     config_ = *reading.config;
     server_ = Must(Make(

@@ -423,7 +423,7 @@ void CourseDrive::Watch(const std::vector<bool>& detectors) {
   }
 }
 
-void CourseDrive::Say(const std::string& text, std::uint64_t number) {
+void CourseDrive::Speak(const std::string& text, std::uint64_t number) {
   Log("says", text);
   Later(kSpoken, [this, number] { race_.OnSpoken(number, Ok(), dog_.now()); });
 }

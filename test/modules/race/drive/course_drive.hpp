@@ -126,7 +126,7 @@ class CourseDrive : private RaceOutputs {
   void Move(std::int32_t motion_id, std::uint64_t number) override;
   void CommandWalker(const LaneWalk& walk, bool start) override;
   void Watch(const std::vector<bool>& detectors) override;
-  void Say(const std::string& text, std::uint64_t number) override;
+  void Speak(const std::string& text, std::uint64_t number) override;
   void ShowState(int number) override;
   void Log(const std::string& line) override { Log("race", line); }
 

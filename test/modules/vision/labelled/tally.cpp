@@ -119,7 +119,7 @@ LineTallies TallyOfLines(const msg::YellowLines& lines, const LinesParameters& p
 }
 
 std::vector<CourseEntry> ShippedDetectors() {
-  const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
+  const Parsed<VisionConfig> reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
   if (!reading.config) throw std::runtime_error(FormatDiagnostic(reading.diagnostics.front()));
   return reading.config->detectors;
 }
