@@ -156,7 +156,7 @@ Result<> Session::WatchMachine() {
   };
   events.on_status = [this](const msg::MachineStatus& status) {
     if (ring_ && !std::exchange(said_whose_trouble_, true)) {
-      Say("trouble of " + (status.machine.empty() ? "the machine" : status.machine) + " is kept");
+      Print("trouble of " + (status.machine.empty() ? "the machine" : status.machine) + " is kept");
     }
     if (const auto reason = trouble_.On(status)) Trouble(*reason);
   };
