@@ -9,7 +9,6 @@
 #include <fstream>
 
 #include "musher/base/host.hpp"
-#include "musher/base/unique_fd.hpp"
 
 namespace musher {
 
@@ -23,6 +22,22 @@ std::string ReadFile(const std::filesystem::path& file) {
     bytes.append(chunk.data(), static_cast<std::size_t>(stream.gcount()));
   }
   return stream.bad() ? std::string() : bytes;
+}
+
+// A device may act once it is opened, so it is looked at first; and again, as it may be replaced
+// meanwhile.
+UniqueFd OpenRegular(const std::string& path) {
+  struct stat info {};
+  if (lstat(path.c_str(), &info) != 0) return {};
+  if (!S_ISREG(info.st_mode)) {
+    errno = EINVAL;
+    return {};
+  }
+  UniqueFd file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (!file.valid()) return {};
+  if (fstat(file.get(), &info) == 0 && S_ISREG(info.st_mode)) return file;
+  errno = EINVAL;
+  return {};
 }
 
 Result<> WriteFile(const std::string& path, std::string_view content) {

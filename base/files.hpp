@@ -14,11 +14,17 @@
 #include <vector>
 
 #include "musher/base/result.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher {
 
 // The bytes of a file; empty if it cannot be read to its end.
 std::string ReadFile(const std::filesystem::path& file);
+
+// Opens a regular file for reading, never through a link, and without waiting: another user may
+// have put a link, a pipe or a device in its place. Not valid on failure; errno gives the reason,
+// EINVAL if it is no regular file.
+UniqueFd OpenRegular(const std::string& path);
 
 // Writes a file that no process reads meanwhile, also a device such as /dev/stdout.
 Result<> WriteFile(const std::string& path, std::string_view content);

@@ -21,6 +21,7 @@
 #include "musher/controller/storage/other_starts.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/step/emergency_stops.hpp"
 #include "musher/transport/dds/settings.hpp"
 #include "musher/transport/ros_environment.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -145,9 +146,8 @@ void Controller::BeginAfter(Duration listen) {
 // What runs here may belong to a controller of another host.
 void Controller::BeginUnlessLed() {
   if (shell_->refused()) return;
-  if (const auto& rival = shell_->rival(); rival && !options_.takeover) {
-    return shell_->Refuse(Refused<Refusal::kAlreadyLed>(rival->process));
-  }
+  TakeIdOfActuators();
+  if (const auto refusal = WhyNotBeside()) return shell_->Refuse(*refusal);
   const Time deadline = node_.loop().Now() + kStatusWithin;
   if (!options_.before_begin) {
     CountHeld();
@@ -160,6 +160,18 @@ void Controller::BeginUnlessLed() {
     shell_->ForgetEnded(RunsHere());
     BeginOnceReceived(deadline);
   });
+}
+
+// Why it must not begin where another controller leads a machine of this name. Without this
+// machine's id that one may be another robot's, which a takeover would fence.
+std::optional<Error> Controller::WhyNotBeside() const {
+  const auto& rival = shell_->rival();
+  if (!rival) return std::nullopt;
+  if (!store_ && !rival->here && shell_->machine_identity().id.empty()) {
+    return Refused<Refusal::kIdNotKnown>(rival->process, config_.state_dir);
+  }
+  if (options_.takeover) return std::nullopt;
+  return Refused<Refusal::kAlreadyLed>(rival->process);
 }
 
 // By its name, or by the pid that it reports: it may run without the name.
@@ -207,15 +219,15 @@ Result<> Controller::OpenStore() {
     store = StateStore::Open(config_.state_dir, Origin());
   }
   if (store) {
-    last_config_hash_ = store.value().LoadConfigHash();
     store_ = std::make_shared<StateStore>(std::move(store).value());
     ShareStore();
   } else if (store.error().code == kCodeTargetBusy) {
     return Error{kCodeTargetBusy, store.error().message + "; " +
                                       HowToReplace(StateStore::OwnerOf(config_.state_dir))};
   } else {
-    Trouble("no journal, no saved epoch: " + store.error().message);
+    Trouble("no journal, nothing is saved: " + store.error().message);
   }
+  last_config_hash_ = StateStore::ConfigHashIn(config_.state_dir);
   return Ok();
 }
 
@@ -301,7 +313,11 @@ Result<> Controller::OpenShell() {
   dependencies.host_name = HostName();
   dependencies.pid = getpid();
   dependencies.incarnation = incarnation_;
-  if (store_) dependencies.machine_id = store_->machine_id();
+  if (store_) {
+    dependencies.machine_id = store_->machine_id();
+  } else if (const auto origin = LoadOrigin(config_.state_dir)) {
+    dependencies.machine_id = origin->id;
+  }
   auto shell = ControllerShell::Make(std::move(dependencies), config_, ShellHooks());
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
@@ -443,12 +459,9 @@ void Controller::Begin() {
   event::Begin begin;
   begin.by_hand = options_.by_hand;
   begin.epoch = LoadEpoch();
-  if (const auto& rival = shell_->rival()) {
-    if (!options_.takeover) {
-      return shell_->Refuse(Refused<Refusal::kAlreadyLed>(rival->process));
-    }
-    begin.epoch = std::max(begin.epoch, rival->epoch);
-  }
+  TakeIdOfActuators();
+  if (const auto refusal = WhyNotBeside()) return shell_->Refuse(*refusal);
+  if (const auto& rival = shell_->rival()) begin.epoch = std::max(begin.epoch, rival->epoch);
   if (const std::string others = shell_->peers().RunningWithAnotherConfig(last_config_hash_);
       !others.empty() && !options_.adopt && !options_.restarted) {
     return shell_->Refuse(Refused<Refusal::kOtherConfigRuns>(others, config_.file));
@@ -461,26 +474,31 @@ void Controller::Begin() {
   const std::vector<ChildProcess> children = FindRunning(begin);
   begin.restarted = options_.restarted;
   begin.supervised = options_.supervised;
-  if (store_) {
-    begin.stops = LoadStops();
-    begin.policy = store_->LoadPolicy();
-    begin.stop_intent = store_->LoadStopIntent();
-    begin.remote = store_->LoadRemoteActuators(HostId());
-  }
+  begin.stops = LoadStops();
+  begin.policy = LoadPolicy();
+  begin.stop_intent = StateStore::StopIntentIn(config_.state_dir);
+  begin.remote = StateStore::RemoteActuatorsIn(config_.state_dir, HostId());
   shell_->Begin(std::move(begin), children);
   if (!store_) return shell_->OnJournalWritten(NoFolder());
   check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });
 }
 
-// Includes the stops of the machine's other state folders: another way to start it releases none,
-// and requests nothing. Of what this user may not read a stop is not known to be over.
-StoredStops Controller::LoadStops() {
-  StoredStops stops = store_->LoadEmergencyStops();
-  const MachineOrigin machine = Origin();
-  std::vector<std::string> folders = DefaultStateDirs(machine);
+// Where this machine may have its files when it is started otherwise.
+std::vector<std::string> Controller::OtherFolders() const {
+  std::vector<std::string> folders = DefaultStateDirs(Origin());
   if (!taken_from_.empty()) folders.push_back(taken_from_);
-  for (const StopsElsewhere& other :
-       FindStopsElsewhere(config_.state_dir, machine, folders, stops)) {
+  return folders;
+}
+
+// Includes the stops of the machine's other state folders: another way to start it releases none,
+// and requests nothing. Of what cannot be read a stop is not known to be over; so it is with this
+// machine's own folder, where it cannot be opened.
+StoredStops Controller::LoadStops() {
+  const std::string& own = config_.state_dir;
+  StoredStops stops = store_ ? store_->LoadEmergencyStops() : OpenStopsIn(own);
+  const MachineOrigin machine = Origin();
+  std::vector<std::string> folders = OtherFolders();
+  for (const StopsElsewhere& other : FindStopsElsewhere(own, machine, folders, stops)) {
     stops = Merge(stops, other.stops);
     const std::string what = other.stops.engaged.empty()
                                  ? "no state was requested since the last emergency stop in "
@@ -488,14 +506,39 @@ StoredStops Controller::LoadStops() {
     Trouble(what + other.state_dir +
             ", where this machine had its files when it was started otherwise; it holds");
   }
-  stops.unread = FindUnreadFolders(config_.state_dir, machine, folders, stops.unread);
+  if (!store_) folders.push_back(own);
+  stops.unread = FindUnreadFolders(store_ ? own : "", machine, folders, stops.unread);
   for (const UnreadFolder& unread : stops.unread) {
     if (unread.answered) continue;
-    Trouble("this user may not read " + unread.folder + " of user " + unread.owner +
-            ", where this machine may have its files when it is started otherwise: whether an "
-            "emergency stop is engaged there is not known");
+    Trouble("whether an emergency stop is engaged, or the battery was low, in " + unread.folder +
+            ", where this machine may have its files, is not known: " + WhyUnread(unread));
   }
   return stops;
+}
+
+// The battery was at least as low as in any of the machine's state folders. This machine's own has
+// a level of another one from now on, and takes it over once: samples may lift it.
+StoredPolicy Controller::LoadPolicy() {
+  StoredPolicy policy = StateStore::PolicyIn(config_.state_dir);
+  if (!config_.policy || !config_.policy->battery) return policy;
+  const auto taken = StateStore::LevelsTakenIn(config_.state_dir);
+  std::vector<std::uint64_t> marks;
+  bool is_new = false;
+  for (const LevelElsewhere& other :
+       FindLevelsElsewhere(config_.state_dir, Origin(), OtherFolders())) {
+    marks.push_back(other.mark);
+    if (std::ranges::count(taken, other.mark) != 0) continue;
+    is_new = true;
+    policy.level = std::max(policy.level, other.level);
+    Trouble("the battery was low (" + std::string(LevelName(other.level)) + ") in " +
+            other.state_dir + ", where this machine had its files when it was started otherwise");
+  }
+  if (!is_new || !store_) return policy;
+  disk_.Do("battery level", [store = store_, policy, marks]() -> Result<> {
+    if (auto saved = store->SavePolicy(policy); !saved) return saved;
+    return store->SaveLevelsTaken(marks);
+  });
+  return policy;
 }
 
 // The state folder may be removed under a running machine, or another volume mounted over it.
@@ -524,26 +567,43 @@ void Controller::CheckFolder() {
       });
 }
 
-// A machine has one id on all its hosts: a state folder without one takes it from the controller
-// that is replaced, or from an actuator of this machine that runs already.
-void Controller::TakeIdentity() {
-  if (!store_ || !store_->machine_id().empty()) return;
-  std::string id;
-  if (const auto& rival = shell_->rival()) id = rival->machine.id;
+// That of an actuator of this machine that runs already. One that this host starts belongs here;
+// elsewhere a process of its name is another machine's. Without a state folder nothing says that an
+// actuator of another host is this machine's.
+std::string Controller::IdOfActuators() const {
   for (const auto& [actuator, status] : shell_->peers().statuses_before_begin()) {
-    // One that this host starts belongs here; elsewhere a process of its name is another machine's.
-    const ActuatorConfig& config = config_.actuators[actuator];
-    const bool belongs = status.host == HostId() || config.command.empty();
-    if (id.empty() && belongs && status.machine == config_.name) id = status.machine_id;
+    const bool started_elsewhere = store_ && config_.actuators[actuator].command.empty();
+    const bool belongs = status.host == HostId() || started_elsewhere;
+    if (belongs && status.machine == config_.name && !status.machine_id.empty()) {
+      return status.machine_id;
+    }
   }
-  store_->SetMachineId(id.empty() ? NewMachineId() : id);
+  return {};
+}
+
+// Without a state folder it says whether a controller of this machine's name is a rival.
+void Controller::TakeIdOfActuators() {
+  if (store_ || !shell_->machine_identity().id.empty()) return;
+  shell_->SetMachineId(IdOfActuators());
+}
+
+// A machine has one id on all its hosts: a state folder without one takes it from the controller
+// that is replaced, or from an actuator. Where the folder cannot be used, an id that is not known
+// is a new one for this run: with the name alone it would fence another robot of that name.
+void Controller::TakeIdentity() {
+  if (!shell_->machine_identity().id.empty()) return;
+  std::string id;
+  if (const auto& rival = shell_->rival(); rival && (store_ || rival->here)) id = rival->machine.id;
+  if (id.empty()) id = IdOfActuators();
+  if (id.empty()) id = NewMachineId();
+  shell_->SetMachineId(id);
+  if (!store_) return;
+  store_->SetMachineId(id);
   disk_.Do("machine", [store = store_] { return store->SaveMachineId(); });
-  shell_->SetMachineId(store_->machine_id());
 }
 
 Epoch Controller::LoadEpoch() {
-  if (!store_) return 0;
-  const auto epoch = store_->LoadEpoch();
+  const auto epoch = StateStore::EpochIn(config_.state_dir);
   if (epoch) return epoch.value();
   Trouble(epoch.error().message);
   return 0;
@@ -578,7 +638,7 @@ void Controller::OnceRecorded(std::function<void()> then) {
 // with the machine.
 std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
   std::vector<ChildProcess> stored;
-  for (const std::string& folder : {store_ ? config_.state_dir : std::string(), taken_from_}) {
+  for (const std::string& folder : {config_.state_dir, taken_from_}) {
     if (folder.empty()) continue;
     const auto more = StateStore::LoadChildren(folder, HostId());
     stored.insert(stored.end(), more.begin(), more.end());

@@ -97,6 +97,7 @@ class Controller {
   void BeginUnlessLed();
   ActuatorPeers::RunsHere RunsHere() const;
   void CountHeld();
+  std::optional<Error> WhyNotBeside() const;
   void BeginOnceReceived(Time deadline);
   void Begin();
   std::string LockOf(const std::string& actuator) const;
@@ -104,7 +105,11 @@ class Controller {
   pid_t HolderOf(ActuatorIndex i);
   void EndUnlisted(const ChildProcess& child);
   Epoch LoadEpoch();
+  std::vector<std::string> OtherFolders() const;
   StoredStops LoadStops();
+  StoredPolicy LoadPolicy();
+  std::string IdOfActuators() const;
+  void TakeIdOfActuators();
   void TakeIdentity();
   void OpenLogs();
   void WatchNetwork();

@@ -132,6 +132,7 @@ enum class Refusal : std::uint8_t {
   kNameTaken,
   kNameHeld,
   kLeadsOtherMachine,
+  kIdNotKnown,
 };
 
 struct RefusalForm {
@@ -200,8 +201,8 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
      "no state was requested since the last emergency stop, and a manager does not switch on after "
      "it: `musher set {target}` does"},
     {Refusal::kStopsUnread, kCodeStateInvalid,
-     "whether an emergency stop is engaged in {folder} is not known: this user may not read "
-     "it{owner?}; a manager does not answer that: check the robot, then run `musher set {target}`"},
+     "whether an emergency stop is engaged in {folder} is not known: {why}; a manager does not "
+     "answer that: check the robot, then run `musher set {target}`"},
 
     {Refusal::kNoPolicy, kCodeUnSupport, "the config has no [policy]"},
     {Refusal::kNoLowPowerPolicy, kCodeUnSupport, "the config has no [policy.low_power]"},
@@ -323,6 +324,10 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
      "process {pid} leads another machine, {machine}, in the namespace and domain of this one, "
      "{own machine}: give one of them a `namespace` of its own in [controller], or another domain "
      "(--domain)"},
+    {Refusal::kIdNotKnown, kCodePermissionDenied,
+     "{controller} leads a machine of this name, and whether it is this one is not known: "
+     "{folder} cannot be read, which has this machine's id; repair it, or give this machine a "
+     "`name` of its own in [controller]"},
 });
 
 constexpr const RefusalForm& FormOf(Refusal why) {

@@ -97,17 +97,21 @@ void CommandChecker::OnBegun(const std::string& name, std::size_t host,
 // waits, has begun, or was cancelled for a reason that its sender knows.
 void CommandChecker::CheckWaiting(const std::string& name, std::size_t host,
                                   const ActuatorReport& report) {
-  const ActuatorCore* core = robot_.processes().CoreOf(name, host);
+  const SimulatedProcesses& processes = robot_.processes();
+  const ActuatorCore* core = processes.CoreOf(name, host);
+  const std::uint64_t process = processes.SerialOf(host, processes.PidOf(name, host));
   auto& known = waiting_[{name, host}];
   const std::optional<Waiting> before = known;
   known.reset();
   if (core != nullptr && core->waiting) {
-    const bool same = before && before->incarnation == report.incarnation &&
+    const bool same = before && before->process == process &&
+                      before->incarnation == report.incarnation &&
                       before->command.number == core->waiting->command.number;
     const bool stopped = report.emergency_stop != 0 || (same && before->stopped);
-    known = Waiting{report.incarnation, report.epoch, core->waiting->command, stopped};
+    known = Waiting{process, report.incarnation, report.epoch, core->waiting->command, stopped};
   }
-  if (!before || before->incarnation != report.incarnation) return;
+  if (!before || before->process != process) return;
+  if (before->incarnation != report.incarnation) return;
   const SwitchCommand& command = before->command;
   if (known && known->command.number >= command.number) return;  // the same, or a newer one
   const bool begun =

@@ -49,6 +49,8 @@ class CommandChecker : public SubjectChecker {
     ReleaseChecker::Basis basis;
   };
   struct Waiting {
+    std::uint64_t process =
+        0;  // its serial: after a boot of its host an incarnation may come again
     Incarnation incarnation = 0;
     Epoch epoch = 0;
     SwitchCommand command;

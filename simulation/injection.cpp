@@ -103,6 +103,10 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kClockFault, "clock-fault", 0, "{clock_fault}"},
     {InjectionKind::kUnreadFolder, "unread-folder", 0,
      "another state folder of the machine may not be read from now on"},
+    {InjectionKind::kClosedFolder, "closed-folder", 0,
+     "the state folder of the controller cannot be opened at a start{lasts}"},
+    {InjectionKind::kOtherUser, "other-user", 0,
+     "the controller is killed, and another user starts it after {ms}"},
 }};
 
 // The share of process ends that are configuration errors.
@@ -142,6 +146,8 @@ constexpr double kSlowDiscoveryShare = 0.15;
 constexpr double kPermitShare = 0.4;  // of those with permit_ms in their config
 constexpr double kClockShare = 0.5;   // of those with clock = "topic" and a policy
 constexpr double kUnreadFolderShare = 0.04;
+constexpr double kClosedFolderShare = 0.04;
+constexpr double kOtherUserShare = 0.06;
 constexpr double kThenReleased = 0.7;
 constexpr InjectionKind kOfClients[] = {
     InjectionKind::kClientSet,    InjectionKind::kClientSet,     InjectionKind::kClientStatus,
@@ -224,6 +230,7 @@ class InjectionSampler {
         permit_random_(seed * 2 + 0x7065726d),
         clock_random_(seed * 2 + 0x636c6f63),
         folder_random_(seed * 2 + 0x666f6c64),
+        user_random_(seed * 2 + 0x75736572),
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
   Injections Sample(bool bridges) {
@@ -251,6 +258,7 @@ class InjectionSampler {
     AddOfPermits();
     AddOfClock();
     AddOfFolders();
+    AddOfUsers();
     return std::move(injections_);
   }
 
@@ -374,6 +382,38 @@ class InjectionSampler {
     InsertWithin(
         folder_random_, folder,
         folder_random_.Bernoulli(0.7) ? InjectionKind::kReboot : InjectionKind::kControllerCrash);
+  }
+
+  // Its own folder cannot be opened; or another user starts the machine, in most scenarios after a
+  // stop, or while nothing publishes the battery.
+  void AddOfUsers() {
+    using std::chrono::seconds;
+    if (user_random_.Bernoulli(kClosedFolderShare)) {
+      const Injection folder =
+          Insert(user_random_, InjectionKind::kClosedFolder, Milliseconds(500), seconds(12));
+      const bool boots = user_random_.Bernoulli(0.7);
+      InsertWithin(user_random_, folder,
+                   boots ? InjectionKind::kReboot : InjectionKind::kControllerCrash);
+    }
+    if (!user_random_.Bernoulli(kOtherUserShare)) return;
+    Injection change = Insert(user_random_, InjectionKind::kOtherUser, Milliseconds(1), seconds(6));
+    const auto before = [&](InjectionKind kind, Duration lasts) {
+      Injection cause = change;
+      cause.kind = kind;
+      cause.at -= std::min(cause.at, user_random_.Between(Milliseconds(1), seconds(4)));
+      cause.lasts = lasts;
+      cause.random = user_random_.Next();
+      Insert(cause);
+    };
+    if (user_random_.Bernoulli(0.6)) before(InjectionKind::kStopProgram, {});
+    const bool battery = config_.policy && config_.policy->battery;
+    if (battery && user_random_.Bernoulli(0.5)) {
+      before(InjectionKind::kSilentBattery, seconds(20));
+    }
+    if (user_random_.Bernoulli(0.5)) return;
+    change.at += user_random_.Between(Milliseconds(1), seconds(12));
+    change.random = user_random_.Next();
+    Insert(change);  // the first one again
   }
 
   // While another one lasts, on the same host.
@@ -574,6 +614,7 @@ class InjectionSampler {
   Random permit_random_;
   Random clock_random_;
   Random folder_random_;
+  Random user_random_;
   std::size_t hosts_;
   Duration at_{};
   Injections injections_;

@@ -83,8 +83,10 @@ enum class InjectionKind : std::uint8_t {
   // may
   // not read.
   kUnreadFolder,
+  kClosedFolder,  // its own cannot be opened for writing, or not at all; lasts
+  kOtherUser,     // another user starts the machine, with another state folder, mostly after a boot
 };
-inline constexpr std::size_t kInjectionKinds = 57;
+inline constexpr std::size_t kInjectionKinds = 59;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
 // Of its text, with names in braces: "the process of {actuator} is killed"; see Describe().

@@ -293,6 +293,21 @@ bool SimRobot::FindsUnreadFolder(const SimulatedController& controller) const {
   return std::ranges::count(found, false, &UnreadFolder::answered) != 0;
 }
 
+void SimRobot::SetFolderOpens(FolderOpens opens) {
+  for (Disk& disk : disks_) disk.opens = opens;
+}
+
+void SimRobot::ChangeUser() {
+  CrashController();
+  by_other_user_ = !by_other_user_;
+  for (Disk& disk : disks_) {
+    std::swap(disk.stops, disk.other.stops);
+    std::swap(disk.policy.level, disk.other.level);
+    std::swap(disk.policy.lowering, disk.other.lowering);
+    disk.level_taken = false;
+  }
+}
+
 void SimRobot::JumpWallClock(Duration by) {
   for (const auto& controller : controllers_) {
     if (controller) controller->wall_offset += by;

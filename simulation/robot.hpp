@@ -138,6 +138,15 @@ class SimRobot {
   void AddUnreadFolder(std::uint64_t mark);
   // Whether a controller that starts now finds one that no request has answered.
   bool FindsUnreadFolder(const SimulatedController& controller) const;
+  // From its next start on, each controller finds its state folder so.
+  void SetFolderOpens(FolderOpens opens);
+  // Another user starts the next controllers, with a state folder of their own; the first one
+  // again, if this was done before. Kills the controllers that run.
+  void ChangeUser();
+  // The state folder of a controller that runs: that of its host and user.
+  std::size_t FolderOf(const SimulatedController& controller) const {
+    return 2 * controller.host() + (by_other_user_ ? 1 : 0);
+  }
   // Changes the wall clocks of the controllers.
   void JumpWallClock(Duration by);
 
@@ -246,6 +255,7 @@ class SimRobot {
   std::array<Panel, 2> panels_;
   SimulatedProcesses processes_;
   std::array<Disk, 2> disks_;
+  bool by_other_user_ = false;
   std::array<std::unique_ptr<SimulatedController>, 2> controllers_;
   std::set<transport::ParticipantId> controllers_ever_;
   std::map<std::size_t, std::unique_ptr<Client>> clients_;  // by host

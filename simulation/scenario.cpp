@@ -540,10 +540,27 @@ void Scenario::ApplyAround(const Injection& injection) {
       return ApplyToClock(injection);
     case InjectionKind::kUnreadFolder:
       return robot_.AddUnreadFolder(injection.random);
+    case InjectionKind::kClosedFolder:
+      checker_.OnControllersBlocked(true);
+      robot_.SetFolderOpens(injection.random % 2 == 0 ? FolderOpens::kForReading
+                                                      : FolderOpens::kNo);
+      return Later(injection.lasts, [this] { robot_.SetFolderOpens(FolderOpens::kYes); });
+    case InjectionKind::kOtherUser:
+      return ChangeUser(injection);
     default:
       Engage(injection.random / 2 % 2, 0);
       return ReleaseLater(injection);
   }
+}
+
+void Scenario::ChangeUser(const Injection& injection) {
+  checker_.OnControllersBlocked(false);
+  robot_.ChangeUser();
+  const bool boots = injection.random % 4 != 0;
+  if (boots) Reboot(robot_.layout().controllers[0], injection.lasts);
+  Later(injection.lasts, [this] {
+    if (robot_.MayStartFirst()) StartController(false);
+  });
 }
 
 // Faults of one console; the next one has the links of the others.

@@ -126,6 +126,7 @@ class Scenario {
   void ReleaseLater(const Injection& injection);
   void AwaitOtherMachine();
   void ApplyByClient(const Injection& injection);
+  void ChangeUser(const Injection& injection);
   void ApplyToPermits(const Injection& injection);
   void ApplyToClock(const Injection& injection);
   // The console gives permits again, and /clock runs.

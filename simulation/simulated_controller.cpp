@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/step/emergency_stops.hpp"
 
 namespace musher::simulation {
 
@@ -12,6 +13,10 @@ std::vector<UnreadFolder> UnreadFoldersOf(const Disk& disk) {
   for (UnreadFolder& folder : found) {
     const auto before = std::ranges::find(disk.stops.unread, folder.mark, &UnreadFolder::mark);
     folder.answered = before != disk.stops.unread.end() && before->answered;
+  }
+  if (disk.opens == FolderOpens::kNo) {
+    for (UnreadFolder& folder : found) folder.answered = false;
+    found.push_back({"the state folder", "root", 1, false});
   }
   return found;
 }
@@ -117,7 +122,7 @@ template <class T>
 void SimulatedController::Save(T& stored, const T& value,
                                const ControllerShell::Dependencies::OnSaved& done) {
   const auto write = [this, &stored, value, done] {
-    if (disk_.full) return done(Error{kCodeFailed, "the disk is full"});
+    if (WritesFail()) return done(Error{kCodeFailed, "the disk is full"});
     stored = value;
     done(Ok());
   };
@@ -138,9 +143,33 @@ SimulatedController::~SimulatedController() {
   network_.Crash(*node_);
 }
 
+// As Controller's.
+StoredStops SimulatedController::LoadStops() const {
+  const StoredStops own = opened_ == FolderOpens::kNo ? StoredStops{} : disk_.stops;
+  StoredStops stops = Merge(own, StopsThatHold(own, disk_.other.stops, StopId(0)));
+  stops.unread = UnreadFoldersOf(disk_);
+  return stops;
+}
+
+// As Controller's.
+StoredPolicy SimulatedController::LoadPolicy() {
+  StoredPolicy policy = disk_.policy;
+  if (opened_ == FolderOpens::kNo) {
+    policy = {};
+    policy.level = BatteryLevel::kLowPower;
+  }
+  if (disk_.level_taken) return policy;
+  policy.level = std::max(policy.level, disk_.other.level);
+  if (WritesFail() || disk_.stalled) return policy;
+  disk_.policy = policy;
+  disk_.level_taken = true;
+  return policy;
+}
+
 void SimulatedController::Begin(bool takeover, bool restarted) {
   event::Begin begin;
-  begin.epoch = disk_.epoch;
+  opened_ = disk_.opens;
+  begin.epoch = opened_ == FolderOpens::kNo ? Epoch(0) : disk_.epoch;
   if (const auto& rival = shell_->rival()) {
     if (!takeover) return shell_->Refuse(Refused<Refusal::kAlreadyLed>(rival->process));
     begin.epoch = std::max(begin.epoch, rival->epoch);
@@ -154,11 +183,10 @@ void SimulatedController::Begin(bool takeover, bool restarted) {
     if (child != disk_.children.end() && child->second.pid == pid)
       children.push_back(child->second);
   }
-  begin.stops = disk_.stops;
-  begin.stops.unread = UnreadFoldersOf(disk_);
+  begin.stops = LoadStops();
   begin.stop_intent = disk_.stop_intent;
-  begin.remote = disk_.remote;
-  begin.policy = disk_.policy;
+  if (opened_ != FolderOpens::kNo) begin.remote = disk_.remote;
+  begin.policy = LoadPolicy();
   begin.restarted = restarted;
   begun_ = true;
   if (hooks_.on_begin) hooks_.on_begin(restarted);
@@ -226,7 +254,7 @@ void SimulatedController::TakeBacktrace(pid_t, Duration,
 
 void SimulatedController::Append(JournalItem item) noexcept {
   if (std::holds_alternative<JournalInput>(item) && hooks_.on_input) hooks_.on_input();
-  if (disk_.full) {
+  if (WritesFail()) {
     disk_.gap = disk_.wants_snapshot = true;
     return;
   }
@@ -235,7 +263,7 @@ void SimulatedController::Append(JournalItem item) noexcept {
 }
 
 bool SimulatedController::WantsSnapshot() noexcept {
-  const bool lost = !disk_.full && std::exchange(disk_.wants_snapshot, false);
+  const bool lost = !WritesFail() && std::exchange(disk_.wants_snapshot, false);
   return ++inputs_ % 41 == 0 || lost;
 }
 

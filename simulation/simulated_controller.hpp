@@ -21,6 +21,13 @@
 
 namespace musher::simulation {
 
+// How a controller that starts finds its state folder.
+enum class FolderOpens {
+  kYes,
+  kForReading,  // it is read at the start, and no write succeeds
+  kNo,          // nothing of it is known
+};
+
 // What a controller stores, and reads when it is started again.
 struct Disk {
   Epoch epoch = 0;
@@ -33,8 +40,18 @@ struct Disk {
   // Processes by actuator; also those that could not be saved, which are found by their mark.
   std::map<std::string, ChildProcess> children;
   std::map<std::string, std::string> files;  // small text files, by name
-  bool full = false;                         // every write fails
-  bool stalled = false;                      // no write ends
+  FolderOpens opens = FolderOpens::kYes;     // at the next start
+  // The state folder of another user, who has started the machine before or does so next; the
+  // journal and the other values are shared.
+  struct OtherFolder {
+    StoredStops stops;
+    BatteryLevel level = BatteryLevel::kFree;
+    std::optional<Lowering> lowering;
+  };
+  OtherFolder other;
+  bool level_taken = false;  // `policy` has the level of `other`
+  bool full = false;         // every write fails
+  bool stalled = false;      // no write ends
   struct Write {
     std::uint64_t controller = 0;  // its serial
     std::function<void()> end;
@@ -47,7 +64,8 @@ struct Disk {
   bool wants_snapshot = false;  // a row was lost since the last snapshot
 };
 
-// What a controller that starts finds: those that were answered before are known by their mark.
+// What a controller that starts finds: those that were answered before are known by their mark, and
+// its own folder, where that cannot be read.
 std::vector<UnreadFolder> UnreadFoldersOf(const Disk& disk);
 
 class SimulatedController : private ProcessRunner, private ProcessProbe, private JournalSink {
@@ -113,6 +131,9 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   void TakeBacktrace(pid_t pid, Duration timeout,
                      std::function<void(Result<std::string>)> done) override;
   void Append(JournalItem item) noexcept override;
+  StoredStops LoadStops() const;
+  StoredPolicy LoadPolicy();
+  bool WritesFail() const { return disk_.full || opened_ != FolderOpens::kYes; }
   // Writes a value now, or when the disk's stall ends.
   template <class T>
   void Save(T& stored, const T& value, const ControllerShell::Dependencies::OnSaved& done);
@@ -131,6 +152,7 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   const std::int32_t pid_;
   const std::uint64_t serial_;
   bool begun_ = false;
+  FolderOpens opened_ = FolderOpens::kYes;
   std::size_t inputs_ = 0;
   std::map<std::int32_t, std::vector<OnExit>> watchers_;
   std::unique_ptr<transport::Node> node_;

@@ -30,18 +30,19 @@ void StopChecker::OnStopPublished(const SimulatedController& controller,
   if (stop.engaged) {
     accepted_stops_[StopId(stop.id)].insert(controller.host());
   } else {
-    released_[StopId(stop.id)].insert(controller.host());
+    released_[StopId(stop.id)].insert(robot_.FolderOf(controller));
     released_at_ = robot_.network().now();
   }
 }
 
-// A release is stored on the disk of the host whose controller received it. If a controller of
-// another host leads afterwards, a panel that is still available engages the stop again.
+// A release is stored in the folder of the controller that received it. If a controller of another
+// host leads afterwards, a panel that is still available engages the stop again; that of another
+// user has it engaged in its own folder.
 bool StopChecker::ReleasedElsewhere() const {
   const SimulatedController* leader = robot_.leader();
   return leader != nullptr &&
-         std::any_of(released_.begin(), released_.end(), [leader](const auto& release) {
-           return !release.second.contains(leader->host());
+         std::any_of(released_.begin(), released_.end(), [this, leader](const auto& release) {
+           return !release.second.contains(robot_.FolderOf(*leader));
          });
 }
 

@@ -61,7 +61,7 @@ class StopChecker : public SubjectChecker {
   std::map<StopId, std::size_t> engaged_;  // emergency stops: the panel
   std::map<std::size_t, StopId> last_of_panel_;
   std::map<StopId, std::set<std::size_t>> accepted_stops_;  // by controllers of these hosts
-  std::map<StopId, std::set<std::size_t>> released_;        // stop: hosts that stored the release
+  std::map<StopId, std::set<std::size_t>> released_;        // stop: folders that have the release
   std::vector<std::pair<std::string, std::size_t>> idle_and_stopped_;  // actuator, host
   std::set<StopId> stops_of_other_;
   std::set<StopId> withdrawn_;       // by the programs that engaged them

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <map>
 
 #include "musher/base/host.hpp"
 #include "musher/base/user.hpp"
@@ -24,6 +25,7 @@
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/controller/storage/machines_here.hpp"
+#include "musher/controller/storage/other_starts.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -283,6 +285,29 @@ Found SearchMeanwhile(Stop& stop, const GlobalOptions& global) {
   return found;
 }
 
+// Leaves a stop that no controller has to the next start of its machine: the actuators lose it with
+// their processes. Returns why a start does not find it; empty: it does.
+std::string LeaveToNextStart(const Stop& stop, const Found& found, const GlobalOptions& global) {
+  const int domain = transport::DomainId({}).value();
+  const auto here = NameLock::HeldBelow(NameLock::NameOf(domain, global.name_space, ""));
+  const EmergencyStop left{StopId(stop.message.id), stop.message.by, stop.message.reason};
+  std::map<std::string, std::string> why;  // by the name of the machine; empty: it is saved
+  for (const MachineHere& one : found.machines) {
+    const bool meant =
+        found.machine.name.empty() ? one.HasOneOf(here) : SameMachine(one.identity, found.machine);
+    if (!meant || one.state_dir.empty()) continue;
+    const auto saved =
+        LeaveStop(one.state_dir, {one.identity.name, global.name_space, domain, one.file}, left);
+    std::string& known = why.try_emplace(one.identity.name, "unknown").first->second;
+    if (!known.empty()) known = saved ? "" : saved.error().message;
+  }
+  if (why.empty()) return "no state folder of the machine is found on this host";
+  for (const auto& [name, not_saved] : why) {
+    if (!not_saved.empty()) return not_saved;
+  }
+  return "";
+}
+
 // How many have confirmed the stop, the controller included.
 std::ptrdiff_t Confirmed(const EstopReport& report) {
   return std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped) +
@@ -353,6 +378,8 @@ class Attempt {
   // What an attempt has found that is not the last.
   const EstopReport& report() const { return report_; }
   DetachedPublisher& publisher() { return detached_; }
+  // Whether its process goes on after the stop is confirmed: the stop is on no disk.
+  bool stays_published() const { return stays_published_; }
 
  private:
   // Earlier ones have found the machine.
@@ -373,20 +400,25 @@ class Attempt {
     if (const pid_t silent = report.controller ? 0 : link.LeaderHere(); silent != 0) {
       report.silent_controller = WhySilent(ExamineSilent(silent, global_), global_);
     }
+    const bool led = report.controller || !report.silent_controller.empty();
+    if (report.found() && !led && !latch.withdrawn()) {
+      report.not_on_disk = LeaveToNextStart(stop_, found_, global_);
+    }
     if (report.found()) {
       console.Print(console.mode().json ? EstopJson(report)
                                         : EstopText(report, console.mode().colour));
     }
-    if (!report.found() || !report.complete()) {
-      Publishers publishers = part.earlier;
-      publishers.push_back(&detached_);
-      return NotComplete(report, link, latch, publishers, console);
-    }
-    if (!report.not_on_disk.empty()) {
-      console.PrintError("not on disk: " + report.not_on_disk +
-                         "; the stop is lost if the controller and the actuators end");
-    }
-    return ExitCode::kDone;
+    Publishers publishers = part.earlier;
+    publishers.push_back(&detached_);
+    const bool complete = report.found() && report.complete();
+    const ExitCode exit =
+        complete ? ExitCode::kDone : NotComplete(report, link, latch, publishers, console);
+    if (report.not_on_disk.empty()) return exit;
+    stays_published_ = complete && !led;
+    console.PrintError("not on disk: " + report.not_on_disk + "; the stop is lost if the " +
+                       (led ? "controller and the " : "") + "actuators end" +
+                       (stays_published_ ? StaysPublished(publishers) : ""));
+    return exit;
   }
 
   const Stop& stop_;
@@ -395,6 +427,7 @@ class Attempt {
   const std::string network_;   // empty: all
   DetachedPublisher detached_;  // before the process has a second thread: before a link
   bool joined_ = false;
+  bool stays_published_ = false;
   EstopReport report_;
 };
 
@@ -434,7 +467,7 @@ class Series {
     for (const auto& earlier : attempts_) part.earlier.push_back(&earlier->publisher());
     attempts_.push_back(std::make_unique<Attempt>(stop_, found_, global_, network));
     const auto exit = attempts_.back()->Run(part, console_);
-    if (exit != ExitCode::kDone) return exit;
+    if (exit != ExitCode::kDone || attempts_.back()->stays_published()) return exit;
     for (const auto& attempt : attempts_) attempt->publisher().Cancel();
     return exit;
   }

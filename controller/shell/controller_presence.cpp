@@ -150,6 +150,11 @@ Time ControllerPresence::MayStartProcessesAt() {
   return listens_until_;
 }
 
+void ControllerPresence::SetMachineId(std::string id) {
+  identity_.machine_id = std::move(id);
+  if (rival_ && !SameMachine(machine(), rival_->machine)) rival_.reset();
+}
+
 void ControllerPresence::FallSilent() {
   timer_ = nullptr;
   heartbeats_ = nullptr;  // removes the latched one, which late joiners would receive
@@ -177,7 +182,8 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerHeartbeat& heartbeat) 
   Rival other{"process " + std::to_string(heartbeat.pid) + " of " + HostOf(heartbeat),
               epoch,
               {heartbeat.machine, heartbeat.machine_id},
-              heartbeat.awaits_request};
+              heartbeat.awaits_request,
+              heartbeat.host == identity_.host};
   if (!SameMachine(machine(), other.machine)) return NoteOtherMachine(std::move(other));
   rival_ = std::move(other);
   NoteController(transport::ParticipantId(heartbeat.participant));

@@ -41,6 +41,7 @@ class ControllerPresence {
     // Since its last emergency stop no switch up was requested, or it may not read whether one is
     // engaged in another folder.
     bool awaits_request = false;
+    bool here = false;  // on this host
   };
   // Called when another machine appears in the namespace and domain and now and then while it
   // stays, with its controller; with null when one is no longer received, or is received again
@@ -56,7 +57,8 @@ class ControllerPresence {
       OnOtherMachine on_other = {}, TimeSuspended time_suspended = TimeSuspendedHere);
 
   // Before Announce(): the id of this controller's machine.
-  void SetMachineId(std::string id) { identity_.machine_id = std::move(id); }
+  // With it a rival of the same name may be another machine's.
+  void SetMachineId(std::string id);
   MachineIdentity machine() const { return {config_.name, identity_.machine_id}; }
   // Rival::awaits_request of this controller, for a controller of another host that takes over.
   // Published at once: a successor that listens may see neither the stop nor its release.

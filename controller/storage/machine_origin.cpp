@@ -1,5 +1,7 @@
 #include "musher/controller/storage/machine_origin.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
@@ -8,6 +10,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/base/words.hpp"
 
 namespace musher {
@@ -43,7 +46,13 @@ bool MachineOrigin::IsOf(const MachineOrigin& now, bool led) const {
 }
 
 std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir) {
-  std::ifstream in(OriginFile(state_dir));
+  constexpr std::size_t kLongest = 64 << 10;  // bytes
+  const UniqueFd file = OpenRegular(OriginFile(state_dir));
+  if (!file.valid()) return std::nullopt;
+  std::string text(kLongest, '\0');
+  const ssize_t size = pread(file.get(), text.data(), text.size(), 0);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  std::istringstream in(text);
   MachineOrigin origin;
   for (std::string line; std::getline(in, line);) {
     const std::size_t space = std::min(line.find(' '), line.size());

@@ -1,20 +1,23 @@
 #include "musher/controller/storage/other_starts.hpp"
 
-#include <fcntl.h>
 #include <pwd.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "musher/base/checksum.hpp"
+#include "musher/base/files.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/controller/storage/state_store.hpp"
+#include "musher/lifecycle/step/emergency_stops.hpp"
 
 namespace musher {
 namespace {
@@ -42,9 +45,27 @@ fs::path HomeOfOwner(const std::string& file) {
   return stat(file.c_str(), &info) == 0 ? UserOf(info.st_uid).home : fs::path();
 }
 
+// The home folders of all users of a file like /etc/passwd, which needs no server of a directory.
+std::vector<fs::path> HomesOf(const std::string& users) {
+  std::istringstream lines(ReadFile(users));
+  std::vector<fs::path> homes;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);  // name:password:uid:gid:comment:home:shell
+    std::string field;
+    for (int i = 0; i < 6 && std::getline(fields, field, ':'); ++i) continue;
+    if (const fs::path home = field; home.is_absolute()) homes.push_back(home);
+  }
+  return homes;
+}
+
+// Why a file cannot be read, as errno; 0: it can, or there is none.
+int WhyUnreadable(const std::string& file) {
+  if (OpenRegular(file).valid()) return 0;
+  return errno == ENOENT || errno == ENOTDIR ? 0 : errno;
+}
+
 bool IsClosed(const std::string& file) {
-  const UniqueFd opened(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-  return !opened.valid() && errno == EACCES;
+  return WhyUnreadable(file) == EACCES;
 }
 
 std::string StampOf(const std::string& path, const struct stat& info) {
@@ -52,7 +73,33 @@ std::string StampOf(const std::string& path, const struct stat& info) {
          "." + std::to_string(info.st_mtim.tv_nsec) + "\n";
 }
 
-// What can be seen from outside of a folder whose stops this user may not read.
+std::string StampOf(const std::string& path) {
+  struct stat info {};
+  return stat(path.c_str(), &info) == 0 ? StampOf(path, info) : std::string();
+}
+
+// Of a stop without an id in a folder, as long as its file is not written again.
+StopId IdOfUnknownStop(const std::string& folder) {
+  const std::uint64_t hash = Fnv1a(StampOf(StateStore::EmergencyStopFileIn(folder)));
+  return StopId(std::max(hash, kUnknownStop.value() + 1));
+}
+
+// Those of `folders` that are others than `state_dir` and belong to this machine, as far as is
+// known; each once.
+std::vector<std::string> OthersOf(const std::string& state_dir, const MachineOrigin& machine,
+                                  const std::vector<std::string>& folders) {
+  std::vector<std::string> others;
+  for (const std::string& folder : folders) {
+    std::error_code error;
+    const bool own = folder == state_dir || fs::equivalent(folder, state_dir, error);
+    if (own || std::ranges::count(others, folder) != 0) continue;
+    const auto origin = LoadOrigin(folder);
+    if (!origin || origin->IsOf(machine, true)) others.push_back(folder);
+  }
+  return others;
+}
+
+// What can be seen from outside of a folder that this user may not read.
 struct SeenFolder {
   UnreadFolder unread;
   bool shows_starts = true;  // each start there changes its mark
@@ -63,72 +110,97 @@ bool IsOfOneUser(const struct stat& place) {
   return (place.st_mode & (S_IXGRP | S_IXOTH)) == 0;
 }
 
-// nullopt: they can be read, or belong to another machine, or nothing is seen of a folder.
+// Whether something of it cannot be read; `owner`: of the folder, who may.
+bool IsUnread(const std::string& folder, std::string& owner) {
+  const std::string stops = StateStore::EmergencyStopFileIn(folder);
+  const int policy = WhyUnreadable(StateStore::PolicyFileIn(folder));
+  const bool closed = IsClosed(OriginFile(folder)) || IsClosed(stops) || policy == EACCES;
+  if (!closed) owner.clear();  // its disk fails: that one cannot read it either
+  return closed || policy != 0;
+}
+
+// nullopt: it can be read, or belongs to another machine, or nothing is seen of a folder.
 std::optional<SeenFolder> UnreadIn(const std::string& folder, const MachineOrigin& machine) {
   SeenFolder seen{{folder}};
   UnreadFolder& unread = seen.unread;
   struct stat info {};
   std::string stamp;
   if (stat(folder.c_str(), &info) == 0) {
-    const std::string stops = StateStore::EmergencyStopFileIn(folder);
-    if (!IsClosed(OriginFile(folder))) {
-      const auto origin = LoadOrigin(folder);
-      if (!origin || !origin->IsOf(machine, true) || !IsClosed(stops)) return std::nullopt;
-    }
-    struct stat of_stops {};
-    if (stat(stops.c_str(), &of_stops) == 0) stamp = StampOf(stops, of_stops);
-  } else {
-    if (errno != EACCES) return std::nullopt;
+    const auto origin = LoadOrigin(folder);
+    if (origin && !origin->IsOf(machine, true)) return std::nullopt;
+    unread.owner = UserOf(info.st_uid).name;
+    if (!IsUnread(folder, unread.owner)) return std::nullopt;
+    stamp = StampOf(StateStore::EmergencyStopFileIn(folder));
+  } else if (errno == EACCES) {
     unread.folder = fs::path(folder).parent_path();
     if (stat(unread.folder.c_str(), &info) != 0) return std::nullopt;
     seen.shows_starts = IsOfOneUser(info);
+    unread.owner = UserOf(info.st_uid).name;
+  } else {
+    if (errno == ENOENT || errno == ENOTDIR) return std::nullopt;
+    seen.shows_starts = false;
   }
-  unread.owner = UserOf(info.st_uid).name;
   unread.mark = Fnv1a(StampOf(unread.folder, info) + stamp);
   return seen;
 }
 
-StopId LastOf(const StoredStops& stops) {
-  if (!stops.engaged.empty()) return stops.engaged.back().id;
-  return stops.released.empty() ? kUnknownStop : stops.released.back();
-}
-
 }  // namespace
 
-std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine) {
+std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine, const std::string& users) {
   const fs::path by_user = config_toml::DefaultStateDir(machine.name, machine.name_space);
   const fs::path name = by_user.filename();
   std::vector<std::string> folders{by_user, fs::path(kServicePlace) / name};
-  if (const fs::path home = HomeOfOwner(machine.file); home.is_absolute()) {
-    folders.push_back(home / ".local" / "state" / "musher" / name);
+  const auto add = [&](const std::string& folder) {
+    if (std::ranges::count(folders, folder) == 0) folders.push_back(folder);
+  };
+  const fs::path in_home = fs::path(".local/state/musher") / name;
+  if (const fs::path home = HomeOfOwner(machine.file); home.is_absolute()) add(home / in_home);
+  if (geteuid() != 0) return folders;
+  for (const fs::path& home : HomesOf(users)) {
+    struct stat info {};
+    const bool missing =
+        lstat((home / in_home).c_str(), &info) != 0 && (errno == ENOENT || errno == ENOTDIR);
+    if (!missing) add(home / in_home);
   }
   return folders;
+}
+
+StoredStops OpenStopsIn(const std::string& folder) {
+  if (IsClosed(StateStore::EmergencyStopFileIn(folder))) return {};
+  return StateStore::EmergencyStopsIn(folder);
+}
+
+Result<> LeaveStop(const std::string& state_dir, const MachineOrigin& machine,
+                   const EmergencyStop& stop) {
+  auto store = StateStore::Open(state_dir, machine);
+  if (!store) return store.error();
+  StoredStops stops = store.value().LoadEmergencyStops();
+  AddStop(stops, stop);
+  stops.awaits_request = true;
+  return store.value().SaveEmergencyStops(stops);
 }
 
 std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
                                                const MachineOrigin& machine,
                                                const std::vector<std::string>& folders,
                                                const StoredStops& known) {
-  const auto is_released = [&](StopId id) { return std::ranges::count(known.released, id) != 0; };
-  const auto is_engaged = [&](StopId id) {
-    return std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
-  };
   std::vector<StopsElsewhere> found;
-  for (const std::string& folder : folders) {
-    std::error_code error;
-    const auto is_it = [&](const StopsElsewhere& one) { return one.state_dir == folder; };
-    if (fs::equivalent(folder, state_dir, error) || std::ranges::any_of(found, is_it)) continue;
-    const auto origin = LoadOrigin(folder);
-    if (!origin || !origin->IsOf(machine, true)) continue;
-    StoredStops stops = StateStore::ReadableStops(folder);
-    // Since its last stop is known here, this machine's own folder says whether it waits.
-    const StopId last = LastOf(stops);
-    stops.awaits_request = stops.awaits_request && (last == kUnknownStop || !is_released(last));
-    std::erase_if(stops.engaged, [&](const EmergencyStop& stop) {
-      return stop.id == kUnknownStop || is_released(stop.id);
-    });
-    std::erase_if(stops.released, is_engaged);  // what is engaged here is released here
+  for (const std::string& folder : OthersOf(state_dir, machine, folders)) {
+    StoredStops stops = StopsThatHold(known, OpenStopsIn(folder), IdOfUnknownStop(folder));
     if (!stops.engaged.empty() || stops.awaits_request) found.push_back({folder, std::move(stops)});
+  }
+  return found;
+}
+
+std::vector<LevelElsewhere> FindLevelsElsewhere(const std::string& state_dir,
+                                                const MachineOrigin& machine,
+                                                const std::vector<std::string>& folders) {
+  std::vector<LevelElsewhere> found;
+  for (const std::string& folder : OthersOf(state_dir, machine, folders)) {
+    const std::string file = StateStore::PolicyFileIn(folder);
+    if (WhyUnreadable(file) != 0) continue;
+    const BatteryLevel level = StateStore::PolicyIn(folder).level;
+    if (level != BatteryLevel::kFree) found.push_back({folder, level, Fnv1a(StampOf(file))});
   }
   return found;
 }

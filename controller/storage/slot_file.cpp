@@ -121,9 +121,14 @@ Result<> SlotFile::Write(std::string_view text) const {
 }
 
 std::optional<SlotFile::Content> SlotFile::Read() const {
-  const UniqueFd file(open(path_.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.valid())
-    return errno == ENOENT ? std::nullopt : std::optional(Content{"", true, false});
+  const UniqueFd file = OpenRegular(path_);
+  if (!file.valid()) {
+    // Where a folder is missing, or is a file, there is no stop.
+    const bool missing = errno == ENOENT || errno == ENOTDIR;
+    return missing ? std::nullopt : std::optional(Content{"", true, false, errno});
+  }
+  char probe = 0;
+  if (pread(file.get(), &probe, 1, 0) < 0) return Content{"", true, false, errno};
   if (!HasSlots(file.get())) return Content{BytesAt(file.get(), 0, kLongestPlain), false, true};
   const std::array<Slot, kSlotCount> slots = {ReadSlot(file.get(), 0), ReadSlot(file.get(), 1)};
   const Slot& newest = slots[0].number < slots[1].number ? slots[1] : slots[0];

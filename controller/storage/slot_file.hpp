@@ -22,6 +22,7 @@ class SlotFile {
     std::string text;      // of the newest whole slot; empty: none was written
     bool damaged = false;  // a slot is neither whole nor empty: perhaps it was the newest
     bool plain = false;    // the file has no slots: it was written by another program or version
+    int error = 0;         // why it cannot be read, as errno; it is damaged then
   };
 
   explicit SlotFile(std::string path) : path_(std::move(path)) {}
@@ -30,7 +31,7 @@ class SlotFile {
   Result<> Reserve(std::string_view text) const;
   // Overwrites the older slot. Makes the file first where it is missing.
   Result<> Write(std::string_view text) const;
-  // nullopt: there is no file. A file that cannot be read is damaged.
+  // nullopt: there is no file. A file that cannot be read, or is no regular file, is damaged.
   std::optional<Content> Read() const;
 
  private:

@@ -156,10 +156,19 @@ Error Foreign(const std::string& dir, const MachineOrigin& recorded, const Machi
 }  // namespace
 
 Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin& machine) {
-  if (auto made = MakeFolders(dir); !made) return made.error();
+  // A folder that cannot be locked is another machine's all the same.
+  const auto failed = [&](const Error& error) {
+    const auto recorded = LoadOrigin(dir);
+    const bool foreign = recorded && !recorded->IsOf(machine, false);
+    return foreign ? Foreign(dir, *recorded, machine, 0) : error;
+  };
+  if (auto made = MakeFolders(dir); !made) {
+    const bool unsafe = made.error().code == kCodePermissionDenied;
+    return unsafe ? made.error() : failed(made.error());
+  }
   const std::string path = dir + "/controller.lock";
   UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
-  if (!lock.valid()) return SystemError("can't open " + path);
+  if (!lock.valid()) return failed(SystemError("can't open " + path));
   if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return SystemError("can't lock " + path);
     std::string owner = ReadSmall(lock.get());
@@ -200,7 +209,7 @@ Result<> StateStore::SaveMachineId() {
 }
 
 void StateStore::RememberFile(const std::string& path) {
-  const UniqueFd file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  const UniqueFd file = OpenRegular(path);
   if (file.valid()) Remember(path, ReadSmall(file.get()));
 }
 
@@ -238,17 +247,17 @@ Result<bool> StateStore::TakeLockAgain() {
   return true;
 }
 
-Result<Epoch> StateStore::LoadEpoch() const {
-  const UniqueFd file(open(EpochFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+Result<Epoch> StateStore::EpochIn(const std::string& dir) {
+  const UniqueFd file = OpenRegular(EpochFileIn(dir));
   if (!file.valid()) {
-    if (errno == ENOENT) return Epoch();
-    return SystemError("can't read " + EpochFile());
+    if (errno == ENOENT || errno == ENOTDIR) return Epoch();
+    return SystemError("can't read " + EpochFileIn(dir));
   }
   const std::string text = ReadSmall(file.get());
   std::uint64_t epoch = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), epoch);
   if (error != std::errc() || std::string_view(end, text.data() + text.size()) != "\n") {
-    return Error{kCodeFailed, EpochFile() + " is damaged: it does not hold one number"};
+    return Error{kCodeFailed, EpochFileIn(dir) + " is damaged: it does not hold one number"};
   }
   return Epoch(epoch);
 }
@@ -274,29 +283,28 @@ Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
 
 // A file that cannot be read counts as an engaged stop, and so does a slot of it: a power cut may
 // have torn the save of one. That is the safe side.
-StoredStops StateStore::LoadEmergencyStops() const {
-  const auto content = SlotFile(EmergencyStopFile()).Read();
+StoredStops StateStore::EmergencyStopsIn(const std::string& dir) {
+  const auto content = SlotFile(EmergencyStopFileIn(dir)).Read();
   if (!content) return {};
   const bool none_saved = content->text.empty() && !content->plain;
   const auto read = none_saved ? StoredStops{} : StopsFrom(content->text);
   StoredStops stops = Merge(read.value_or(StoredStops{}), {});
   if (!read || content->damaged) {
     std::erase(stops.released, kUnknownStop);
-    AddStop(stops, {kUnknownStop, "", "its file was damaged"});
+    const std::string file = EmergencyStopFileIn(dir);
+    AddStop(stops,
+            {kUnknownStop, "",
+             content->error == 0 ? file + " is damaged"
+                                 : SystemError("can't read " + file, content->error).message});
   }
   return stops;
-}
-
-StoredStops StateStore::ReadableStops(const std::string& dir) {
-  const auto content = SlotFile(EmergencyStopFileIn(dir)).Read();
-  return content ? StopsFrom(content->text).value_or(StoredStops{}) : StoredStops{};
 }
 
 // On a full disk without the file it fails, and again at each save.
 void StateStore::ReserveEmergencyStops() {
   const SlotFile file(EmergencyStopFile());
   const auto content = file.Read();
-  const bool converts = content && content->plain;
+  const bool converts = content && (content->plain || content->error != 0);
   static_cast<void>(file.Reserve(converts ? StopsText(LoadEmergencyStops()) : ""));
   RememberFile(EmergencyStopFile());
 }
@@ -309,8 +317,12 @@ Result<> StateStore::SaveStopIntent(bool intended) {
   return Ok();
 }
 
+bool StateStore::StopIntentIn(const std::string& dir) {
+  return access(StopIntentFileIn(dir).c_str(), F_OK) == 0;
+}
+
 bool StateStore::LoadStopIntent() const {
-  return access(StopIntentFile().c_str(), F_OK) == 0 || errno != ENOENT;
+  return StopIntentIn(dir_) || errno != ENOENT;
 }
 
 // "host HOST" of the controller, then lines "actuator NAME HOST". A host comes from the network.
@@ -325,7 +337,7 @@ Result<> StateStore::SaveRemoteActuators(const std::vector<RemoteActuator>& actu
 
 std::vector<RemoteActuator> StateStore::RemoteActuatorsIn(const std::string& dir,
                                                           const std::string& host) {
-  const UniqueFd file(open(RemoteActuatorsFileIn(dir).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  const UniqueFd file = OpenRegular(RemoteActuatorsFileIn(dir));
   std::istringstream lines(file.valid() ? ReadSmall(file.get()) : "");
   std::vector<RemoteActuator> actuators;
   std::string boot_then;  // of this computer
@@ -364,9 +376,10 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
   return Replace(PolicyFile(), text);
 }
 
-StoredPolicy StateStore::LoadPolicy() const {
+StoredPolicy StateStore::PolicyIn(const std::string& dir) {
   StoredPolicy policy;
-  const UniqueFd file(open(PolicyFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  const UniqueFd file = OpenRegular(PolicyFileIn(dir));
+  if (!file.valid() && errno != ENOENT && errno != ENOTDIR) policy.level = BatteryLevel::kLowPower;
   std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
   for (std::string word; text >> word;) {
     std::string from;
@@ -384,12 +397,27 @@ StoredPolicy StateStore::LoadPolicy() const {
   return policy;
 }
 
+// A number a line.
+Result<> StateStore::SaveLevelsTaken(const std::vector<std::uint64_t>& marks) {
+  std::string text;
+  for (const std::uint64_t mark : marks) text += std::to_string(mark) + "\n";
+  return Replace(dir_ + "/levels_taken", text);
+}
+
+std::vector<std::uint64_t> StateStore::LevelsTakenIn(const std::string& dir) {
+  const UniqueFd file = OpenRegular(dir + "/levels_taken");
+  std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
+  std::vector<std::uint64_t> marks;
+  for (std::uint64_t mark = 0; text >> mark;) marks.push_back(mark);
+  return marks;
+}
+
 Result<> StateStore::SaveConfigHash(const std::string& hash) {
   return Replace(ConfigHashFile(), hash + "\n");
 }
 
-std::string StateStore::LoadConfigHash() const {
-  const UniqueFd file(open(ConfigHashFile().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+std::string StateStore::ConfigHashIn(const std::string& dir) {
+  const UniqueFd file = OpenRegular(ConfigHashFileIn(dir));
   const std::string text = file.valid() ? ReadSmall(file.get()) : "";
   return text.substr(0, text.find('\n'));
 }
@@ -401,12 +429,12 @@ Result<> StateStore::SaveChildren(const std::vector<ChildProcess>& children,
 
 std::vector<ChildProcess> StateStore::LoadChildren(const std::string& dir,
                                                    const std::string& host) {
-  const UniqueFd file(open(ProcessesFileIn(dir).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  const UniqueFd file = OpenRegular(ProcessesFileIn(dir));
   return ChildrenFrom(file.valid() ? ReadSmall(file.get()) : "", host);
 }
 
 pid_t StateStore::OwnerOf(const std::string& dir) {
-  const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  const UniqueFd lock = OpenRegular(dir + "/controller.lock");
   const std::string text = lock.valid() ? ReadSmall(lock.get()) : "";
   pid_t owner = 0;
   std::from_chars(text.data(), text.data() + text.size(), owner);

@@ -10,6 +10,7 @@
 //   stop_intent         there from the start of a TearDown until a person starts the machine
 //   remote_actuators    the actuators that run on other hosts, with the host
 //   policy              the values of the policy: the low-power switch, where the battery took it
+//   levels_taken        which battery levels of the machine's other folders are in `policy`
 //   last_selfcheck_info.json  what the self-check of the last start has found
 //   journal.sqlite      see journal.hpp
 //   logs/<actuator>.log what the actuator's process prints
@@ -44,12 +45,12 @@ inline std::string ControllerLogFile(const MachineConfig& config) {
 class StateStore {
  public:
   // Makes the folder (only for its owner) and takes the lock. Fails
-  //   - with kCodePermissionDenied if the folder belongs to another machine, with its name, or if
-  //     another user may change what is in it: exit;
+  //   - with kCodePermissionDenied if the folder belongs to another machine, with its name, also
+  //     one that cannot be locked, or if another user may change what is in it: exit;
   //   - with kCodeTargetBusy if a running controller of this machine has the lock, with its name:
   //     exit;
-  //   - with kCodeFailed on a disk error: a controller may continue without a store, with the epoch
-  //     that the actuators report.
+  //   - with kCodeFailed on a disk error: a controller may continue without a store, with what can
+  //     be read and the epoch that the actuators report.
   // The kernel releases the lock when the process exits or crashes. The folder and the one around
   // it get a new time, if this user may set one.
   static Result<StateStore> Open(const std::string& dir, const MachineOrigin& machine);
@@ -59,9 +60,13 @@ class StateStore {
   void SetMachineId(std::string id) { machine_.id = std::move(id); }
   Result<> SaveMachineId();
 
+  // The functions …In(dir) read a folder without its lock: one that cannot be opened for writing,
+  // or that another controller may use.
+
   // The saved epoch; 0 when there is none yet. Fails if the file is unreadable or damaged: report
   // the error and continue as with 0, because the epochs that the actuators report count as well.
-  Result<Epoch> LoadEpoch() const;
+  static Result<Epoch> EpochIn(const std::string& dir);
+  Result<Epoch> LoadEpoch() const { return EpochIn(dir_); }
 
   // Replaces the saved epoch: after a power cut the file has the old one or the new one, never a
   // part. After an Error report it and continue: the epoch is then only in memory and in the
@@ -69,16 +74,17 @@ class StateStore {
   Result<> SaveEpoch(Epoch epoch);
 
   // The engaged emergency stops, and the last released ones. A file that cannot be read counts as
-  // an engaged stop. Saves are possible on a full disk, too: Open() reserves the file, if the disk
-  // has room for it then.
+  // an engaged stop, kUnknownStop. Saves are possible on a full disk, too: Open() reserves the
+  // file, if the disk has room for it then.
   Result<> SaveEmergencyStops(const StoredStops& stops);
-  StoredStops LoadEmergencyStops() const;
-  // Those in a folder that another controller may use; none where its file cannot be read.
-  static StoredStops ReadableStops(const std::string& dir);
+  static StoredStops EmergencyStopsIn(const std::string& dir);
+  StoredStops LoadEmergencyStops() const { return EmergencyStopsIn(dir_); }
   static std::string EmergencyStopFileIn(const std::string& dir) { return dir + "/emergency_stop"; }
 
   // Whether the machine is to be torn down, and to stay so until a person starts it.
   Result<> SaveStopIntent(bool intended);
+  // StopIntentIn(): it is known to be so.
+  static bool StopIntentIn(const std::string& dir);
   bool LoadStopIntent() const;
 
   // The actuators on other hosts. `host`: HostId() of this host. LoadRemoteActuators() skips
@@ -89,13 +95,19 @@ class StateStore {
   std::vector<RemoteActuator> LoadRemoteActuators(const std::string& host) const {
     return RemoteActuatorsIn(dir_, host);
   }
-  // Those in a folder that another controller may use.
   static std::vector<RemoteActuator> RemoteActuatorsIn(const std::string& dir,
                                                        const std::string& host);
 
-  // The stored values of the policy; nothing without a file that can be read.
+  // The stored values of the policy; nothing without a file. One that cannot be read may have held
+  // the lowest level that powers nothing off.
   Result<> SavePolicy(const StoredPolicy& policy);
-  StoredPolicy LoadPolicy() const;
+  static StoredPolicy PolicyIn(const std::string& dir);
+  StoredPolicy LoadPolicy() const { return PolicyIn(dir_); }
+  static std::string PolicyFileIn(const std::string& dir) { return dir + "/policy"; }
+
+  // Which battery levels of other folders this one has taken over: see FindLevelsElsewhere().
+  Result<> SaveLevelsTaken(const std::vector<std::uint64_t>& marks);
+  static std::vector<std::uint64_t> LevelsTakenIn(const std::string& dir);
 
   // Another small file of the folder, for people and programs beside the controller.
   Result<> SaveText(const std::string& name, const std::string& text) {
@@ -109,7 +121,8 @@ class StateStore {
 
   // The hash of the config that the machine was led with last; empty where none is known.
   Result<> SaveConfigHash(const std::string& hash);
-  std::string LoadConfigHash() const;
+  static std::string ConfigHashIn(const std::string& dir);
+  std::string LoadConfigHash() const { return ConfigHashIn(dir_); }
 
   // The running processes that were started for actuators. LoadChildren() returns only the
   // processes of `host` (HostId()).
@@ -134,11 +147,14 @@ class StateStore {
 
   StateStore(std::string dir, MachineOrigin machine, UniqueFd lock);
 
-  std::string EpochFile() const { return dir_ + "/epoch"; }
+  static std::string EpochFileIn(const std::string& dir) { return dir + "/epoch"; }
+  std::string EpochFile() const { return EpochFileIn(dir_); }
   std::string EmergencyStopFile() const { return EmergencyStopFileIn(dir_); }
-  std::string PolicyFile() const { return dir_ + "/policy"; }
-  std::string ConfigHashFile() const { return dir_ + "/config"; }
-  std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
+  std::string PolicyFile() const { return PolicyFileIn(dir_); }
+  static std::string ConfigHashFileIn(const std::string& dir) { return dir + "/config"; }
+  std::string ConfigHashFile() const { return ConfigHashFileIn(dir_); }
+  static std::string StopIntentFileIn(const std::string& dir) { return dir + "/stop_intent"; }
+  std::string StopIntentFile() const { return StopIntentFileIn(dir_); }
   static std::string RemoteActuatorsFileIn(const std::string& dir) {
     return dir + "/remote_actuators";
   }

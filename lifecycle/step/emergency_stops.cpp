@@ -46,8 +46,9 @@ void AddReason(std::string& reasons, const std::string& reason) {
 
 }  // namespace
 
-std::string OwnerText(const UnreadFolder& unread) {
-  return unread.owner.empty() ? "" : ", user " + unread.owner + " may";
+std::string WhyUnread(const UnreadFolder& unread) {
+  if (unread.owner.empty()) return "it cannot be read";
+  return "this user may not read it, user " + unread.owner + " may";
 }
 
 void AddReleased(StoredStops& stops, StopId id) {
@@ -90,6 +91,23 @@ StoredStops WithoutReleased(const StoredStops& stored, StoredStops received) {
   std::erase_if(received.released, is_known);
   if (received.engaged.empty() && received.released.empty()) received.awaits_request = false;
   return received;
+}
+
+StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopId unnamed) {
+  const auto is_released = [&](StopId id) { return std::ranges::count(known.released, id) != 0; };
+  const auto is_engaged = [&](StopId id) {
+    return std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
+  };
+  for (EmergencyStop& stop : elsewhere.engaged) {
+    if (stop.id == kUnknownStop && unnamed != 0) stop.id = unnamed;
+  }
+  StopId last = elsewhere.released.empty() ? kUnknownStop : elsewhere.released.back();
+  if (!elsewhere.engaged.empty()) last = elsewhere.engaged.back().id;
+  const bool last_is_over = last != kUnknownStop && is_released(last);
+  elsewhere.awaits_request = elsewhere.awaits_request && !last_is_over;
+  std::erase_if(elsewhere.engaged, [&](const EmergencyStop& stop) { return is_released(stop.id); });
+  std::erase_if(elsewhere.released, is_engaged);
+  return elsewhere;
 }
 
 StoredStops Merge(const StoredStops& stored, const StoredStops& received) {

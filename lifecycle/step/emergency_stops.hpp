@@ -7,8 +7,14 @@
 
 namespace musher {
 
-// Of a folder that this user may not read: ", user root may"; empty where that is not known.
-std::string OwnerText(const UnreadFolder& unread);
+// "this user may not read it, user root may", "it cannot be read".
+std::string WhyUnread(const UnreadFolder& unread);
+
+// What of the stops in another state folder of the machine holds, beside those `known` from its
+// own: no stop that is known as released, and no release of an engaged stop. A stop without an
+// id gets `unnamed`, unless that is 0. Since the last stop there is known here, the own folder says
+// whether the machine waits for a request.
+StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopId unnamed);
 
 class EmergencyStops : StepPart {
  public:

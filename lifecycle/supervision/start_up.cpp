@@ -15,7 +15,7 @@ constexpr RecordId kBegun = 1;
 
 std::string StopsUnreadIn(const UnreadFolder& unread) {
   return "whether an emergency stop is engaged in " + unread.folder +
-         " is not known: this user may not read it" + OwnerText(unread) +
+         " is not known: " + WhyUnread(unread) +
          "; check the robot, then run `musher set SelfCheck` and `musher set Active`";
 }
 

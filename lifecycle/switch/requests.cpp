@@ -39,7 +39,7 @@ std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine
   if (!switches_on) return std::nullopt;
   if (emergency.awaits_request) return Refused<Refusal::kStopAwaitsPerson>(target);
   if (const UnreadFolder* unread = emergency.Unanswered()) {
-    return Refused<Refusal::kStopsUnread>(unread->folder, OwnerText(*unread), target);
+    return Refused<Refusal::kStopsUnread>(unread->folder, WhyUnread(*unread), target);
   }
   return std::nullopt;
 }

@@ -1,9 +1,11 @@
 #include "musher/base/files.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -44,6 +46,23 @@ TEST(Files, AFolderIsReadAsFarAsItCanBe) {
   std::error_code error;
   EXPECT_THAT(EntriesOf("/proc/self/stat", error), IsEmpty());
   EXPECT_TRUE(error);
+}
+
+// As another user may have left it.
+TEST(Files, OnlyARegularFileIsOpenedAndNoLinkIsFollowed) {
+  const std::string file = ::testing::TempDir() + "/files_test_" + std::to_string(getpid());
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  EXPECT_FALSE(OpenRegular(file).valid());
+  EXPECT_EQ(errno, EINVAL);
+  unlink(file.c_str());
+  ASSERT_EQ(symlink("/proc/self/status", file.c_str()), 0);
+  EXPECT_FALSE(OpenRegular(file).valid());
+  unlink(file.c_str());
+  EXPECT_FALSE(OpenRegular(file).valid());
+  EXPECT_EQ(errno, ENOENT);
+  std::ofstream(file) << "x";
+  EXPECT_TRUE(OpenRegular(file).valid());
+  unlink(file.c_str());
 }
 
 // Processes that exit while they are examined.

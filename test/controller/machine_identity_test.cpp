@@ -3,15 +3,19 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
 
 #include "musher/base/host.hpp"
 #include "musher/controller/controller.hpp"
+#include "musher/controller/storage/state_store.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/support/refusals.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -55,10 +59,34 @@ class FirstStart : public ::testing::Test {
             .value();
     ASSERT_TRUE(publisher->Publish(status));
   }
+  // The controller of a machine of this name on another host.
+  void PublishRival(const std::string& id) {
+    msg::ControllerHeartbeat heartbeat;
+    heartbeat.machine = config_.name;
+    heartbeat.machine_id = id;
+    heartbeat.epoch = 9;
+    heartbeat.host = "another host";
+    heartbeat.pid = 7;
+    heartbeat.incarnation = 7;
+    heartbeat.period_ns = Duration(std::chrono::seconds(10)).count();
+    rival_ =
+        transport::MakePublisher<msg::ControllerHeartbeat>(
+            *peer_, transport::ControllerHeartbeatTopic(config_.name_space), transport::kLatchedQos)
+            .value();
+    ASSERT_TRUE(rival_->Publish(heartbeat));
+  }
+  // Nothing in it can be opened for writing, as on a disk that is read-only.
+  void CloseFolder() const {
+    namespace fs = std::filesystem;
+    fs::remove(config_.state_dir + "/controller.lock");
+    fs::create_directories(config_.state_dir + "/controller.lock");
+    fs::permissions(config_.state_dir, fs::perms(0700));
+  }
   // The id of the machine, once it has begun.
-  std::string IdAfterStart() {
+  std::string IdAfterStart(bool takeover = false) {
     ControllerOptions options;
     options.by_hand = true;
+    options.takeover = takeover;
     controller_ = Controller::Make(*node_, transport::TestDomain(), config_, options).value();
     EXPECT_TRUE(loop_.RunUntil([&] { return !controller_->shell().Status().machine_id.empty(); },
                                loop_.Now() + std::chrono::seconds(20)));
@@ -71,6 +99,7 @@ class FirstStart : public ::testing::Test {
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Node> peer_;
   std::map<std::string, std::unique_ptr<transport::Publisher<msg::ActuatorStatus>>> publishers_;
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> rival_;
   std::unique_ptr<Controller> controller_;
 };
 
@@ -93,6 +122,59 @@ TEST_F(FirstStart, DoesNotTakeTheIdOfAnActuatorThatItStartsAndThatRunsElsewhere)
   Publish("eyes", "another host", kFirst);
   Publish("legs", "another host", kSecond);  // by which the statuses are known to have arrived
   EXPECT_EQ(IdAfterStart(), kSecond);
+}
+
+// A disk that is read-only: the start forgot the stop, went up, and was without an id.
+class ClosedFolder : public FirstStart {
+ protected:
+  void LeaveFolder(const std::string& id, const StoredStops& stops) {
+    const MachineOrigin origin{config_.name, config_.name_space, transport::TestDomain(),
+                               config_.file};
+    auto store = StateStore::Open(config_.state_dir, origin);
+    ASSERT_TRUE(store) << store.error().message;
+    store.value().SetMachineId(id);
+    ASSERT_TRUE(store.value().SaveMachineId());
+    ASSERT_TRUE(store.value().SaveEmergencyStops(stops));
+  }
+};
+
+TEST_F(ClosedFolder, IsReadForTheIdAndTheStops) {
+  LeaveFolder(kFirst, {{{7, "alice", "smoke"}}, {}});
+  CloseFolder();
+  PublishRival(kSecond);
+  EXPECT_EQ(IdAfterStart(), kFirst) << "another robot of this name leads nothing here";
+  const Machine& machine = controller_->shell().machine();
+  ASSERT_TRUE(loop_.RunUntil([&] { return machine.emergency.stop.has_value(); },
+                             loop_.Now() + std::chrono::seconds(20)));
+  EXPECT_EQ(machine.emergency.stop->reason, "smoke");
+}
+
+// A name alone: the start asked for --takeover, which ended the other robot's controller.
+TEST_F(ClosedFolder, WithoutAnIdBeginsBesideNoControllerOfItsNameAlsoWithTakeover) {
+  CloseFolder();
+  PublishRival(kSecond);
+  for (const bool takeover : {false, true}) {
+    ControllerOptions options;
+    options.takeover = takeover;
+    controller_ = Controller::Make(*node_, transport::TestDomain(), config_, options).value();
+    ASSERT_TRUE(loop_.RunUntil([&] { return controller_->shell().refused().has_value(); },
+                               loop_.Now() + std::chrono::seconds(20)));
+    EXPECT_THAT(*controller_->shell().refused(), testing::IsRefused(Refusal::kIdNotKnown));
+    controller_ = nullptr;
+  }
+}
+
+TEST_F(ClosedFolder, WithoutAnIdHasOneForThisRun) {
+  CloseFolder();
+  EXPECT_EQ(IdAfterStart().size(), std::string(kFirst).size());
+}
+
+TEST_F(ClosedFolder, TakesTheIdOfAnActuatorThatRunsHereAndNoOther) {
+  CloseFolder();
+  Publish("legs", "another host", kSecond);
+  Publish("eyes", HostId(), kFirst);
+  PublishRival(kSecond);
+  EXPECT_EQ(IdAfterStart(), kFirst);
 }
 
 }  // namespace musher::machine_identity_test

@@ -1,18 +1,22 @@
 #include "musher/controller/storage/other_starts.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "musher/controller/storage/state_store.hpp"
+#include "musher/lifecycle/step/emergency_stops.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::other_starts_test {
 
 namespace fs = std::filesystem;
+using ::testing::Contains;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 const StoredStops kStops{{{7, "alice", "smoke"}}, {3}};
 
@@ -91,10 +95,84 @@ TEST_F(OtherStart, OfAnotherMachineLeavesNone) {
   EXPECT_THAT(Found(), IsEmpty()) << "also of one whose config is no longer there";
 }
 
-TEST_F(OtherStart, WithADamagedFileLeavesNone) {
+// A power cut may have torn the save of a stop: it was passed over, and the robot went to Active.
+TEST_F(OtherStart, WithADamagedFileLeavesAStopThatAReleaseEnds) {
   StopIn(by_user_, robot_);
   std::ofstream(by_user_ + "/emergency_stop") << "engaged 7";
-  EXPECT_THAT(Found(), IsEmpty());
+  const auto found = Found();
+  ASSERT_EQ(found.size(), 1U);
+  ASSERT_EQ(found[0].stops.engaged.size(), 1U);
+  const EmergencyStop& stop = found[0].stops.engaged[0];
+  EXPECT_EQ(stop.reason, by_user_ + "/emergency_stop is damaged");
+  EXPECT_NE(stop.id, kUnknownStop) << "a release of one without an id would cover the next one";
+  EXPECT_THAT(Found({{}, {stop.id}}), IsEmpty());
+  std::ofstream(by_user_ + "/emergency_stop", std::ios::app) << "8";
+  fs::last_write_time(by_user_ + "/emergency_stop",
+                      fs::file_time_type::clock::now() + std::chrono::seconds(5));
+  EXPECT_EQ(Found({{}, {stop.id}}).size(), 1U) << "it was written again";
+}
+
+TEST_F(OtherStart, LeavesAStopWithoutAnId) {
+  StopIn(by_user_, robot_, {{{kUnknownStop, "", "its file was damaged"}}, {}});
+  const auto found = Found({{}, {kUnknownStop}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(Found({{}, {found[0].stops.engaged.at(0).id}}), IsEmpty());
+}
+
+// Its first save found a full disk.
+TEST_F(OtherStart, WhoseFolderDoesNotSayOfWhichMachineItIsLeavesItsStop) {
+  StopIn(by_user_, robot_);
+  fs::remove(by_user_ + "/machine");
+  EXPECT_EQ(Found().size(), 1U);
+}
+
+// A root start waited for them without end.
+TEST_F(OtherStart, WithPipesAndLinksHoldsNoStartUp) {
+  for (const char* name : {"machine", "emergency_stop", "policy", "controller.lock"}) {
+    fs::create_directories(by_user_);
+    ASSERT_EQ(mkfifo((by_user_ + "/" + name).c_str(), 0666), 0);
+    EXPECT_FALSE(LoadOrigin(by_user_));
+    EXPECT_EQ(Found().size(), name == std::string("emergency_stop") ? 1U : 0U) << name;
+    EXPECT_THAT(FindLevelsElsewhere(by_service_, robot_, {by_user_}), IsEmpty());
+    EXPECT_EQ(StateStore::OwnerOf(by_user_), 0);
+    fs::remove_all(by_user_);
+  }
+  StopIn(by_user_, robot_);
+  const fs::path secret = folder_ / "secret";
+  fs::rename(by_user_ + "/machine", secret);
+  fs::create_symlink(secret, by_user_ + "/machine");
+  EXPECT_FALSE(LoadOrigin(by_user_));
+}
+
+TEST_F(OtherStart, LeavesItsLowBatteryToTheNextOneOnce) {
+  const auto found = [&] {
+    return FindLevelsElsewhere(by_service_, robot_, {by_user_, by_service_});
+  };
+  EXPECT_THAT(found(), IsEmpty());
+  auto store = StateStore::Open(by_user_, robot_);
+  ASSERT_TRUE(store);
+  ASSERT_TRUE(store.value().SavePolicy({std::nullopt, std::nullopt, BatteryLevel::kProtected}));
+  ASSERT_EQ(found().size(), 1U);
+  EXPECT_EQ(found()[0].level, BatteryLevel::kProtected);
+  const std::uint64_t mark = found()[0].mark;
+  ASSERT_TRUE(store.value().SaveLevelsTaken({mark, 7}));
+  EXPECT_EQ(StateStore::LevelsTakenIn(by_user_), (std::vector<std::uint64_t>{mark, 7}));
+  ASSERT_TRUE(store.value().SavePolicy({std::nullopt, std::nullopt, BatteryLevel::kLowPower}));
+  EXPECT_NE(found().at(0).mark, mark) << "it was stored again";
+  ASSERT_TRUE(store.value().SavePolicy({}));
+  EXPECT_THAT(found(), IsEmpty());
+}
+
+// As `musher estop` does where no controller leads: the actuators lost the stop with the power.
+TEST_F(OtherStart, HasAStopThatWasEngagedWhileNoControllerLed) {
+  StopIn(by_user_, robot_, {{}, {3}});
+  ASSERT_TRUE(LeaveStop(by_user_, robot_, {9, "alice", "smoke"}));
+  const StoredStops left = StateStore::EmergencyStopsIn(by_user_);
+  EXPECT_EQ(left.engaged, (std::vector<EmergencyStop>{{9, "alice", "smoke"}}));
+  EXPECT_TRUE(left.awaits_request);
+  const auto led = StateStore::Open(by_user_, robot_);
+  ASSERT_TRUE(led);
+  EXPECT_FALSE(LeaveStop(by_user_, robot_, {10, "alice", "smoke"})) << "the controller has it";
 }
 
 // A start by systemd, as root, and later one by a person who may not read its files. The stop was
@@ -168,6 +246,35 @@ TEST_F(ClosedStart, WithAFileOfStopsThatIsClosedLeavesItOpenToo) {
   EXPECT_FALSE(Unread(answered).at(0).answered) << "its stops have changed";
 }
 
+TEST(UnreadFolderText, SaysWhoMayReadItOrThatNoUserCan) {
+  EXPECT_EQ(WhyUnread({"/a", "root"}), "this user may not read it, user root may");
+  EXPECT_EQ(WhyUnread({"/a"}), "it cannot be read");
+}
+
+// Of a machine's own folder that was made by root, as where `state_dir` names it.
+TEST_F(ClosedStart, InTheMachinesOwnFolderIsOpenTooIfThatCannotBeOpened) {
+  StopIn(by_service_, robot_);
+  Close(by_service_);
+  const bool as_another = geteuid() == 0;
+  ASSERT_TRUE(!as_another || seteuid(65534) == 0);
+  const StoredStops stops = OpenStopsIn(by_service_);
+  const auto unread = FindUnreadFolders("", robot_, {by_service_}, {});
+  ASSERT_TRUE(!as_another || seteuid(0) == 0);
+  EXPECT_EQ(stops, StoredStops{});
+  ASSERT_EQ(unread.size(), 1U);
+  EXPECT_EQ(unread[0].folder, by_service_);
+}
+
+TEST_F(ClosedStart, WhoseBatteryCannotBeReadLeavesItOpenToo) {
+  auto store = StateStore::Open(by_service_, robot_);
+  ASSERT_TRUE(store);
+  ASSERT_TRUE(store.value().SavePolicy({std::nullopt, std::nullopt, BatteryLevel::kProtected}));
+  Close(by_service_, 0755);
+  Close(by_service_ + "/emergency_stop", 0644);
+  Close(by_service_ + "/policy");
+  EXPECT_EQ(Unread().size(), 1U);
+}
+
 TEST_F(ClosedStart, OfAnotherMachineLeavesNothingOpen) {
   MachineOrigin other = robot_;
   other.file = folder_ / "moved.toml";
@@ -239,6 +346,25 @@ TEST(DefaultStateDirs, AreThoseOfThisUserOfSystemdAndOfTheOwnerOfTheConfig) {
     EXPECT_EQ(fs::path(one).parent_path().filename(), "musher") << one;
     EXPECT_TRUE(fs::path(one).filename().string().starts_with("robot")) << one;
   }
+}
+
+// A person's robot is started by systemd at the next boot: its config belongs to root, and its
+// folder to the person.
+TEST(DefaultStateDirs, OfRootAreThoseOfEveryUserWhoHasStartedTheMachine) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can read them";
+  const TempFolder folder;
+  const std::string pi = folder / "home/pi";
+  std::ofstream(folder / "passwd") << "root:x:0:0:root:/root:/bin/bash\n"
+                                   << "pi:x:1000:1000:,,,:" << pi << ":/bin/bash\n"
+                                   << "guest:x:1001:1001::" << (folder / "home/guest") << ":\n"
+                                   << "broken\n";
+  const MachineOrigin robot{"robot", "", 0, "/etc/musher/robot.toml"};
+  const fs::path name = fs::path(DefaultStateDirs(robot).at(0)).filename();
+  const std::string state = pi + "/.local/state/musher/" + name.string();
+  const auto found = [&] { return DefaultStateDirs(robot, folder / "passwd"); };
+  EXPECT_THAT(found(), Not(Contains(state))) << "the person has not started it";
+  fs::create_directories(state);
+  EXPECT_THAT(found(), Contains(state));
 }
 
 }  // namespace musher::other_starts_test

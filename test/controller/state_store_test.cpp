@@ -406,6 +406,58 @@ TEST_F(Store, IsNotOpenedInAFolderThatOthersCanChange) {
   EXPECT_THAT(store.error().message, HasSubstr("is writable for all users"));
 }
 
+// As on a disk that is read-only after a loss of power.
+TEST_F(Store, IsReadWithoutItsLock) {
+  const StoredStops stops{{{7, "alice", "smoke"}}, {3}};
+  const StoredPolicy policy{true, std::nullopt, BatteryLevel::kProtected};
+  {
+    StateStore store = MustOpen();
+    ASSERT_TRUE(store.SaveEmergencyStops(stops));
+    ASSERT_TRUE(store.SavePolicy(policy));
+    ASSERT_TRUE(store.SaveEpoch(5));
+    ASSERT_TRUE(store.SaveStopIntent(true));
+    ASSERT_TRUE(store.SaveConfigHash("hash"));
+  }
+  fs::remove(dir_ + "/controller.lock");
+  fs::create_directory(dir_ + "/controller.lock");  // it cannot be opened for writing
+  const auto store = StateStore::Open(dir_, robot_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, kCodeFailed) << "the controller continues";
+  EXPECT_EQ(StateStore::EmergencyStopsIn(dir_), stops);
+  EXPECT_EQ(StateStore::PolicyIn(dir_), policy);
+  EXPECT_EQ(StateStore::EpochIn(dir_).value(), Epoch(5));
+  EXPECT_TRUE(StateStore::StopIntentIn(dir_));
+  EXPECT_EQ(StateStore::ConfigHashIn(dir_), "hash");
+  MachineOrigin other = robot_;
+  other.name_space = "other";
+  EXPECT_EQ(StateStore::Open(dir_, other).error().code, kCodePermissionDenied);
+}
+
+TEST_F(Store, OfWhichNothingIsThereHasNoStop) {
+  EXPECT_EQ(StateStore::EmergencyStopsIn(dir_), StoredStops{});
+  std::ofstream(folder_ / "file") << "x";
+  EXPECT_EQ(StateStore::EmergencyStopsIn(folder_ / "file/robot"), StoredStops{});
+  EXPECT_FALSE(StateStore::StopIntentIn(folder_ / "file/robot"));
+  EXPECT_EQ(StateStore::PolicyIn(folder_ / "file/robot"), StoredPolicy{});
+}
+
+TEST_F(Store, WhosePolicyCannotBeReadHasALowBattery) {
+  fs::create_directories(dir_ + "/policy");
+  EXPECT_EQ(StateStore::PolicyIn(dir_).level, BatteryLevel::kLowPower);
+}
+
+TEST_F(Store, KeepsTheStopOfAFileThatCannotBeRead) {
+  fs::create_directories(dir_);
+  ASSERT_EQ(chmod(dir_.c_str(), 0700), 0);
+  ASSERT_EQ(mkfifo((dir_ + "/emergency_stop").c_str(), 0600), 0);
+  for (int starts = 0; starts < 2; ++starts) {
+    const StateStore store = MustOpen();
+    const StoredStops stops = store.LoadEmergencyStops();
+    ASSERT_EQ(stops.engaged.size(), 1U) << starts;
+    EXPECT_THAT(stops.engaged[0].reason, HasSubstr("can't read " + dir_ + "/emergency_stop"));
+  }
+}
+
 // As another user could have left them before the folder became ours.
 TEST_F(Store, FollowsNoLinks) {
   const std::string target = folder_ / "target";

@@ -389,6 +389,26 @@ TEST_F(FlawOfThePolicy, FindsAControllerThatForgetsALowBatteryWhichIsSilentAfter
   ExpectFound(Invariant::kWithinBattery, "nothing publishes the battery, which was at 15 %");
 }
 
+TEST_F(FlawOfThePolicy, FindsANextStartByAnotherUserThatHasForgottenALowBattery) {
+  BringUpWithBattery(15);
+  ASSERT_EQ(robot_->machine().state, "Protected");
+  robot_->SetBatterySilent(true);
+  robot_->ChangeUser();
+  robot_->RebootHost(0);
+  BringUp();
+  RunFor(std::chrono::seconds(30));
+  EXPECT_NE(robot_->machine().state, kActive);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  robot_->ChangeUser();
+  robot_->RebootHost(0);
+  robot_->disk(0).policy = {};
+  robot_->disk(0).other = {};
+  BringUp();
+  Request(State(kActive));
+  RunFor(std::chrono::seconds(15));  // the battery counts as silent
+  ExpectFound(Invariant::kWithinBattery, "nothing publishes the battery, which was at 15 %");
+}
+
 // Its config follows /clock, and the robot lies still.
 class FlawOfThePolicysTime : public FlawOfThePolicy {
  protected:
@@ -689,6 +709,84 @@ TEST_F(PlantedFlaw, AStartThatMayNotReadAFolderWaitsForARequest) {
 TEST_F(PlantedFlaw, FindsAStartThatForgetsAFolderThatItMayNotRead) {
   Make(Started(1));
   robot_->AddUnreadFolder(7);
+  robot_->StartController();
+  const_cast<Machine&>(robot_->machine()).emergency.unread.clear();
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Invariant::kNoUnrequestedActivation, "a start begins SelfCheck although");
+}
+
+// The power is cut, and the next start finds the state folder otherwise. The program that engaged
+// the stop has ended, so nothing but a disk has it.
+class NextStart : public PlantedFlaw {
+ protected:
+  void StopAndCutPower() {
+    Make(Started(2));
+    ASSERT_NO_FATAL_FAILURE(BringUp());
+    robot_->on_stop_withdrawn = [this](StopId stop) { checker_->OnStopWithdrawn(stop); };
+    checker_->OnStopEngaged(100, 7);
+    robot_->EngageByProgram(7, 0, {}, false);
+    RunFor(std::chrono::seconds(2));
+    ASSERT_TRUE(robot_->machine().emergency.stop);
+    CutPower();
+  }
+  void CutPower() {
+    robot_->CrashController();
+    robot_->RebootHost(0);
+    robot_->EndStopPrograms();
+  }
+  void Start() {
+    robot_->StartController();
+    RunFor(std::chrono::seconds(10));
+    checker_->CheckRest(false);
+  }
+};
+
+TEST_F(NextStart, ByAnotherUserHasTheStop) {
+  ASSERT_NO_FATAL_FAILURE(StopAndCutPower());
+  robot_->ChangeUser();
+  Start();
+  EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
+  EXPECT_EQ(robot_->machine().emergency.stop->id, StopId(7));
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(NextStart, FindsOneByAnotherUserThatHasForgottenTheStop) {
+  ASSERT_NO_FATAL_FAILURE(StopAndCutPower());
+  robot_->ChangeUser();
+  robot_->disk(0).other = {};
+  Start();
+  ExpectFound(Invariant::kEmergencyStopLatched, "no emergency stop although one is engaged");
+}
+
+TEST_F(NextStart, WithAFolderThatIsOpenForReadingOnlyHasTheStop) {
+  ASSERT_NO_FATAL_FAILURE(StopAndCutPower());
+  robot_->SetFolderOpens(simulation::FolderOpens::kForReading);
+  Start();
+  EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
+  EXPECT_EQ(robot_->machine().emergency.stop->id, StopId(7));
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(NextStart, FindsOneThatReadsNothingOfAFolderThatIsOpenForReadingOnly) {
+  ASSERT_NO_FATAL_FAILURE(StopAndCutPower());
+  robot_->SetFolderOpens(simulation::FolderOpens::kForReading);
+  robot_->disk(0).stops = {};
+  Start();
+  ExpectFound(Invariant::kEmergencyStopLatched, "no emergency stop although one is engaged");
+}
+
+TEST_F(NextStart, WithAFolderThatCannotBeReadWaitsForARequest) {
+  Make(Started(2));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  CutPower();
+  robot_->SetFolderOpens(simulation::FolderOpens::kNo);
+  robot_->StartController();
+  RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
+  ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  CutPower();
   robot_->StartController();
   const_cast<Machine&>(robot_->machine()).emergency.unread.clear();
   RunFor(std::chrono::seconds(5));

@@ -99,6 +99,7 @@ struct DiskSide {
   std::set<std::uint64_t> ours;              // segments on the disk
   std::set<std::uint64_t> old;               // of these, no longer in the ring
   std::vector<Unkept> unkept;
+  std::vector<std::string> kept;  // file names, in the order in which this recorder has kept them
   bool folder_is_ours = false;
   UniqueFd lock;        // of the folder of a ring
   std::string failure;  // the first thing of which not all is kept
@@ -169,7 +170,8 @@ struct DiskSide {
           break;
         }
       }
-      MakeRoom(out);
+      kept.push_back(fs::path(out).filename());
+      MakeRoom();
       return true;
     });
     if (unkept.size() < before) Drop({});
@@ -185,16 +187,26 @@ struct DiskSide {
     }
     return free;
   }
-  // Deletes the oldest kept files, but `newest`, beyond the limit. Other files are the user's.
-  void MakeRoom(const std::string& newest) const {
-    std::vector<std::string> kept;
-    for (const fs::path& entry : EntriesOf(options.path)) {
-      const bool ours = IsKeptName(entry.filename().string()) && IsByMusher(entry.string());
-      if (ours && entry != newest) kept.push_back(entry.string());
-    }
+  // Deletes the oldest kept files beyond the limit. Those of this recorder are the newest, whatever
+  // the wall clock says in their names: without an RTC it begins in 1970. Other files are the
+  // user's.
+  void MakeRoom() {
     std::error_code ignored;
-    for (const std::string& each : OldestBeyond(kept, std::max<std::size_t>(max_kept, 1) - 1)) {
-      fs::remove(each, ignored);
+    const fs::path folder = options.path;
+    std::erase_if(kept,
+                  [&](const std::string& name) { return !fs::exists(folder / name, ignored); });
+    std::vector<std::string> earlier;
+    for (const fs::path& entry : EntriesOf(folder)) {
+      const std::string name = entry.filename();
+      const bool by_this = std::ranges::count(kept, name) != 0;
+      if (!by_this && IsKeptName(name) && IsByMusher(entry.string())) earlier.push_back(name);
+    }
+    const std::size_t most = std::max<std::size_t>(max_kept, 1);
+    const std::size_t room = most - std::min(most, kept.size());
+    for (const std::string& name : OldestBeyond(earlier, room)) fs::remove(folder / name, ignored);
+    while (kept.size() > most) {
+      fs::remove(folder / kept.front(), ignored);
+      kept.erase(kept.begin());
     }
   }
   void Fail(const std::string& what) {

@@ -257,4 +257,25 @@ TEST_F(SmallDisk, ThatIsReadOnlyAfterALossOfPowerKeepsTheMachineInDeActive) {
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0) << "a person may";
 }
 
+// The stop was on the disk, and the robot went to DeActive without it: `musher set Active` stood it
+// up.
+TEST_F(SmallDisk, ThatIsReadOnlyAfterALossOfPowerKeepsAnEmergencyStop) {
+  GiveDeActive();
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string id = Status()["machine_id"];
+  ASSERT_EQ(Musher({"estop", "it", "smokes"}).exit, 0);
+  AwaitStatus([](const auto& now) { return now["not_on_disk"].empty(); });
+  ASSERT_NO_FATAL_FAILURE(CutPower());
+  fault_injection::MakeReadOnly(state_, true);
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("an emergency stop is engaged"));
+  const auto status = Status();
+  EXPECT_EQ(status["state"], "SetUp");
+  EXPECT_EQ(status["emergency_stop"]["reason"], "it smokes");
+  EXPECT_EQ(status["machine_id"], id);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 1);
+  EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
+}
+
 }  // namespace musher::testing::disk_test

@@ -200,6 +200,28 @@ TEST_F(RingFiles, AClockSetBackMakesNoSegmentLongerAndTheNewestIsKept) {
   EXPECT_GE(std::stoi(texts.front()), 209);
 }
 
+// Each trouble of a boot without an RTC deleted the one before it, and the files of the years
+// before stayed.
+TEST_F(RingFiles, OfABootInTheYear1970TheNewestTroublesAreKept) {
+  for (int files = 0; files < 2; ++files) {
+    Open();
+    Run(20);
+    ring_->OnTrouble("before");
+    Run(20);
+    ASSERT_TRUE(ring_->Close());
+  }
+  ASSERT_THAT(Kept(), SizeIs(2));
+  clock_set_ = -std::chrono::nanoseconds(Now());
+  Open();
+  for (const char* reason : {"first", "second", "third"}) {
+    Run(60);
+    ring_->OnTrouble(reason);
+    Run(60);
+  }
+  ASSERT_TRUE(ring_->Close());
+  EXPECT_THAT(Kept(), ElementsAre(HasSubstr("_second.mcap"), HasSubstr("_third.mcap")));
+}
+
 TEST_F(RingFiles, TwoTroublesOfOneSecondAreTwoFiles) {
   Open();
   Run(10);
