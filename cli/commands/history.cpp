@@ -24,6 +24,7 @@
 #include "musher/controller/journal/journal_reader.hpp"
 #include "musher/controller/shell/wire.hpp"
 #include "musher/lifecycle/event_name.hpp"
+#include "musher/wire/journal_cursor.hpp"
 
 namespace musher::cli {
 namespace {
@@ -46,6 +47,7 @@ using Entries = msg::GetHistory::Response;
 
 constexpr unsigned kAll = UINT32_MAX;
 constexpr unsigned kLines = 1000;
+constexpr std::uint32_t kMostFollowed = 5000;  // new entries at once
 constexpr const char* kErrorLevel = "error";
 constexpr Duration kFollowPeriod = Milliseconds(300);
 
@@ -112,7 +114,8 @@ struct Selection {
   }
   void Apply(Entries& history) const {
     KeepOnly(history, [this](const msg::HistoryEntry& entry, const std::string& of_entry) {
-      return entry.wall_ns <= until && (actuator.empty() || entry.actuator == actuator) &&
+      return entry.wall_ns >= since && entry.wall_ns <= until &&
+             (actuator.empty() || entry.actuator == actuator) &&
              (event.empty() || of_entry == event) && (!failures_only || entry.code != kCodeOk);
     });
     KeepNewest(history);
@@ -161,26 +164,25 @@ void Show(const Entries& history, bool csv, bool first, Console& console) {
   }
 }
 
-// Prints the entries after `last`, until Ctrl-C or until the controller exits.
-ExitCode Follow(Link& link, Selection selection, std::uint64_t last, std::int64_t since, bool csv,
+// Prints the entries that `cursor` has not taken, until Ctrl-C or until the controller exits.
+ExitCode Follow(Link& link, Selection selection, JournalCursor& cursor, bool csv,
                 Console& console) {
+  // The wall clock may be set back: what is new is not before a time.
+  selection.since = 0;
+  selection.limit = 0;
   link.EndWithReader();
   if (const auto followed = link.FollowStatus({}); !followed) return console.Fail(followed.error());
   while (!link.interrupted() && console.HasReader()) {
     link.RunUntil([&link] { return link.LeaderIsLost(); }, kFollowPeriod);
     if (link.interrupted()) break;
-    auto read = FromController(link, since, kAll);
+    const auto read = FromController(link, 0, cursor.limit());
     if (const auto* failure = std::get_if<Failure>(&read)) {
       return link.interrupted() ? ExitCode::kDone : console.Fail(*failure);
     }
-    auto& history = std::get<Entries>(read);
-    KeepOnly(history, [last](const auto& entry, const auto&) { return entry.id > last; });
-    if (history.entries.empty()) continue;
-    last = history.entries.back().id;
-    since = history.entries.back().wall_ns;
-    selection.limit = 0;
-    selection.Apply(history);
-    if (!history.entries.empty()) Show(history, csv, false, console);
+    auto fresh = cursor.Take(std::get<Entries>(read));
+    if (!fresh) continue;
+    selection.Apply(*fresh);
+    if (!fresh->entries.empty()) Show(*fresh, csv, false, console);
   }
   return ExitCode::kDone;
 }
@@ -263,7 +265,8 @@ std::variant<Entries, Failure> ReadWanted(const HistoryOptions& options, const S
                                           Source& source) {
   const bool newest_first = options.why && !options.lines && options.until.empty();
   const unsigned limit = newest_first ? kLines : wanted.ReadLimit();
-  auto read = source.Read(wanted.since, limit);
+  // One that follows needs the newest entry, of any time.
+  auto read = source.Read(options.follow ? 0 : wanted.since, limit);
   const auto* missing = std::get_if<Failure>(&read);
   if (missing != nullptr && missing->exit == ExitCode::kNoController && !options.follow) {
     read = FromDisk(*missing, wanted.since, limit, global, console, source);
@@ -294,9 +297,6 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   if (const auto* failure = std::get_if<Failure>(&read)) return console.Fail(*failure);
   auto& history = std::get<Entries>(read);
   if (!history.error.empty()) console.PrintError(history.error);
-  const std::uint64_t last = history.entries.empty() ? 0 : history.entries.back().id;
-  const std::int64_t since =
-      history.entries.empty() ? wanted.since : history.entries.back().wall_ns;
   if (!options.actuator.empty()) {
     const std::string unknown = UnknownActuator(options.actuator, history, global);
     if (!unknown.empty()) {
@@ -307,10 +307,12 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
     wanted.ApplyTimeAndLimit(history);
     return Explain(history, WantedWhy(options), console);
   }
+  JournalCursor cursor(INT64_MAX, kMostFollowed);
+  if (options.follow) cursor.Take(history);
   wanted.Apply(history);
   Show(history, options.csv, true, console);
   if (!options.follow) return ExitCode::kDone;
-  return Follow(*source.link, wanted, last, since, options.csv, console);
+  return Follow(*source.link, wanted, cursor, options.csv, console);
 }
 
 std::vector<std::string> Events() {

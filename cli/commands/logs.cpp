@@ -64,19 +64,21 @@ class LogPrinter {
     for (const HostLog& log : host_logs) width_ = std::max(width_, Width(log.actuator));
   }
 
-  const LogFilter& filter() const { return filter_; }
+  void Print(const std::vector<LogEntry>& entries) { Print(entries, filter_); }
+  // Lines that were just written: of any time, as the wall clock may be set back.
+  void PrintAppended(const std::vector<LogEntry>& entries) { Print(entries, {0, filter_.level}); }
 
-  void Print(const std::vector<LogEntry>& entries) {
+ private:
+  void Print(const std::vector<LogEntry>& entries, const LogFilter& filter) {
     std::string text;
     for (const LogEntry& entry : entries) {
-      if (!filter_.Shows(entry)) continue;
+      if (!filter.Shows(entry)) continue;
       text += console_.mode().json ? LogJson(entry) + '\n'
                                    : LogText(entry, width_, console_.mode().colour);
     }
     if (!text.empty()) console_.Print(text);
   }
 
- private:
   Console& console_;
   LogFilter filter_;
   std::size_t width_ = 0;
@@ -216,7 +218,7 @@ class LogFollower {
         logs.back().push_back(tail.lines.Take({std::move(line), now}));
       }
     }
-    printer_.Print(Merge(std::move(logs)));
+    printer_.PrintAppended(Merge(std::move(logs)));
     if (!console_.HasReader()) loop_.Stop();
   }
 

@@ -11,7 +11,6 @@
 namespace musher::view {
 namespace {
 
-constexpr std::uint32_t kQueriedEntries = 400;
 constexpr Duration kQueryDelay = Milliseconds(50);  // the records of a change come together
 constexpr Duration kAnswerTime = std::chrono::seconds(3);
 constexpr std::size_t kMostControllers = 64;
@@ -183,7 +182,7 @@ void MachineFeed::QueryHistory() {
   querying_ = true;
   const MachineIdentity& machine = leader_->machine();
   get_history_->Call(
-      {cursor_.since_ns(), kQueriedEntries, machine.name, machine.id}, kAnswerTime,
+      {0, cursor_.limit(), machine.name, machine.id}, kAnswerTime,
       [this](const Result<msg::GetHistory::Response>& answer) { OnAnswer(answer); },
       leader_->participant());
 }
@@ -191,11 +190,12 @@ void MachineFeed::QueryHistory() {
 void MachineFeed::OnAnswer(const Result<msg::GetHistory::Response>& answer) {
   querying_ = false;
   if (answer) {
-    const msg::GetHistory::Response& history = answer.value();
+    const auto history = cursor_.Take(answer.value());
+    if (!history) return QueryHistory();
     std::vector<SharedText> fresh;
-    for (const std::size_t i : cursor_.Take(history.entries)) {
-      const std::string event = i < history.events.size() ? history.events[i] : "";
-      fresh.push_back(std::make_shared<const std::string>(EntryJson(history.entries[i], event)));
+    for (std::size_t i = 0; i < history->entries.size(); ++i) {
+      fresh.push_back(
+          std::make_shared<const std::string>(EntryJson(history->entries[i], history->events[i])));
       entries_.push_back(fresh.back());
       if (entries_.size() > kKeptEntries) entries_.pop_front();
     }

@@ -21,13 +21,13 @@
 #include "musher/transport/service.hpp"
 #include "musher/view/json/message_json.hpp"
 #include "musher/view/live/page_queue.hpp"
-#include "musher/view/record/journal_recorder.hpp"
+#include "musher/wire/journal_cursor.hpp"
 
 namespace musher::view {
 
 class MachineFeed {
  public:
-  static constexpr std::size_t kKeptEntries = 400;  // of the history, for a page that opens
+  static constexpr std::uint32_t kKeptEntries = 400;  // of the history, for a page that opens
   // The status is passed on at once, then at most so often: a switch of many actuators has many.
   static constexpr Duration kStatusPeriod = Milliseconds(33);
 
@@ -86,7 +86,7 @@ class MachineFeed {
   transport::ParticipantId followed_ = 0;  // the leader whose capabilities were published
   std::vector<std::pair<std::string, SharedText>> latest_;
   std::deque<SharedText> entries_;
-  JournalCursor cursor_{0};
+  JournalCursor cursor_{0, kKeptEntries};
   bool querying_ = false;
   bool query_again_ = false;
   std::size_t pages_ = 0;

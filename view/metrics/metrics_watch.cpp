@@ -9,16 +9,14 @@
 namespace musher::view {
 namespace {
 
-// A scrape reads the newest entries, and more if these are not all that it does not know. It does
-// not query those since the last scrape: the wall clock of a robot may be set back, and the
-// controller would search its whole journal for them.
-constexpr std::uint32_t kFewEntries = 200;
-constexpr std::uint32_t kManyEntries = 5000;
+constexpr std::uint32_t kMostEntries = 5000;  // of one answer
 
 }  // namespace
 
 MetricsWatch::MetricsWatch(transport::Node& node, Options options)
-    : node_(node), options_(std::move(options)) {}
+    : node_(node),
+      options_(std::move(options)),
+      cursor_(options_.began_wall_ns - 1, kMostEntries) {}
 
 void MetricsWatch::Scrape(MetricsFormat format, Respond respond) {
   const bool first = !statuses_;
@@ -28,7 +26,7 @@ void MetricsWatch::Scrape(MetricsFormat format, Respond respond) {
   if (!first && leader_ == 0) return Answer(true);
   answer_by_ = node_.loop().Now() + kTimeout;
   timeout_ = node_.loop().At(answer_by_, [this] { Answer(leader_ == 0); });
-  if (leader_ != 0) ReadHistory(kFewEntries);
+  if (leader_ != 0) ReadHistory();
 }
 
 Result<> MetricsWatch::Subscribe() {
@@ -70,7 +68,7 @@ void MetricsWatch::OnStatus(const msg::MachineStatus& status, transport::Endpoin
   status_ = status;
   metrics_.On(status, node_.loop().Now());
   const bool scrape_waits = timeout_ && !reading_;
-  if (scrape_waits) ReadHistory(kFewEntries);
+  if (scrape_waits) ReadHistory();
 }
 
 void MetricsWatch::OnWriterLost(transport::EndpointId writer) {
@@ -79,39 +77,27 @@ void MetricsWatch::OnWriterLost(transport::EndpointId writer) {
   metrics_.OnControllerLost();
 }
 
-void MetricsWatch::ReadHistory(std::uint32_t limit) {
+void MetricsWatch::ReadHistory() {
   reading_ = ++requests_;
   msg::GetHistory::Request request;
-  request.limit = limit;
+  request.limit = cursor_.limit();
   const Duration timeout = std::max(answer_by_ - node_.loop().Now(), Duration(Milliseconds(1)));
-  get_history_->Call(request, timeout, [this, limit, number = requests_](const auto& history) {
+  get_history_->Call(request, timeout, [this, number = requests_](const auto& history) {
     if (reading_ != number) return;  // of a scrape that was answered without
     reading_.reset();
-    OnHistory(limit, history);
+    OnHistory(history);
   });
 }
 
-void MetricsWatch::OnHistory(std::uint32_t limit,
-                             const Result<msg::GetHistory::Response>& history) {
+void MetricsWatch::OnHistory(const Result<msg::GetHistory::Response>& history) {
   if (!history || (!history.value().error.empty() && history.value().entries.empty())) {
     return Answer(false);
   }
-  const std::vector<msg::HistoryEntry>& entries = history.value().entries;
-  const std::vector<std::string>& events = history.value().events;
-  const bool reaches_back = std::ranges::any_of(entries, [this](const msg::HistoryEntry& entry) {
-    return history_read_ ? Epoch(entry.epoch) == newest_epoch_ && RecordId(entry.id) == newest_id_
-                         : entry.wall_ns < options_.began_wall_ns;
-  });
-  const bool all = reaches_back || entries.size() < limit || limit == kManyEntries;
-  if (!all && timeout_) return ReadHistory(kManyEntries);
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const bool counts = entries[i].id != 0 && entries[i].wall_ns >= options_.began_wall_ns;
-    if (counts) metrics_.On(entries[i], i < events.size() ? events[i] : "");
-    if (entries[i].id == 0) continue;
-    newest_epoch_ = Epoch(entries[i].epoch);
-    newest_id_ = RecordId(entries[i].id);
+  const auto fresh = cursor_.Take(history.value());
+  if (!fresh) return ReadHistory();
+  for (std::size_t i = 0; i < fresh->entries.size(); ++i) {
+    metrics_.On(fresh->entries[i], fresh->events[i]);
   }
-  history_read_ = true;
   Answer(true);
 }
 

@@ -20,6 +20,7 @@
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/view/metrics/robot_metrics.hpp"
+#include "musher/wire/journal_cursor.hpp"
 
 namespace musher::view {
 
@@ -56,8 +57,8 @@ class MetricsWatch {
   Result<> Subscribe();
   void OnStatus(const msg::MachineStatus& status, transport::EndpointId writer);
   void OnWriterLost(transport::EndpointId writer);
-  void ReadHistory(std::uint32_t limit);
-  void OnHistory(std::uint32_t limit, const Result<msg::GetHistory::Response>& history);
+  void ReadHistory();
+  void OnHistory(const Result<msg::GetHistory::Response>& history);
   void Answer(bool complete);
   void ExamineProcesses();
 
@@ -66,9 +67,7 @@ class MetricsWatch {
   RobotMetrics metrics_;
   std::optional<msg::MachineStatus> status_;
   transport::EndpointId leader_ = 0;  // the writer of that status; 0: lost
-  bool history_read_ = false;         // at least once
-  RecordId newest_id_ = 0;            // of the history that was read
-  Epoch newest_epoch_ = 0;
+  JournalCursor cursor_;
   std::uint64_t requests_ = 0;            // for the history
   std::optional<std::uint64_t> reading_;  // the request that the scrape waits for
   Time answer_by_;

@@ -7,31 +7,15 @@ namespace {
 
 constexpr Duration kPeriod = std::chrono::seconds(1);
 constexpr Duration kTimeout = std::chrono::seconds(5);
+constexpr std::uint32_t kMostEntries = 5000;  // of one answer
 
 }  // namespace
-
-std::vector<std::size_t> JournalCursor::Take(const std::vector<msg::HistoryEntry>& entries) {
-  std::vector<std::size_t> fresh;
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const msg::HistoryEntry& entry = entries[i];
-    const std::int64_t last_ns = since_ns_ + 1;
-    if (entry.wall_ns < last_ns) continue;
-    if (entry.wall_ns > last_ns) {
-      since_ns_ = entry.wall_ns - 1;
-      seen_.clear();
-    }
-    if (seen_.emplace(entry.wall_ns, entry.epoch, entry.id, entry.message).second) {
-      fresh.push_back(i);
-    }
-  }
-  return fresh;
-}
 
 JournalRecorder::JournalRecorder(std::string name_space, Sink& sink, std::int64_t since_ns,
                                  Events events)
     : name_space_(std::move(name_space)),
       sink_(sink),
-      cursor_(since_ns),
+      cursor_(since_ns, kMostEntries),
       events_(std::move(events)) {}
 
 Result<std::unique_ptr<JournalRecorder>> JournalRecorder::Make(transport::Node& node,
@@ -64,7 +48,7 @@ void JournalRecorder::Query() {
   if (querying_ || !leader_->leader() || !client_->Ready()) return;
   querying_ = true;
   msg::GetHistory::Request request;
-  request.since_wall_ns = cursor_.since_ns();
+  request.limit = cursor_.limit();
   request.machine = leader_->machine().name;
   request.machine_id = leader_->machine().id;
   client_->Call(
@@ -77,8 +61,10 @@ void JournalRecorder::Query() {
 }
 
 void JournalRecorder::OnAnswer(const msg::GetHistory::Response& answer) {
-  for (const std::size_t i : cursor_.Take(answer.entries)) {
-    const msg::HistoryEntry& entry = answer.entries[i];
+  const auto fresh = cursor_.Take(answer);
+  if (!fresh) return Query();
+  for (std::size_t i = 0; i < fresh->entries.size(); ++i) {
+    const msg::HistoryEntry& entry = fresh->entries[i];
     if (!channel_) {
       const std::string topic = "/" + transport::ResolveName(name_space_, "musher/journal");
       channel_ = sink_.AddChannel({topic, std::string(msg::HistoryEntry::kTypeName), "", false});
@@ -88,7 +74,7 @@ void JournalRecorder::OnAnswer(const msg::GetHistory::Response& answer) {
     } else {
       ++lost_;
     }
-    if (i < answer.events.size() && events_.on_event) events_.on_event(answer.events[i]);
+    if (events_.on_event && !fresh->events[i].empty()) events_.on_event(fresh->events[i]);
   }
 }
 

@@ -11,33 +11,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <set>
 #include <string>
-#include <vector>
 
 #include "musher/controller/client/leader_watch.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/view/record/sink.hpp"
+#include "musher/wire/journal_cursor.hpp"
 
 namespace musher::view {
-
-// Which entries of an answer are new. Entries of the same nanosecond may be in two answers. Pure.
-class JournalCursor {
- public:
-  explicit JournalCursor(std::int64_t since_ns) : since_ns_(since_ns) {}
-
-  // For the next request: entries after this.
-  std::int64_t since_ns() const { return since_ns_; }
-  // The indices of the new ones.
-  std::vector<std::size_t> Take(const std::vector<msg::HistoryEntry>& entries);
-
- private:
-  using Id = std::tuple<std::int64_t, std::uint64_t, std::uint64_t, std::string>;
-
-  std::int64_t since_ns_;
-  std::set<Id> seen_;  // of the last nanosecond
-};
 
 class JournalRecorder {
  public:
@@ -46,7 +28,8 @@ class JournalRecorder {
     LeaderWatch::OnStatus on_status;                         // of the machine that it follows
   };
 
-  // `host`: this one, see HostId().
+  // `host`: this one, see HostId(). Of what is in the journal already, entries after `since_ns` are
+  // recorded.
   static Result<std::unique_ptr<JournalRecorder>> Make(transport::Node& node,
                                                        const std::string& name_space,
                                                        const std::string& host, Sink& sink,

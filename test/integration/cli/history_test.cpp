@@ -115,4 +115,13 @@ TEST_F(History, FollowsWhatHappens) {
   EXPECT_EQ(follow.Wait().exit, 0);
 }
 
+TEST_F(History, FollowsWhereNoEventIsRecentEnoughToBeShown) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process follow(Command({"history", "-f", "--csv", "--since", "0s"}));
+  ASSERT_NE(follow.LineWith("time,epoch,"), "");
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  const std::string first = follow.LineWith(",");
+  EXPECT_THAT(first, HasSubstr("LowPower")) << "nothing from before";
+}
+
 }  // namespace musher::testing::history_test

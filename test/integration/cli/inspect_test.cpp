@@ -45,6 +45,16 @@ TEST_F(Inspect, LogsAreFollowedAcrossARestartAndReadWithTheMachineDown) {
   EXPECT_TRUE(Json(json.out)["time"].is_string());
 }
 
+// After the wall clock was set back, `--since` hid each new line until it had caught up.
+TEST_F(Inspect, LogsThatAreFollowedShowNewLinesOfAnyTime) {
+  Does("voice", "[state.SelfCheck]\nshell = \"echo '2001-03-01 13:00:05.250 voice: tuned'\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process follow(Command({"logs", "-f", "--since", "1h", "voice", "controller"}));
+  ASSERT_NE(follow.LineWith("controller"), "");
+  ASSERT_EQ(Musher({"restart", "voice"}).exit, 0);
+  EXPECT_NE(follow.LineWith("tuned"), "");
+}
+
 // Two of user 65534: one in the group of that number, one in none that the host has.
 class AnotherUser : public Inspect {
  protected:

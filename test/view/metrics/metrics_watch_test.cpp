@@ -159,6 +159,15 @@ TEST_F(MetricsWatchTest, EachScrapeHasWhatHappenedUpToIt) {
   EXPECT_THAT(controller.requests, ::testing::Each(kRead));
 }
 
+// They stood still until the clock had caught up.
+TEST_F(MetricsWatchTest, CountersGoOnWhenTheWallClockIsSetBack) {
+  FakeController controller(network_, 1);
+  controller.Add(1, kBegan + 1);
+  EXPECT_EQ(Crashes(), 1);
+  controller.Add(1, kBegan - 100);
+  EXPECT_EQ(Crashes(), 2);
+}
+
 TEST_F(MetricsWatchTest, AScrapeThatMissesEntriesReadsMore) {
   FakeController controller(network_, 1);
   controller.Add(1, kBegan + 1);

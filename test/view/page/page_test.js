@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
 import {axeViolations, gate, open, screenshot, startBrowser, until} from './browser.js';
+import {PHONE, looksAt, stops} from './phone.js';
 
 let browser = null;
 before(async () => (browser = await startBrowser()));
@@ -34,6 +35,15 @@ test('the first view shows the state, what is wrong and why, and what the robot 
   await page.waitForSelector('.cannot >> text=audio is degraded');
   await screenshot(page, 'robot');
   assert.match(await page.title(), /^\(\d\) robot: Active/);
+}));
+
+test('the first view on a phone shows the state, what is wrong and why, the battery and STOP without scrolling',
+  () => inPage({mayAct: false, ...PHONE}, async (page, {robot, server}) => {
+  robot.fault('audio');
+  await page.waitForSelector('.problem');
+  await looksAt(page, {why: 'ended by SIGSEGV', battery: true});
+  await stops(page);
+  assert.deepEqual(server.requests.map(request => request.path), ['/api/estop']);
 }));
 
 test('a switch shows its plan first, then its legs, then its outcome',

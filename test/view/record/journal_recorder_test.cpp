@@ -11,7 +11,6 @@
 namespace musher::view::journal_recorder_test {
 
 using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 msg::HistoryEntry EntryAt(std::int64_t wall_ns, std::uint64_t id) {
@@ -19,15 +18,6 @@ msg::HistoryEntry EntryAt(std::int64_t wall_ns, std::uint64_t id) {
   entry.wall_ns = wall_ns;
   entry.id = id;
   return entry;
-}
-
-TEST(JournalCursor, TakesEachEntryOnceAlsoThoseOfTheSameNanosecond) {
-  JournalCursor cursor(100);
-  EXPECT_THAT(cursor.Take({EntryAt(50, 1), EntryAt(100, 2), EntryAt(105, 3), EntryAt(110, 4)}),
-              ElementsAre(2, 3));
-  EXPECT_EQ(cursor.since_ns(), 109);
-  EXPECT_THAT(cursor.Take({EntryAt(110, 4)}), IsEmpty());
-  EXPECT_THAT(cursor.Take({EntryAt(110, 4), EntryAt(110, 5), EntryAt(120, 6)}), ElementsAre(1, 2));
 }
 
 // A machine of the namespace dog1 that only reports that it runs and what its journal has.
@@ -97,6 +87,18 @@ TEST_F(JournalOfAMachine, IsRecordedAsFarAsItIsNewAndItsEventsAreReported) {
   EXPECT_EQ(sink_.channels[0].topic, "/dog1/musher/journal");
   EXPECT_EQ(sink_.samples[1].log_ns, 200);
   EXPECT_EQ(sink_.samples[1].data, msg::Encode(EntryAt(200, 3)));
+}
+
+// Nothing more was recorded until the clock had caught up.
+TEST_F(JournalOfAMachine, IsRecordedOnWhenTheWallClockIsSetBack) {
+  FakeMachine dog(network_, "dog");
+  dog.journal = {EntryAt(110, 1)};
+  Record();
+  network_.RunFor(std::chrono::seconds(5));
+  dog.journal.push_back(EntryAt(20, 2));
+  dog.Report();
+  network_.RunFor(std::chrono::seconds(5));
+  EXPECT_THAT(events_, ElementsAre("event_1", "event_2"));
 }
 
 // The journals of both machines were in the file, and the status of each was trouble for the other.
