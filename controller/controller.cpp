@@ -491,7 +491,8 @@ StoredStops Controller::LoadStops() {
   stops.unread = FindUnreadFolders(config_.state_dir, machine, folders, stops.unread);
   for (const UnreadFolder& unread : stops.unread) {
     if (unread.answered) continue;
-    Trouble("this user may not read " + unread.folder + " of user " + unread.owner +
+    const std::string owner = unread.owner.empty() ? "" : " of user " + unread.owner;
+    Trouble("this user cannot read the emergency stops in " + unread.folder + owner +
             ", where this machine may have its files when it is started otherwise: whether an "
             "emergency stop is engaged there is not known");
   }

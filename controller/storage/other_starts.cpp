@@ -69,11 +69,14 @@ std::optional<SeenFolder> UnreadIn(const std::string& folder, const MachineOrigi
   UnreadFolder& unread = seen.unread;
   struct stat info {};
   std::string stamp;
+  bool damaged = false;  // no user can read it
   if (stat(folder.c_str(), &info) == 0) {
     const std::string stops = StateStore::EmergencyStopFileIn(folder);
     if (!IsClosed(OriginFile(folder))) {
       const auto origin = LoadOrigin(folder);
-      if (!origin || !origin->IsOf(machine, true) || !IsClosed(stops)) return std::nullopt;
+      if (!origin || !origin->IsOf(machine, true)) return std::nullopt;
+      damaged = !IsClosed(stops);
+      if (damaged && !StateStore::HasDamagedStops(folder)) return std::nullopt;
     }
     struct stat of_stops {};
     if (stat(stops.c_str(), &of_stops) == 0) stamp = StampOf(stops, of_stops);
@@ -83,7 +86,7 @@ std::optional<SeenFolder> UnreadIn(const std::string& folder, const MachineOrigi
     if (stat(unread.folder.c_str(), &info) != 0) return std::nullopt;
     seen.shows_starts = IsOfOneUser(info);
   }
-  unread.owner = UserOf(info.st_uid).name;
+  if (!damaged) unread.owner = UserOf(info.st_uid).name;
   unread.mark = Fnv1a(StampOf(unread.folder, info) + stamp);
   return seen;
 }

@@ -30,15 +30,16 @@ struct StopsElsewhere {
 
 // Of the folders other than `state_dir` that belong to this machine, those with a stop that `known`
 // does not know as released: it is engaged there, or was released and waits for a request. A
-// damaged file is passed over: it would engage a stop at each start, as no release can end it. What
-// this user may not read is passed over here, too: see FindUnreadFolders().
+// damaged file engages none: it would at each start, as no release can end it. That and what this
+// user may not read are for FindUnreadFolders().
 std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
                                                const MachineOrigin& machine,
                                                const std::vector<std::string>& folders,
                                                const StoredStops& known);
 
-// Of the folders other than `state_dir`, those that may belong to this machine and that this user
-// may not read: a stop may be engaged there. Known of them is what can be seen from outside.
+// Of the folders other than `state_dir`, those that may belong to this machine and whose stops this
+// user may not read, or whose file of them is damaged: a stop may be engaged there. Known of them
+// is what can be seen from outside.
 //
 //   the folder is there                  it has the machine's name, namespace and domain: it counts
 //   the place is there, and closed       it counts, by the place: one may be in it

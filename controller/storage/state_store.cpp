@@ -292,6 +292,13 @@ StoredStops StateStore::ReadableStops(const std::string& dir) {
   return content ? StopsFrom(content->text).value_or(StoredStops{}) : StoredStops{};
 }
 
+bool StateStore::HasDamagedStops(const std::string& dir) {
+  const auto content = SlotFile(EmergencyStopFileIn(dir)).Read();
+  if (!content) return false;
+  const bool none_saved = content->text.empty() && !content->plain;
+  return content->damaged || (!none_saved && !StopsFrom(content->text));
+}
+
 // On a full disk without the file it fails, and again at each save.
 void StateStore::ReserveEmergencyStops() {
   const SlotFile file(EmergencyStopFile());

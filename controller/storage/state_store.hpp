@@ -75,6 +75,9 @@ class StateStore {
   StoredStops LoadEmergencyStops() const;
   // Those in a folder that another controller may use; none where its file cannot be read.
   static StoredStops ReadableStops(const std::string& dir);
+  // Whether a stop may be engaged there that its file does not show any more: a power cut has torn
+  // it.
+  static bool HasDamagedStops(const std::string& dir);
   static std::string EmergencyStopFileIn(const std::string& dir) { return dir + "/emergency_stop"; }
 
   // Whether the machine is to be torn down, and to stay so until a person starts it.

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "musher/controller/storage/slot_file.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
@@ -95,6 +96,33 @@ TEST_F(OtherStart, WithADamagedFileLeavesNone) {
   StopIn(by_user_, robot_);
   std::ofstream(by_user_ + "/emergency_stop") << "engaged 7";
   EXPECT_THAT(Found(), IsEmpty());
+}
+
+// By a power cut. A robot whose stop was saved in the one folder went to Active from the other one.
+TEST_F(OtherStart, WhoseFileOfStopsIsDamagedLeavesOpenWhetherOneIsEngaged) {
+  const auto unread = [this](const std::vector<UnreadFolder>& known = {}) {
+    return FindUnreadFolders(by_service_, robot_, {by_user_, by_service_}, known);
+  };
+  StopIn(by_user_, robot_, {{}, {3}});
+  EXPECT_THAT(unread(), IsEmpty());
+  const std::string file = by_user_ + "/emergency_stop";
+  ASSERT_EQ(fs::file_size(file), 2 * SlotFile::kSlotSize);
+  for (const std::size_t slot : {std::size_t{0}, SlotFile::kSlotSize}) {
+    std::string whole(2 * SlotFile::kSlotSize, 0);
+    std::ifstream(file).read(whole.data(), static_cast<std::streamsize>(whole.size()));
+    std::string torn = whole;
+    torn.replace(slot, 4, "torn");
+    std::ofstream(file) << torn;
+    auto found = unread();
+    ASSERT_EQ(found.size(), 1U) << slot;
+    EXPECT_EQ(found[0].folder, by_user_);
+    found[0].answered = true;
+    EXPECT_TRUE(unread(found)[0].answered) << "by a person, until the next start there";
+    std::ofstream(file) << whole;
+    EXPECT_THAT(unread(), IsEmpty());
+  }
+  std::ofstream(file) << "engaged 7";
+  EXPECT_EQ(unread().size(), 1U);
 }
 
 // A start by systemd, as root, and later one by a person who may not read its files. The stop was
