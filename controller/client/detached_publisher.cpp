@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,11 +21,46 @@
 namespace musher {
 namespace {
 
-// Its two ends: to read, to write.
-std::pair<UniqueFd, UniqueFd> MakePipe() {
+// Its two ends: of the process, of its program. Packets keep their bounds, and one for a process
+// that has ended raises no signal.
+std::pair<UniqueFd, UniqueFd> MakeChannel() {
   int ends[2] = {-1, -1};
-  if (pipe2(ends, O_CLOEXEC) != 0) return {};
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) return {};
   return {UniqueFd(ends[0]), UniqueFd(ends[1])};
+}
+
+// The first byte of a packet; a note follows it.
+constexpr char kPublish = 'p';
+constexpr char kCancel = 'c';
+constexpr char kNote = 'n';
+
+constexpr Duration kLongestEnd = std::chrono::seconds(1);  // of a process that is cancelled
+
+// Waits until the process is to publish, or is cancelled; whether it is to publish. `ended` becomes
+// readable with the end of the program, also where a copy of that has the channel; -1: it has
+// ended.
+bool IsToPublish(int channel, int ended, std::optional<Duration> timeout,
+                 DetachedPublisher::Notes& notes) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begun = Clock::now();
+  bool over = ended < 0;
+  while (true) {
+    std::array<char, 1 + DetachedPublisher::kLongestNote> packet{};
+    const ssize_t size = recv(channel, packet.data(), packet.size(), MSG_DONTWAIT);
+    if (size > 0 && packet[0] != kNote) return packet[0] != kCancel;
+    if (size > 0) {
+      notes.emplace_back(packet.data() + 1, static_cast<std::size_t>(size) - 1);
+      continue;
+    }
+    if (size == 0) return true;
+    if (errno == EINTR) continue;
+    if (errno != EAGAIN || over) return true;
+    const Duration left = timeout.value_or(Duration{}) - (Clock::now() - begun);
+    if (timeout && left <= Duration{}) return true;
+    std::array<pollfd, 2> awaited{pollfd{channel, POLLIN, 0}, pollfd{ended, POLLIN, 0}};
+    const int wait_ms = timeout ? static_cast<int>(ToMilliseconds(left)) + 1 : -1;
+    if (poll(awaited.data(), awaited.size(), wait_ms) > 0) over = awaited[1].revents != 0;
+  }
 }
 
 // By these a controller finds the processes of an actuator, to end them with it.
@@ -55,82 +91,77 @@ void ReapLater(pid_t added) {
 }  // namespace
 
 DetachedPublisher::DetachedPublisher(const Publish& publish, std::optional<Duration> timeout) {
-  auto [read_end, write_end] = MakePipe();
-  if (!read_end.valid()) return;
+  auto [of_process, of_program] = MakeChannel();
+  if (!of_process.valid()) return;
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0) {
     DropMarks();
-    write_end = {};
-    PublishWhenAsked(read_end.get(), parent, timeout, publish);
+    of_program = {};
+    PublishWhenAsked(of_process.get(), parent, timeout, publish);
   }
-  if (pid_ > 0) pipe_ = std::move(write_end);
+  if (pid_ > 0) channel_ = std::move(of_program);
 }
 
 DetachedPublisher::DetachedPublisher(const std::vector<std::string>& program) {
-  auto [read_end, write_end] = MakePipe();
-  if (!read_end.valid() || program.empty()) return;
+  auto [of_process, of_program] = MakeChannel();
+  if (!of_process.valid() || program.empty()) return;
   ReapLater(0);
   const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
   ProgramSpec spec;
   spec.argv = program;
   spec.cwd = "/";  // it keeps no file system busy
   spec.without = {std::begin(kMarks), std::end(kMarks)};
-  spec.input = read_end.get();
+  spec.input = of_process.get();
   spec.output = null.get();
   spec.after_fork = [](char* const* /*environment*/) { setsid(); };
   const auto started = ForkProgram(spec);
   if (!started) return;
   pid_ = started.value().pid();
-  pipe_ = std::move(write_end);
+  channel_ = std::move(of_program);
 }
 
 DetachedPublisher::~DetachedPublisher() {
-  pipe_ = {};
+  channel_ = {};
   ReapLater(pid_);
 }
 
-void DetachedPublisher::Cancel() {
-  Send('c');
-  pipe_ = {};
-  if (pid_ <= 0) return;
-  kill(pid_, SIGTERM);
-  if (begun_) {
-    ReapLater(pid_);
-  } else {
-    waitpid(pid_, nullptr, 0);
-  }
-  pid_ = -1;
+void DetachedPublisher::Note(std::string_view note) {
+  if (note.size() <= kLongestNote) Send(kNote + std::string(note));
 }
 
-void DetachedPublisher::PublishWhenAsked(int pipe, pid_t parent, std::optional<Duration> timeout,
+void DetachedPublisher::Begin() {
+  Send({kPublish});
+}
+
+// A process that waits for a disk may not end soon, and nothing waits for it.
+void DetachedPublisher::Cancel() {
+  Send({kCancel});
+  channel_ = {};
+  if (pid_ <= 0) return;
+  kill(pid_, SIGTERM);
+  if (const auto process = OpenPidfd(pid_)) {
+    pollfd ended{process.value().get(), POLLIN, 0};
+    poll(&ended, 1, static_cast<int>(ToMilliseconds(kLongestEnd)));
+  }
+  ReapLater(std::exchange(pid_, -1));
+}
+
+void DetachedPublisher::PublishWhenAsked(int channel, pid_t parent, std::optional<Duration> timeout,
                                          const Publish& publish) {
   setsid();
-  // Also where a copy of the parent has the pipe: it may outlive it.
   const auto process = OpenPidfd(parent);
-  const UniqueFd asks(fcntl(pipe, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
+  const UniqueFd kept(fcntl(channel, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
-  std::array<pollfd, 2> asked{pollfd{asks.get(), POLLIN, 0},
-                              pollfd{process ? process.value().get() : -1, POLLIN, 0}};
-  const int wait_ms = timeout ? static_cast<int>(ToMilliseconds(*timeout)) : -1;
-  while (process && poll(asked.data(), asked.size(), wait_ms) < 0 && errno == EINTR) {
-  }
-  char word = 0;
-  if (asked[0].revents != 0) {
-    ssize_t size = 0;
-    do {
-      size = read(asks.get(), &word, 1);
-    } while (size < 0 && errno == EINTR);
-    if (size == 1 && word == 'c') _exit(0);
-  }
-  publish();
+  Notes notes;
+  if (IsToPublish(kept.get(), process ? process.value().get() : -1, timeout, notes)) publish(notes);
   _exit(0);
 }
 
-void DetachedPublisher::Send(char word) {
-  if (!pipe_.valid() || begun_) return;
-  begun_ = write(pipe_.get(), &word, 1) == 1 && word == 'p';
+void DetachedPublisher::Send(const std::string& packet) {
+  if (!channel_.valid()) return;
+  send(channel_.get(), packet.data(), packet.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
 }  // namespace musher

@@ -6,6 +6,9 @@
 //   waiting ──Begin(), the program has ended, or the time is over──▶ publishing ──▶ ended
 //      └──Cancel()──▶ ended
 //
+// What the program finds out meanwhile, it notes for the process, which has no other source: the
+// machine may be lost by then.
+//
 // Threads: one at a time.
 
 #include <sys/types.h>
@@ -15,6 +18,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/base/time.hpp"
@@ -26,8 +30,12 @@ class DetachedPublisher {
  public:
   static constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
+  static constexpr std::size_t kLongestNote = 1024;  // bytes; a longer one is dropped
+
+  // Of the program, in their order.
+  using Notes = std::vector<std::string>;
   // Runs in the new process; publishes the stop for kKeptPublished, unless it is released.
-  using Publish = std::function<void()>;
+  using Publish = std::function<void(const Notes& notes)>;
 
   // A copy of this process, which must not have a second thread yet. `timeout`: after which it
   // publishes unless it was cancelled.
@@ -41,21 +49,24 @@ class DetachedPublisher {
   // Unless it was cancelled, the process publishes.
   ~DetachedPublisher();
 
-  void Begin() { Send('p'); }
-  // Every actuator has confirmed the stop, or it is released.
+  // For the process, which has it when it publishes, unless it has begun already. Waits for
+  // nothing.
+  void Note(std::string_view note);
+  void Begin();
+  // Every actuator has confirmed the stop, or it is released. Waits for a second at most.
   void Cancel();
   pid_t pid() const { return std::max(pid_, 0); }  // 0: there is no such process
 
-  // In the new process. `pipe`: from its program, the process `parent`.
-  [[noreturn]] static void PublishWhenAsked(int pipe, pid_t parent, std::optional<Duration> timeout,
+  // In the new process. `channel`: from its program, the process `parent`.
+  [[noreturn]] static void PublishWhenAsked(int channel, pid_t parent,
+                                            std::optional<Duration> timeout,
                                             const Publish& publish);
 
  private:
-  void Send(char word);
+  void Send(const std::string& packet);
 
-  UniqueFd pipe_;
+  UniqueFd channel_;
   pid_t pid_ = -1;
-  bool begun_ = false;
 };
 
 }  // namespace musher
