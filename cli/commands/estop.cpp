@@ -112,14 +112,15 @@ struct Stop {
 // alone; empty: by all.
 DetachedPublisher::Publish PublishForAMinute(const GlobalOptions& global, const Stop& stop,
                                              const std::string& network = {}) {
-  return [&global, &stop, network](const DetachedPublisher::Notes& notes) {
+  return [&global, &stop, network](const DetachedPublisher::Notes& notes) -> bool {
     const auto link = Link::OpenAtOnce(global, nullptr, network);
-    if (!link) return;
+    if (!link) return false;
     const auto latch = stop.Publish(link.value()->node(), global, notes);
-    if (!latch) return;
+    if (!latch) _exit(1);
     link.value()->RunUntil([&] { return latch.value()->withdrawn(); },
                            DetachedPublisher::kKeptPublished);
-    _exit(0);  // DDS waits for ever to leave a network that is lost
+    _exit(latch.value()->withdrawn() ? 0
+                                     : 1);  // DDS waits for ever to leave a network that is lost
   };
 }
 

@@ -2,21 +2,25 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <iterator>
 #include <mutex>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "musher/base/host.hpp"
 #include "musher/base/program.hpp"
+#include "musher/transport/network.hpp"
 
 namespace musher {
 namespace {
@@ -61,6 +65,82 @@ bool IsToPublish(int channel, int ended, std::optional<Duration> timeout,
     const int wait_ms = timeout ? static_cast<int>(ToMilliseconds(left)) + 1 : -1;
     if (poll(awaited.data(), awaited.size(), wait_ms) > 0) over = awaited[1].revents != 0;
   }
+}
+
+// Each address by which other hosts may be reached: "wlan0 10.0.0.7".
+std::set<std::string> OuterAddresses() {
+  std::set<std::string> addresses;
+  for (const transport::NetworkInterface& one : transport::ReadInterfaces()) {
+    if (!one.up || one.loopback) continue;
+    for (const std::string& address : one.addresses) addresses.insert(one.name + " " + address);
+  }
+  return addresses;
+}
+
+// The processes by which the stop is published.
+class Copies {
+ public:
+  Copies(const DetachedPublisher::Publish& publish, const DetachedPublisher::Notes& notes)
+      : publish_(publish), notes_(notes) {}
+  ~Copies() {
+    for (const pid_t pid : pids_) End(pid);
+  }
+  Copies(const Copies&) = delete;
+  Copies& operator=(const Copies&) = delete;
+
+  // Begins one where none runs, or a network has come. The one before goes on: a robot may have
+  // discovered that alone.
+  void Update() {
+    std::set<std::string> present = OuterAddresses();
+    if (!pids_.empty() && std::ranges::includes(joined_, present)) return;
+    if (pids_.size() > 1) {
+      End(pids_.front());
+      pids_.erase(pids_.begin());
+    }
+    joined_ = std::move(present);
+    if (const pid_t pid = Begin(); pid > 0) pids_.push_back(pid);
+  }
+  // Whether one of them has ended because the stop is released.
+  bool Released() {
+    bool released = false;
+    std::erase_if(pids_, [&released](pid_t pid) {
+      int status = 0;
+      if (waitpid(pid, &status, WNOHANG) != pid) return false;
+      released = released || (WIFEXITED(status) && WEXITSTATUS(status) == 0);
+      return true;
+    });
+    return released;
+  }
+
+ private:
+  pid_t Begin() const {
+    const pid_t own = getpid();
+    const pid_t pid = fork();
+    if (pid != 0) return pid;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    _exit(getppid() == own && publish_(notes_) ? 0 : 1);
+  }
+  static void End(pid_t pid) {
+    kill(pid, SIGKILL);
+    waitpid(pid, nullptr, 0);
+  }
+
+  const DetachedPublisher::Publish& publish_;
+  const DetachedPublisher::Notes& notes_;
+  std::vector<pid_t> pids_;  // the newest last
+  std::set<std::string> joined_;
+};
+
+void PublishForAMinute(const DetachedPublisher::Publish& publish,
+                       const DetachedPublisher::Notes& notes) {
+  constexpr int kLookMs = 200;
+  const auto begun = std::chrono::steady_clock::now();
+  Copies copies(publish, notes);
+  do {
+    copies.Update();
+    poll(nullptr, 0, kLookMs);
+  } while (!copies.Released() &&
+           std::chrono::steady_clock::now() - begun < DetachedPublisher::kKeptPublished);
 }
 
 // By these a controller finds the processes of an actuator, to end them with it.
@@ -150,12 +230,19 @@ void DetachedPublisher::Cancel() {
 void DetachedPublisher::PublishWhenAsked(int channel, pid_t parent, std::optional<Duration> timeout,
                                          const Publish& publish) {
   setsid();
+  sigset_t end;
+  sigemptyset(&end);
+  sigaddset(&end, SIGTERM);
+  sigprocmask(SIG_UNBLOCK, &end, nullptr);
+  std::signal(SIGTERM, SIG_DFL);
   const auto process = OpenPidfd(parent);
   const UniqueFd kept(fcntl(channel, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   const UniqueFd null(open("/dev/null", O_RDWR | O_CLOEXEC));
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null.get(), stream);
   Notes notes;
-  if (IsToPublish(kept.get(), process ? process.value().get() : -1, timeout, notes)) publish(notes);
+  if (IsToPublish(kept.get(), process ? process.value().get() : -1, timeout, notes)) {
+    PublishForAMinute(publish, notes);
+  }
   _exit(0);
 }
 

@@ -4,7 +4,10 @@
 // own, so that no signal of the program's terminal reaches it.
 //
 //   waiting ──Begin(), the program has ended, or the time is over──▶ publishing ──▶ ended
-//      └──Cancel()──▶ ended
+//      └──────────────────────── Cancel() ───────────────────────────────┴──▶ ended
+//
+// It publishes by copies of itself: one that has joined before a network came does not use that, so
+// another one begins then, and one that could not join is followed by the next.
 //
 // What the program finds out meanwhile, it notes for the process, which has no other source: the
 // machine may be lost by then.
@@ -34,10 +37,11 @@ class DetachedPublisher {
 
   // Of the program, in their order.
   using Notes = std::vector<std::string>;
-  // Runs in the new process; publishes the stop for kKeptPublished, unless it is released.
-  using Publish = std::function<void(const Notes& notes)>;
+  // Runs in a new process, without a second thread, and is killed after kKeptPublished at the
+  // latest. Publishes the stop until it is released; false: it cannot.
+  using Publish = std::function<bool(const Notes& notes)>;
 
-  // A copy of this process, which must not have a second thread yet. `timeout`: after which it
+  // A copy of this process, which must not have a second thread yet. `timeout`: after that it
   // publishes unless it was cancelled.
   explicit DetachedPublisher(const Publish& publish,
                              std::optional<Duration> timeout = std::nullopt);

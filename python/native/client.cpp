@@ -355,8 +355,8 @@ void PublishStop(const std::string& name_space, const std::string& domain, const
                  const std::string& word, const std::string& engaged) {
   const auto stop = msg::Decode<msg::EmergencyStop>(BytesOf(engaged));
   if (!stop) throw py::value_error("no stop: " + engaged);
+  const auto id = domain.empty() ? std::nullopt : std::optional(std::stoi(domain));
   const auto publish = [&](const DetachedPublisher::Notes& notes) {
-    const auto id = domain.empty() ? std::nullopt : std::optional(std::stoi(domain));
     const PyNodePtr node = MakeNode("", name_space, id, keys, identity, interface);
     OnLoop<StopLatch> latch(node, [&](transport::Node& on) {
       auto begun =
@@ -371,9 +371,17 @@ void PublishStop(const std::string& name_space, const std::string& domain, const
       latch.Run([&](StopLatch& published) { released = published.withdrawn(); });
       WithoutGil([&] { node->thread->WaitFor(kLook); });
     }
-    _exit(0);  // DDS waits for ever to leave a network that is lost
+    _exit(released ? 0 : 1);  // DDS waits for ever to leave a network that is lost
   };
-  DetachedPublisher::PublishWhenAsked(STDIN_FILENO, parent, std::nullopt, publish);
+  const auto try_to_publish = [&](const DetachedPublisher::Notes& notes) -> bool {
+    try {
+      publish(notes);
+    } catch (const std::exception&) {
+      // The network cannot be joined now.
+    }
+    return false;
+  };
+  DetachedPublisher::PublishWhenAsked(STDIN_FILENO, parent, std::nullopt, try_to_publish);
 }
 
 // (namespace, name) of a valid config.

@@ -6,12 +6,14 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <fstream>
 #include <list>
 
 #include "musher/base/host.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/test/cli/robot.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -615,6 +617,7 @@ class ContinuedStop : public StopByName {
           written = write(write_end.get(), note.data(), note.size());
         }
         [[maybe_unused]] const auto written = write(write_end.get(), "\0\0", 2);
+        return true;
       });
       program(publisher);
     }
@@ -661,6 +664,24 @@ TEST_F(ContinuedStop, GoesByTheNameWhereItsProgramHasFoundNoneOrEndedBeforeTheTi
     EXPECT_TRUE(Stops("77770000-dog", "third boot/1"));
     EndRobots();
   }
+}
+
+// It ended, where the network could not be joined in that moment.
+TEST_F(ContinuedStop, IsPublishedByTheNextProcessWhereOneCannot) {
+  const TempFolder folder;
+  const std::string lost = folder / "lost";
+  std::ofstream(lost) << "";
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  const UniqueFd read_end(ends[0]);
+  UniqueFd write_end(ends[1]);
+  DetachedPublisher publisher([&](const DetachedPublisher::Notes&) {
+    return unlink(lost.c_str()) != 0 && write(write_end.get(), "x", 1) == 1;
+  });
+  publisher.Begin();
+  write_end = {};
+  char published = 0;
+  EXPECT_EQ(read(read_end.get(), &published, 1), 1);
 }
 
 TEST_F(ContinuedStop, IsNotPublishedByAProcessThatIsCancelled) {
@@ -767,7 +788,7 @@ TEST_F(ReleasedStop, ThatNamesTheBeginningOfAnIdIsPublishedUntilThatMachineRelea
 
 // The program that had engaged it did, once it ended: an hour after the release, too.
 TEST_F(ReleasedStop, IsNotPublishedAfterItsProgramEither) {
-  DetachedPublisher publisher([](const DetachedPublisher::Notes&) {});
+  DetachedPublisher publisher([](const DetachedPublisher::Notes&) { return true; });
   EngageFor("dog");
   latch_->ContinueWith(publisher);
   dog_controller_.SendHeartbeat();

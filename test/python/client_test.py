@@ -602,7 +602,14 @@ class Stops(unittest.TestCase):
         self.publish(self.node(), DOG, latched=True)
         second = self.node()
         later = threading.Timer(0.1, lambda: self.publish(second, SECOND_DOG, latched=True))
-        second.subscribe("musher/emergency_stop", EmergencyStop, lambda stop: later.start(), latched=True)
+        received = []  # by the name, and by the id of the first machine
+
+        def on_stop(stop):
+            if not received:
+                later.start()
+            received.append(stop)
+
+        second.subscribe("musher/emergency_stop", EmergencyStop, on_stop, latched=True)
         with self.assertRaises(musher.Failure) as failed:
             self.dog().estop("smoke", timeout_s=1.0)
         later.join(DEADLINE_S)
