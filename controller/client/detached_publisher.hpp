@@ -6,8 +6,8 @@
 //   waiting ──Begin(), the program has ended, or the time is over──▶ publishing ──▶ ended
 //      └──────────────────────── Cancel() ───────────────────────────────┴──▶ ended
 //
-// It publishes by copies of itself: one that has joined before a network came does not use that, so
-// another one begins then, and one that could not join is followed by the next.
+// It publishes by copies of itself. A copy uses the networks that are up when it joins, so another
+// copy begins when a network comes, and after a copy that could not join.
 //
 // What the program finds out meanwhile, it notes for the process, which has no other source: the
 // machine may be lost by then.
