@@ -29,10 +29,11 @@ StopClient::StopClient(transport::sim::Network& network, Hosts& hosts, Options o
   stop.by = options_.endpoint;
   stop.machine = options_.machine.name;
   stop.machine_id = options_.machine.id;
-  latch_ = StopLatch::Begin(*node_, options_.name_space, stop, false, [this] { Look(); }).value();
+  const bool lan = View().lan;
+  latch_ = StopLatch::Begin(*node_, options_.name_space, stop, {false, lan, [this] { Look(); }, {}})
+               .value();
   Follow();
   transport::EventLoop& loop = node_->loop();
-  const bool lan = View().lan;
   timer_ = loop.At(loop.Now() + (lan ? kLanTimeout : kFirstWait), [this, lan] {
     if (lan) return End();
     Look();

@@ -87,15 +87,24 @@ GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
   return options;
 }
 
+bool ReachesOtherHosts() {
+  const auto profile = transport::Profile({});
+  return !profile || profile.value() == TransportProfile::kLan;
+}
+
 // A stop, and for whom it is.
 struct Stop {
   msg::EmergencyStop message;
   std::string id_begins;               // --machine; empty: not given
   std::vector<MachineIdentity> by_id;  // of this host, whose id begins so
 
-  Result<std::unique_ptr<StopLatch>> Publish(transport::Node& node,
-                                             const GlobalOptions& global) const {
-    auto latch = StopLatch::Begin(node, global.name_space, message, !global.keys.empty());
+  Result<std::unique_ptr<StopLatch>> Publish(transport::Node& node, const GlobalOptions& global,
+                                             DetachedPublisher::Notes notes = {}) const {
+    StopOptions options;
+    options.with_keys = !global.keys.empty();
+    options.lan = ReachesOtherHosts();
+    options.notes = std::move(notes);
+    auto latch = StopLatch::Begin(node, global.name_space, message, std::move(options));
     if (latch && !id_begins.empty()) latch.value()->AddBeginningOfId(id_begins, by_id);
     return latch;
   }
@@ -105,14 +114,15 @@ struct Stop {
 // alone; empty: by all.
 DetachedPublisher::Publish PublishForAMinute(const GlobalOptions& global, const Stop& stop,
                                              const std::string& network = {}) {
-  return [&global, &stop, network] {
+  return [&global, &stop, network](const DetachedPublisher::Notes& notes) -> bool {
     const auto link = Link::OpenAtOnce(global, nullptr, network);
-    if (!link) return;
-    const auto latch = stop.Publish(link.value()->node(), global);
-    if (!latch) return;
+    if (!link) return false;
+    const auto latch = stop.Publish(link.value()->node(), global, notes);
+    if (!latch) _exit(1);
     link.value()->RunUntil([&] { return latch.value()->withdrawn(); },
                            DetachedPublisher::kKeptPublished);
-    _exit(0);  // DDS waits for ever to leave a network that is lost
+    _exit(latch.value()->withdrawn() ? 0
+                                     : 1);  // DDS waits for ever to leave a network that is lost
   };
 }
 
@@ -123,7 +133,8 @@ class Confirmation {
                std::vector<MachineHere> machines)
       : link_(link),
         latch_(latch),
-        scope_{global.name_space, transport::DomainId({}).value(), IsLan(), std::move(machines)} {}
+        scope_{global.name_space, transport::DomainId({}).value(), ReachesOtherHosts(),
+               std::move(machines)} {}
 
   Duration DefaultTimeout() const { return scope_.lan ? kLanStopTimeout : kStopTimeout; }
 
@@ -175,10 +186,6 @@ class Confirmation {
   }
 
  private:
-  static bool IsLan() {
-    const auto profile = transport::Profile({});
-    return !profile || profile.value() == TransportProfile::kLan;
-  }
   // Read each time: a robot may be starting while it is stopped.
   StopView View() const {
     StopView view = ViewFromHere(scope_, link_.status());
@@ -213,7 +220,8 @@ std::string StaysPublished(const Publishers& publishers) {
   return pids.empty() ? "" : "; the stop stays published for a minute (pid " + pids + ")";
 }
 
-// Prints why the stop is not complete. It stays published for a minute, unless it was released.
+// Prints why the stop is not complete. It stays published for a minute, unless it was released:
+// then the processes of earlier attempts end as well.
 ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatch& latch,
                      const Publishers& publishers, Console& console) {
   std::string kept;
@@ -347,9 +355,9 @@ class Attempt {
     const auto latch = stop_.Publish(link.value()->node(), global_);
     if (!latch) return fail(latch.error());
     joined_ = true;
-    const auto second_try = link.value()->loop().At(link.value()->loop().Now() + kFirstTry, [&] {
-      if (!latch.value()->withdrawn()) detached_.Begin();
-    });
+    latch.value()->ContinueWith(detached_);
+    const auto second_try = link.value()->loop().At(link.value()->loop().Now() + kFirstTry,
+                                                    [this] { detached_.Begin(); });
     Choose(*link.value(), found_.machine, global_);
     if (const auto followed = link.value()->FollowStatus({}); !followed) {
       return fail(followed.error());
@@ -490,6 +498,7 @@ class Series {
 };
 
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
+  if (const auto domain = transport::DomainId({}); !domain) return console.Fail(domain.error());
   Stop stop;
   stop.message =
       NewEmergencyStop(UserAtHostAtOnce(), fmt::format("{}", fmt::join(options.reason, " ")));

@@ -4,7 +4,13 @@
 // own, so that no signal of the program's terminal reaches it.
 //
 //   waiting ──Begin(), the program has ended, or the time is over──▶ publishing ──▶ ended
-//      └──Cancel()──▶ ended
+//      └──────────────────────── Cancel() ───────────────────────────────┴──▶ ended
+//
+// It publishes by copies of itself. A copy uses the networks that are up when it joins, so another
+// copy begins when a network comes, and after a copy that could not join.
+//
+// What the program finds out meanwhile, it notes for the process, which has no other source: the
+// machine may be lost by then.
 //
 // Threads: one at a time.
 
@@ -15,6 +21,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/base/time.hpp"
@@ -26,10 +33,15 @@ class DetachedPublisher {
  public:
   static constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
-  // Runs in the new process; publishes the stop for kKeptPublished, unless it is released.
-  using Publish = std::function<void()>;
+  static constexpr std::size_t kLongestNote = 1024;  // bytes; a longer one is dropped
 
-  // A copy of this process, which must not have a second thread yet. `timeout`: after which it
+  // Of the program, in their order.
+  using Notes = std::vector<std::string>;
+  // Runs in a new process, without a second thread, and is killed after kKeptPublished at the
+  // latest. Publishes the stop until it is released; false: it cannot.
+  using Publish = std::function<bool(const Notes& notes)>;
+
+  // A copy of this process, which must not have a second thread yet. `timeout`: after that it
   // publishes unless it was cancelled.
   explicit DetachedPublisher(const Publish& publish,
                              std::optional<Duration> timeout = std::nullopt);
@@ -41,21 +53,24 @@ class DetachedPublisher {
   // Unless it was cancelled, the process publishes.
   ~DetachedPublisher();
 
-  void Begin() { Send('p'); }
-  // Every actuator has confirmed the stop, or it is released.
+  // For the process, which has it when it publishes, unless it has begun already. Waits for
+  // nothing.
+  void Note(std::string_view note);
+  void Begin();
+  // Every actuator has confirmed the stop, or it is released. Waits for a second at most.
   void Cancel();
   pid_t pid() const { return std::max(pid_, 0); }  // 0: there is no such process
 
-  // In the new process. `pipe`: from its program, the process `parent`.
-  [[noreturn]] static void PublishWhenAsked(int pipe, pid_t parent, std::optional<Duration> timeout,
+  // In the new process. `channel`: from its program, the process `parent`.
+  [[noreturn]] static void PublishWhenAsked(int channel, pid_t parent,
+                                            std::optional<Duration> timeout,
                                             const Publish& publish);
 
  private:
-  void Send(char word);
+  void Send(const std::string& packet);
 
-  UniqueFd pipe_;
+  UniqueFd channel_;
   pid_t pid_ = -1;
-  bool begun_ = false;
 };
 
 }  // namespace musher

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <random>
+#include <span>
 #include <utility>
 
 #include "musher/base/host.hpp"
@@ -18,6 +19,7 @@ namespace {
 constexpr std::size_t kMostMachines = 8;
 constexpr std::size_t kLongestUnknownMachine = 80;
 constexpr std::size_t kMostOrigins = 64;  // of releases, and of heartbeats
+constexpr std::size_t kMostFound = 64;    // processes' hosts of the machines that are meant
 constexpr const char* kElsewhere = "not found here, it may run on another host";
 constexpr const char* kExitUnknown = "silent, and its exit is not known: it may still run";
 
@@ -97,33 +99,36 @@ StopView ViewFromHere(const StopScope& scope, std::optional<msg::MachineStatus> 
   return view;
 }
 
-StopLatch::StopLatch(transport::Node& node, msg::EmergencyStop stop,
-                     std::function<void()> on_change)
-    : loop_(node.loop()),
+StopLatch::StopLatch(transport::Node& node, const std::string& name_space, msg::EmergencyStop stop,
+                     StopOptions options)
+    : node_(node),
+      loop_(node.loop()),
+      topic_(transport::EmergencyStopTopic(name_space)),
       stop_(std::move(stop)),
-      on_change_(std::move(on_change)),
+      options_(std::move(options)),
       begun_(loop_.Now()) {}
 
 Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
                                                     const std::string& name_space,
-                                                    const msg::EmergencyStop& stop, bool with_keys,
-                                                    std::function<void()> on_change) {
-  std::unique_ptr<StopLatch> latch(new StopLatch(node, stop, std::move(on_change)));
-  transport::Qos stops_qos = transport::kLatchedQos;
-  stops_qos.depth = static_cast<int>(kMostMachines) + 1;  // a sample for each machine that is meant
-  auto stops = transport::MakePublisher<msg::EmergencyStop>(
-      node, transport::EmergencyStopTopic(name_space), stops_qos);
-  if (!stops) return stops.error();
-  latch->stops_ = std::move(stops).value();
-  if (auto published = latch->stops_->Publish(stop); !published) return published.error();
+                                                    const msg::EmergencyStop& stop,
+                                                    StopOptions options) {
+  std::unique_ptr<StopLatch> latch(new StopLatch(node, name_space, stop, std::move(options)));
+  if (!latch->ContinueFrom(latch->options_.notes)) {
+    transport::Qos stops_qos = transport::kLatchedQos;
+    stops_qos.depth = static_cast<int>(kMostMachines) + 1;  // a sample for each machine
+    auto stops = transport::MakePublisher<msg::EmergencyStop>(node, latch->topic_, stops_qos);
+    if (!stops) return stops.error();
+    latch->stops_ = std::move(stops).value();
+    if (auto published = latch->stops_->Publish(stop); !published) return published.error();
+  }
   transport::SubscriptionEvents events;
   events.on_writer_lost = [self = latch.get()](transport::EndpointId writer) {
     std::erase_if(self->received_,
                   [writer](const auto& received) { return received.second.writer == writer; });
-    if (self->on_change_) self->on_change_();
+    if (self->options_.on_change) self->options_.on_change();
   };
   transport::Qos qos = transport::kLatchedFromManyQos;
-  qos.partition = transport::ReaderPartition(with_keys);
+  qos.partition = transport::ReaderPartition(latch->options_.with_keys);
   auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(name_space),
       [self = latch.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
@@ -132,24 +137,24 @@ Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
       qos, std::move(events));
   if (!statuses) return statuses.error();
   latch->statuses_ = std::move(statuses).value();
-  latch->FollowReleases(node, name_space);
+  latch->FollowReleases(name_space);
   return latch;
 }
 
 // Where it may not subscribe, the stop stays published: nothing may keep it from being engaged.
-void StopLatch::FollowReleases(transport::Node& node, const std::string& name_space) {
+void StopLatch::FollowReleases(const std::string& name_space) {
   auto heartbeats = transport::MakeSubscription<msg::ControllerHeartbeat>(
-      node, transport::ControllerHeartbeatTopic(name_space),
+      node_, transport::ControllerHeartbeatTopic(name_space),
       [this](const msg::ControllerHeartbeat& heartbeat, const transport::SampleInfo& info) {
         if (heartbeat.participant == 0 || !transport::IsOwn(heartbeat.participant, info)) return;
-        MeetById({heartbeat.machine, heartbeat.machine_id});
+        Meet({heartbeat.machine, heartbeat.machine_id}, heartbeat.host);
         Note(controllers_, {transport::ParticipantId(heartbeat.participant),
                             {heartbeat.machine, heartbeat.machine_id}});
       },
       transport::kLatchedFromManyQos);
   if (heartbeats) heartbeats_ = std::move(heartbeats).value();
   auto releases = transport::SubscribeToStops(
-      node, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
+      node_, name_space, [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
         if (stop.engaged || stop.id != stop_.id) return;
         Note(releases_, {info.participant, {stop.machine, stop.machine_id}});
       });
@@ -157,24 +162,87 @@ void StopLatch::FollowReleases(transport::Node& node, const std::string& name_sp
 }
 
 bool StopLatch::IsMeant(const MachineIdentity& machine) const {
-  return SameMachine({stop_.machine, stop_.machine_id}, machine) ||
-         BeginsIdOf(machine, id_begins_) || IsIn(by_id_, machine);
+  if (IsIn(addressed_, machine)) return true;
+  const bool narrowed = !stops_ && stops_by_id_;
+  return !narrowed && (SameMachine(given(), machine) || BeginsIdOf(machine, id_begins_));
 }
 
 // Also where several ids begin so: no other answer is safe.
 void StopLatch::AddBeginningOfId(std::string beginning, const std::vector<MachineIdentity>& known) {
   id_begins_ = std::move(beginning);
-  for (const MachineIdentity& machine : known) MeetById(machine);
+  for (const MachineIdentity& machine : known) {
+    if (BeginsIdOf(machine, id_begins_) && !withdrawn_) Address(machine);
+  }
 }
 
-void StopLatch::MeetById(const MachineIdentity& machine) {
-  const bool is_new = BeginsIdOf(machine, id_begins_) && !IsIn(by_id_, machine);
-  if (!is_new || !stops_ || by_id_.size() >= kMostMachines) return;
-  by_id_.push_back(machine);
+// A stop that names no machine is for all, whenever they are found.
+void StopLatch::Meet(const MachineIdentity& machine, const std::string& host) {
+  const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
+  if (!named || machine.name.empty() || machine.id.empty() || withdrawn_) return;
+  const bool runs_there = std::ranges::any_of(found_, [&](const Found& one) {
+    return !host.empty() && one.host == host && one.machine.name == machine.name;
+  });
+  if (!runs_there && !IsMeant(machine)) return;
+  const Found found{machine, host};
+  if (std::ranges::count(found_, found) != 0 || found_.size() >= kMostFound) return;
+  found_.push_back(found);
+  Address(machine);
+  if (publisher_ != nullptr && by_ids()) publisher_->Note(NoteOf(found));
+  if (by_ids() || narrow_at_) return;
+  const Duration of_host = options_.with_keys ? kSecuredDiscovery : kDiscovery;
+  narrow_at_ =
+      loop_.At(loop_.Now() + (options_.lan ? kLanDiscovery : of_host), [this] { Narrow(); });
+}
+
+void StopLatch::Address(const MachineIdentity& machine) {
+  if (IsIn(addressed_, machine) || addressed_.size() >= kMostMachines) return;
+  addressed_.push_back(machine);
   msg::EmergencyStop stop = stop_;
   stop.machine = machine.name;
   stop.machine_id = machine.id;
-  static_cast<void>(stops_->Publish(stop));
+  const bool covered = SameMachine(given(), machine);
+  if (stops_ && !covered) static_cast<void>(stops_->Publish(stop));
+  if (covered && !stop_.machine_id.empty()) return;
+  if (!stops_by_id_) {
+    transport::Qos qos = transport::kLatchedQos;
+    qos.depth = static_cast<int>(kMostMachines);
+    auto made = transport::MakePublisher<msg::EmergencyStop>(node_, topic_, qos);
+    if (!made) return;
+    stops_by_id_ = std::move(made).value();
+  }
+  static_cast<void>(stops_by_id_->Publish(stop));
+}
+
+// Of more machines than it can address each may be meant.
+void StopLatch::Narrow() {
+  if (!stops_by_id_ || addressed_.size() >= kMostMachines) return;
+  stops_ = nullptr;
+  if (publisher_ == nullptr) return;
+  for (const Found& found : found_) publisher_->Note(NoteOf(found));
+}
+
+std::string StopLatch::NoteOf(const Found& found) {
+  const msg::Bytes bytes =
+      msg::Encode(msg::MachineInfo{found.machine.name, "", found.host, 0, found.machine.id});
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Whether the program had narrowed it.
+bool StopLatch::ContinueFrom(const DetachedPublisher::Notes& notes) {
+  for (const std::string& note : notes) {
+    const auto info = msg::Decode<msg::MachineInfo>(std::as_bytes(std::span(note)));
+    if (!info) continue;
+    found_.push_back({{info->machine, info->machine_id}, info->host});
+    Address(found_.back().machine);
+  }
+  return stops_by_id_ != nullptr;
+}
+
+void StopLatch::ContinueWith(DetachedPublisher& publisher) {
+  if (withdrawn_) return publisher.Cancel();
+  publisher_ = &publisher;
+  if (!by_ids()) return;
+  for (const Found& found : found_) publisher.Note(NoteOf(found));
 }
 
 void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
@@ -188,15 +256,19 @@ void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
   // One that names no machine is for those, too, that have not received it yet.
   const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
   std::vector<MachineIdentity> meant = machines_;
-  meant.insert(meant.end(), by_id_.begin(), by_id_.end());
-  if (by_id_.empty()) meant.push_back({stop_.machine, stop_.machine_id});
+  meant.insert(meant.end(), addressed_.begin(), addressed_.end());
+  if (addressed_.empty()) meant.push_back(given());
   const bool released = named && machines_.size() < kMostMachines &&
                         std::ranges::all_of(meant, [this](const MachineIdentity& machine) {
                           return IsReleasedFor(machine);
                         });
-  if (!released || !stops_) return;
+  if (!released || withdrawn_) return;
+  withdrawn_ = true;
   stops_ = nullptr;
-  if (on_change_) on_change_();
+  stops_by_id_ = nullptr;
+  narrow_at_ = nullptr;
+  if (publisher_ != nullptr) std::exchange(publisher_, nullptr)->Cancel();
+  if (options_.on_change) options_.on_change();
 }
 
 // By a controller of it.
@@ -212,7 +284,7 @@ bool StopLatch::IsReleasedFor(const MachineIdentity& machine) const {
 
 void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
   const MachineIdentity theirs{status.machine, status.machine_id};
-  MeetById(theirs);
+  Meet(theirs, status.host);
   if (!IsMeant(theirs)) return;
   Note(machines_, theirs);
   Received& last = received_[status.name];
@@ -223,7 +295,7 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
                        last.has_it != has_it || last.trouble != status.stop_trouble;
   if (!changed) return;
   last = {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_};
-  if (on_change_) on_change_();
+  if (options_.on_change) options_.on_change();
 }
 
 // Those that have received the stop, and whose controller has. No two are the same.

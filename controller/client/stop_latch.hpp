@@ -10,6 +10,16 @@
 // samples of other participants, withdraws nothing. The heartbeat may come after the release,
 // within its period.
 //
+// A stop that names a machine without its id:
+//
+//   by the name ──one that has it was found, and the time to find others is over──▶ by the ids
+//   found
+//
+// Then a robot of the name that is started or comes into range later is not stopped, unless its
+// host is one of theirs: there the name decides which machine it is, as for commands. A controller
+// that restarts has the same id. While none was found the name counts: the robot of the person may
+// not be discovered yet.
+//
 // Threads: loop thread only.
 
 #include <functional>
@@ -20,6 +30,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/controller/client/detached_publisher.hpp"
 #include "musher/controller/client/machine_here.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
@@ -102,25 +113,36 @@ struct StopScope {
 // What this host knows at once: its controller and its actuators hold their names.
 StopView ViewFromHere(const StopScope& scope, std::optional<msg::MachineStatus> controller);
 
+struct StopOptions {
+  bool with_keys = false;                // the machine has [security], and so has the node
+  bool lan = false;                      // other hosts may take as long as a bad link to be found
+  std::function<void()> on_change = {};  // the report has changed, or the stop is released
+  // In the process of a DetachedPublisher: of the latch that it continues.
+  DetachedPublisher::Notes notes = {};
+};
+
 class StopLatch {
  public:
-  // How long the actuators of this host may take to be discovered.
+  // How long the actuators of this host may take to be discovered, with keys, and of other hosts.
   static constexpr Duration kDiscovery = Milliseconds(1200);
+  static constexpr Duration kSecuredDiscovery = Milliseconds(4000);
+  static constexpr Duration kLanDiscovery = std::chrono::seconds(10);
 
   // Publishes the stop at once and, while this object exists and the stop is not released, to
   // actuators that join later. `node` must outlive it.
-  // `with_keys`: the machine has [security], and so has `node`. `on_change`: an actuator's part of
-  // the report has changed.
   static Result<std::unique_ptr<StopLatch>> Begin(transport::Node& node,
                                                   const std::string& name_space,
                                                   const msg::EmergencyStop& stop,
-                                                  bool with_keys = false,
-                                                  std::function<void()> on_change = {});
+                                                  StopOptions options = {});
 
   // The stop is also for each machine whose id begins so: published at once to those that are
   // `known`, to others as soon as anything of them is received. For a word that a person gives as
   // the name of a machine, and that may be that.
   void AddBeginningOfId(std::string beginning, const std::vector<MachineIdentity>& known = {});
+
+  // The publisher, which outlives this object, continues it: it gets notes of the machines that are
+  // found, and is cancelled once the stop is released, by whatever process that was requested.
+  void ContinueWith(DetachedPublisher& publisher);
 
   // The actuators whose status was received, and those that the controller's status lists as
   // present, in its order. `expected`: names of actuators that run, whether or not their status was
@@ -132,7 +154,7 @@ class StopLatch {
   EstopReport Report(const StopView& view) const;
 
   // The stop is released: it is published no longer.
-  bool withdrawn() const { return !stops_; }
+  bool withdrawn() const { return withdrawn_; }
 
   // Whether waiting brings no more: every actuator of the machine has latched the stop, as far as
   // it can. Without a controller, which would list the actuators, not before the time of discovery
@@ -153,14 +175,30 @@ class StopLatch {
     MachineIdentity machine;
   };
 
-  StopLatch(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
+  // A machine that runs, by one of its processes.
+  struct Found {
+    MachineIdentity machine;
+    std::string host;
+
+    friend bool operator==(const Found&, const Found&) = default;
+  };
+
+  StopLatch(transport::Node& node, const std::string& name_space, msg::EmergencyStop stop,
+            StopOptions options);
+  static std::string NoteOf(const Found& found);
+  bool ContinueFrom(const DetachedPublisher::Notes& notes);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   static void Note(std::vector<MachineIdentity>& machines, const MachineIdentity& machine);
   std::vector<MachineIdentity> Machines() const;
+  MachineIdentity given() const { return {stop_.machine, stop_.machine_id}; }
+  // It goes to machines by their ids alone.
+  bool by_ids() const { return !stops_ || !stop_.machine_id.empty(); }
   bool IsMeant(const MachineIdentity& machine) const;
-  void MeetById(const MachineIdentity& machine);
   bool IsHeld(const EstopReport& report, const std::optional<msg::MachineStatus>& controller) const;
-  void FollowReleases(transport::Node& node, const std::string& name_space);
+  void Meet(const MachineIdentity& machine, const std::string& host);
+  void Address(const MachineIdentity& machine);
+  void Narrow();
+  void FollowReleases(const std::string& name_space);
   void Note(std::vector<Origin>& origins, Origin origin);
   bool IsReleasedFor(const MachineIdentity& machine) const;
   std::vector<const MachineHere*> MachinesOf(const StopView& view) const;
@@ -169,17 +207,26 @@ class StopLatch {
   EstopReport::Actuator& Take(EstopReport& report, const std::string& name,
                               const std::string& trouble) const;
 
+  transport::Node& node_;
   transport::EventLoop& loop_;
-  const msg::EmergencyStop stop_;
+  const std::string topic_;
+  const msg::EmergencyStop stop_;  // as it was given
   std::string id_begins_;
-  const std::function<void()> on_change_;
+  const StopOptions options_;
   const Time begun_;
+  bool withdrawn_ = false;
+  DetachedPublisher* publisher_ = nullptr;
   std::map<std::string, Received> received_;
-  std::vector<MachineIdentity> machines_;  // of the received statuses; no two are the same
-  std::vector<MachineIdentity> by_id_;     // that were met, whose id begins as above
-  std::vector<Origin> controllers_;        // the last ones
-  std::vector<Origin> releases_;           // of this stop, the last ones
+  std::vector<MachineIdentity> machines_;   // of the received statuses; no two are the same
+  std::vector<Found> found_;                // that are meant
+  std::vector<MachineIdentity> addressed_;  // by their ids, whole
+  std::vector<Origin> controllers_;         // the last ones
+  std::vector<Origin> releases_;            // of this stop, the last ones
+  // As it was given, until it is narrowed, and to those that are addressed. The other one begins
+  // long before the first one ends: a reader on a bad link would have to discover it.
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_by_id_;
+  transport::LoopHandlePtr narrow_at_;
   std::unique_ptr<transport::Subscription> heartbeats_;
   std::unique_ptr<transport::Subscription> published_releases_;
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above

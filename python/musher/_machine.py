@@ -30,6 +30,8 @@ _OTHERS_S = 0.3  # machines of other hosts are found one after the other
 # Its arguments: the folder of the extension, and those of publish_stop().
 _PUBLISHER = ("import sys; sys.path.insert(0, sys.argv[1]); import _native; "
               "_native.publish_stop(*sys.argv[2:7], int(sys.argv[7]), *sys.argv[8:])")
+_RELEASED_S = 1.0  # from the answer to a release until its publication is received
+_AGAIN_S = 0.02
 _SEARCH_S = 1.0  # for the controller of this host, before a stop goes to each machine
 
 
@@ -303,11 +305,22 @@ class Machine:
         reply = self._call("release_emergency_stop", ReleaseEmergencyStop, request, acts=True)
         if reply.code != 0:
             raise Failure(reply.code, reply.reason)
-        # Others go on: those that were not released, and those that are for other machines, too.
-        released = [stop for stop in self._stops if stop.is_one_of(request.seen_stops)]
-        self._stops = [stop for stop in self._stops if stop not in released]
-        for stop in released:
-            stop.confirm()
+        for stop in self._stops:
+            if stop.is_one_of(request.seen_stops):
+                stop.confirm()
+                stop.close()
+                self._stops = [one for one in self._stops if one is not stop]
+        self._drop_withdrawn(_RELEASED_S)
+
+    def _drop_withdrawn(self, within_s: float) -> None:
+        """The controller publishes the release of the stops that newer ones have replaced, too. Others go on: those
+        that were not released, and those that are for other machines, too."""
+        end = time.monotonic() + within_s
+        while any(stop.names_machine() and not stop.withdrawn() for stop in self._stops) and time.monotonic() < end:
+            time.sleep(_AGAIN_S)
+        withdrawn = [stop for stop in self._stops if stop.withdrawn()]
+        self._stops = [stop for stop in self._stops if stop not in withdrawn]
+        for stop in withdrawn:
             stop.close()
 
     def close(self) -> None:

@@ -97,6 +97,7 @@ struct EngagedStop {
   transport::Node& node;
   LeaderWatch::Options of_leader;
   std::function<void()> on_change;
+  std::unique_ptr<DetachedPublisher> publisher;  // null: the stop ends with this program
   std::unique_ptr<StopLatch> latch;
   std::unique_ptr<LeaderWatch> leader;  // null: the status of a controller is not received
 
@@ -210,6 +211,13 @@ struct NewStop {
   }
 };
 
+bool IsLan(std::optional<int> domain) {
+  transport::DdsOptions options;
+  options.domain_id = domain;
+  const auto profile = transport::Profile(options);
+  return !profile || profile.value() == TransportProfile::kLan;
+}
+
 // An emergency stop that is published as long as this exists, and a minute longer by a process of
 // its own, unless it is released or confirmed.
 class Stop : public OnLoop<EngagedStop> {
@@ -226,14 +234,16 @@ class Stop : public OnLoop<EngagedStop> {
                  stop.machine = machine;
                  stop.machine_id = machine_id;
                  const auto on_change = [mailbox] { mailbox->PushLatest({}); };
-                 auto latch = StopLatch::Begin(on, node->name_space, stop,
-                                               node->thread->credentials().has_value(), on_change);
+                 auto latch = StopLatch::Begin(
+                     on, node->name_space, stop,
+                     {node->thread->credentials().has_value(), IsLan(domain), on_change, {}});
                  if (!latch) return latch.error();
                  if (!word.empty()) latch.value()->AddBeginningOfId(word);
                  auto engaged = std::make_unique<EngagedStop>(
                      EngagedStop{on,
                                  {node->name_space, HostId(), WatchByPidfd(on.loop())},
                                  on_change,
+                                 nullptr,
                                  std::move(latch).value(),
                                  nullptr});
                  engaged->Follow({machine, machine_id});
@@ -246,9 +256,7 @@ class Stop : public OnLoop<EngagedStop> {
     transport::DdsOptions options;
     options.domain_id = domain;
     const auto id = transport::DomainId(options);
-    scope_ = {node->name_space, id ? id.value() : 0, false};
-    const auto profile = transport::Profile(options);
-    scope_.lan = !profile || profile.value() == TransportProfile::kLan;
+    scope_ = {node->name_space, id ? id.value() : 0, IsLan(domain)};
     std::vector<std::string> configs;
     if (!config.empty()) configs.push_back(config);
     search_ =
@@ -289,22 +297,35 @@ class Stop : public OnLoop<EngagedStop> {
   // has ended. `program`: calls publish_stop(); it gets the stop as its last arguments.
   void PublishAfterEnd(std::vector<std::string> program) {
     program.insert(program.end(), {std::to_string(getpid()), word_, HexOf(msg::Encode(message_))});
-    publisher_.emplace(program);
+    Run([&](EngagedStop& stop) {
+      stop.publisher = std::make_unique<DetachedPublisher>(program);
+      stop.latch->ContinueWith(*stop.publisher);
+    });
   }
   // Every actuator has confirmed it, or it is released.
   void Confirm() {
-    if (publisher_) publisher_->Cancel();
+    Run([](EngagedStop& stop) {
+      if (stop.publisher) stop.publisher->Cancel();
+    });
   }
+  // A controller of each machine that has it has released it: it is published no longer.
+  bool Withdrawn() {
+    bool withdrawn = false;
+    Run([&](EngagedStop& stop) { withdrawn = stop.latch->withdrawn(); });
+    return withdrawn;
+  }
+  // It names a machine: a release may withdraw it.
+  bool NamesMachine() const { return !message_.machine.empty(); }
   // Whether a machine that releases the stops with these ids releases it as a whole: it is for no
   // other machine.
   bool IsOneOf(const std::vector<std::string>& ids) const {
-    return !message_.machine.empty() &&
+    return NamesMachine() &&
            std::ranges::count(ids, transport::StopIdText(StopId(message_.id))) != 0;
   }
-  pid_t PublisherPid() const { return publisher_ ? publisher_->pid() : 0; }
-  void Close() {
-    OnLoop::Close();
-    publisher_.reset();
+  pid_t PublisherPid() {
+    pid_t pid = 0;
+    Run([&](EngagedStop& stop) { pid = stop.publisher ? stop.publisher->pid() : 0; });
+    return pid;
   }
   // The controller of this machine confirms it, where only the beginning of its id was given.
   void Follow(const std::string& machine, const std::string& machine_id) {
@@ -324,7 +345,6 @@ class Stop : public OnLoop<EngagedStop> {
 
   msg::EmergencyStop message_;  // as it is published
   const std::string word_;
-  std::optional<DetachedPublisher> publisher_;
   StopScope scope_;
   std::shared_ptr<MachineSearch> search_;  // null: it has ended
 };
@@ -335,11 +355,12 @@ void PublishStop(const std::string& name_space, const std::string& domain, const
                  const std::string& word, const std::string& engaged) {
   const auto stop = msg::Decode<msg::EmergencyStop>(BytesOf(engaged));
   if (!stop) throw py::value_error("no stop: " + engaged);
-  const auto publish = [&] {
-    const auto id = domain.empty() ? std::nullopt : std::optional(std::stoi(domain));
+  const auto id = domain.empty() ? std::nullopt : std::optional(std::stoi(domain));
+  const auto publish = [&](const DetachedPublisher::Notes& notes) {
     const PyNodePtr node = MakeNode("", name_space, id, keys, identity, interface);
     OnLoop<StopLatch> latch(node, [&](transport::Node& on) {
-      auto begun = StopLatch::Begin(on, name_space, stop.value(), !keys.empty());
+      auto begun =
+          StopLatch::Begin(on, name_space, stop.value(), {!keys.empty(), IsLan(id), {}, notes});
       if (begun && !word.empty()) begun.value()->AddBeginningOfId(word);
       return begun;
     });
@@ -350,9 +371,17 @@ void PublishStop(const std::string& name_space, const std::string& domain, const
       latch.Run([&](StopLatch& published) { released = published.withdrawn(); });
       WithoutGil([&] { node->thread->WaitFor(kLook); });
     }
-    _exit(0);  // DDS waits for ever to leave a network that is lost
+    _exit(released ? 0 : 1);  // DDS waits for ever to leave a network that is lost
   };
-  DetachedPublisher::PublishWhenAsked(STDIN_FILENO, parent, std::nullopt, publish);
+  const auto try_to_publish = [&](const DetachedPublisher::Notes& notes) -> bool {
+    try {
+      publish(notes);
+    } catch (const std::exception&) {
+      // The network cannot be joined now.
+    }
+    return false;
+  };
+  DetachedPublisher::PublishWhenAsked(STDIN_FILENO, parent, std::nullopt, try_to_publish);
 }
 
 // (namespace, name) of a valid config.
@@ -458,6 +487,8 @@ void AddClient(py::module_& native) {
       .def("publish_after_end", &Stop::PublishAfterEnd)
       .def("publisher_pid", &Stop::PublisherPid)
       .def("is_one_of", &Stop::IsOneOf)
+      .def("names_machine", &Stop::NamesMachine)
+      .def("withdrawn", &Stop::Withdrawn)
       .def("confirm", &Stop::Confirm)
       .def("report", &Stop::Report)
       .def("follow", &Stop::Follow)

@@ -17,6 +17,8 @@
 #include "musher/base/files.hpp"
 #include "musher/base/program.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/ota/posix_disk.hpp"
+#include "musher/ota/root.hpp"
 #include "musher/test/cli/program.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -253,6 +255,32 @@ TEST_F(Deployed, LateSwitchFindsItsVersionWithdrawn) {
   EXPECT_EQ(Deploy("1.1.0").exit, 1);
   EXPECT_EQ(Step("switch", Root("payload"), "1.1.0").exit, 1);
   EXPECT_FALSE(fs::exists(Root("payload")));
+}
+
+// The next start of the root would have tried it.
+TEST_F(Deployed, UndoLeavesNoTrialBootOfASwitchThatWasCutInTheMiddle) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  OnHost("10.0.0.3", "musher",
+         "case \"$*\" in *'--step switch'*|*'--step undo'*) kill -9 $PPID; exit;; esac\nexec " +
+             BinDir() + "/musher \"$@\"");
+  EXPECT_EQ(Deploy("1.1.0").exit, 1);
+  ota::PosixDisk disk;
+  const auto root = ota::Root::Open(disk, Root("payload"));
+  ASSERT_TRUE(root) << root.error().message;
+  // As the switch leaves it between its two writes.
+  ASSERT_TRUE(root.value().Change([](const ota::SlotState& staged) -> Result<ota::SlotState> {
+    EXPECT_EQ(staged.installing, "1.1.0");
+    ota::SlotState next = staged;
+    next.on_trial_boot = true;
+    next.installing.clear();
+    return next;
+  }));
+  EXPECT_EQ(Step("undo", Root("payload"), "1.0.0-other").exit, 0);
+  EXPECT_TRUE(root.value().State().value().on_trial_boot) << "of another version";
+  EXPECT_EQ(Step("undo", Root("payload"), "1.1.0").exit, 0);
+  EXPECT_FALSE(root.value().State().value().on_trial_boot);
+  ExpectText("#!/bin/sh\necho 1\n");
 }
 
 TEST_F(Deployed, RootStaysWhereTheVersionBeforeCannotBeRead) {

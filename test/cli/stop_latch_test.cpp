@@ -2,12 +2,18 @@
 
 #include "musher/controller/client/stop_latch.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <list>
 
 #include "musher/base/host.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/test/cli/robot.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -17,6 +23,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // An actuator as far as emergency stops go.
 class Listener {
@@ -38,9 +45,10 @@ class Listener {
                  .value();
   }
 
-  void BelongTo(std::string machine, std::string id = "") {
+  void BelongTo(std::string machine, std::string id = "", std::string host = "") {
     status_.machine = std::move(machine);
     status_.machine_id = std::move(id);
+    status_.host = std::move(host);
     static_cast<void>(publisher_->Publish(status_));
   }
   void Latch(std::uint64_t id) {
@@ -51,6 +59,7 @@ class Listener {
     }
     static_cast<void>(publisher_->Publish(status_));
   }
+  bool stopped() const { return status_.emergency_stop != 0; }
   void TurnDeaf() { deaf_ = true; }
   // What it does at a stop fails, or has not ended; empty: it is done.
   void Report(const std::string& trouble) {
@@ -529,7 +538,8 @@ TEST_F(StopById, ReachesAKnownMachineBeforeAnythingOfItIsReceived) {
   latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke", "5982", ""}).value();
   latch_->AddBeginningOfId("5982", {{"dog", "5982c7ee-dog"}});
   network_.RunFor(std::chrono::seconds(1));
-  EXPECT_THAT(ids, ElementsAre("", "5982c7ee-dog"));
+  EXPECT_THAT(ids, ElementsAre("", "5982c7ee-dog", "5982c7ee-dog"))
+      << "by the writer that is matched already, and by the one that stays";
 }
 
 TEST_F(StopById, NeedsFourCharactersOfAnIdAndStopsAMachineOfThatName) {
@@ -538,6 +548,176 @@ TEST_F(StopById, NeedsFourCharactersOfAnIdAndStopsAMachineOfThatName) {
   Listener head(*dog_, "head");
   head.BelongTo("598", "1111");
   EXPECT_THAT(Stopped(), ElementsAre("head"));
+}
+
+// It stopped each robot of the name for a minute, also the robot of the next test.
+class StopByName : public Stop {
+ protected:
+  StopByName() {
+    eyes_.reset();
+    legs_.reset();
+  }
+  void EngageFor(const std::string& id, StopOptions options = {}) {
+    latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke", "dog", id},
+                              std::move(options))
+                 .value();
+  }
+  // Whether a robot of that name which is there from now on is stopped.
+  bool Stops(const std::string& id, const std::string& host) {
+    Listener& legs = robots_.emplace_back(*dog_, "legs of " + id + host);
+    legs.BelongTo("dog", id, host);
+    network_.RunFor(Milliseconds(500));
+    return legs.stopped();
+  }
+  void Pass(Duration time) { network_.RunFor(time); }
+  void EndRobots() { robots_.clear(); }
+
+  std::list<Listener> robots_;
+};
+
+TEST_F(StopByName, ReachesARobotThatAppearsWhileNoneWasFound) {
+  EngageFor("");
+  Pass(std::chrono::seconds(50));
+  EXPECT_TRUE(Stops("5982c7ee-dog", "one boot/1"));
+}
+
+TEST_F(StopByName, ReachesEachRobotThatIsFoundInTimeAndNoLaterOne) {
+  EngageFor("");
+  EXPECT_TRUE(Stops("5982c7ee-dog", "one boot/1"));
+  EXPECT_TRUE(Stops("5984a000-dog", "another boot/1"));
+  Pass(std::chrono::seconds(1));
+  EXPECT_FALSE(Stops("77770000-dog", "third boot/1"));
+  EXPECT_THAT(latch_->Report(StopView{}).unknown, Not(HasSubstr("77770000")));
+  EXPECT_EQ(latch_->Report(StopView{}).actuators.size(), 2U);
+}
+
+TEST_F(StopByName, WaitsLongerForTheRobotsOfOtherHosts) {
+  EngageFor("", {false, /*lan=*/true, {}, {}});
+  EXPECT_TRUE(Stops("5982c7ee-dog", "one boot/1"));
+  Pass(std::chrono::seconds(8));
+  EXPECT_TRUE(Stops("5984a000-dog", "another boot/1"));
+  Pass(std::chrono::seconds(2));
+  EXPECT_FALSE(Stops("77770000-dog", "third boot/1"));
+}
+
+TEST_F(StopByName, ReachesTheRobotThatWasFoundAlsoAfterItsRestart) {
+  EngageFor("");
+  EXPECT_TRUE(Stops("5982c7ee-dog", "one boot/1"));
+  EndRobots();
+  Pass(std::chrono::seconds(50));
+  EXPECT_TRUE(Stops("5982c7ee-dog", "one boot/2"));
+}
+
+// It was started from another state folder: it has another id, and it is the same body.
+TEST_F(StopByName, ReachesARobotOfTheNameOnTheHostOfAFoundRobot) {
+  for (const std::string id : {"", "5982c7ee-dog"}) {
+    EngageFor(id);
+    EXPECT_TRUE(Stops("5982c7ee-dog", "one boot/1"));
+    EndRobots();
+    Pass(std::chrono::seconds(50));
+    EXPECT_TRUE(Stops("5984a000-dog", "one boot/1")) << id;
+    EXPECT_FALSE(Stops("77770000-dog", "third boot/1")) << id;
+    EndRobots();
+  }
+}
+
+TEST_F(StopByName, ReachesEveryRobotOfTheNameWhereThereAreTooManyToAddress) {
+  EngageFor("");
+  for (int i = 0; i < 9; ++i) {
+    robots_.emplace_back(*dog_, "legs " + std::to_string(i)).BelongTo("dog", std::to_string(i));
+  }
+  Pass(std::chrono::seconds(5));
+  for (const Listener& robot : robots_) EXPECT_TRUE(robot.stopped());
+  EXPECT_TRUE(Stops("77770000-dog", "third boot/1"));
+}
+
+// Notes of a latch, as its publisher's process gets them.
+class ContinuedStop : public StopByName {
+ protected:
+  // From the process of a publisher, which writes them.
+  static DetachedPublisher::Notes NotesTo(const std::function<void(DetachedPublisher&)>& program) {
+    int ends[2];
+    EXPECT_EQ(pipe2(ends, O_CLOEXEC), 0);
+    UniqueFd read_end(ends[0]);
+    UniqueFd write_end(ends[1]);
+    {
+      DetachedPublisher publisher([&](const DetachedPublisher::Notes& notes) {
+        for (const std::string& note : notes) {
+          const auto size = static_cast<std::uint16_t>(note.size());
+          [[maybe_unused]] auto written = write(write_end.get(), &size, sizeof size);
+          written = write(write_end.get(), note.data(), note.size());
+        }
+        [[maybe_unused]] const auto written = write(write_end.get(), "\0\0", 2);
+        return true;
+      });
+      program(publisher);
+    }
+    write_end = {};
+    DetachedPublisher::Notes notes;
+    for (std::uint16_t size = 0; read(read_end.get(), &size, sizeof size) == sizeof size;) {
+      if (size == 0) return notes;
+      std::string note(size, '\0');
+      EXPECT_EQ(read(read_end.get(), note.data(), size), size);
+      notes.push_back(note);
+    }
+    notes.emplace_back("it did not publish");
+    return notes;
+  }
+};
+
+TEST_F(ContinuedStop, GoesToTheRobotsThatItsProgramFoundAndNotByTheirName) {
+  EngageFor("");
+  const auto notes = NotesTo([&](DetachedPublisher& publisher) {
+    latch_->ContinueWith(publisher);
+    EXPECT_TRUE(Stops("5982c7ee-dog", "one boot/1"));
+    Pass(std::chrono::seconds(2));
+    latch_ = nullptr;
+    EndRobots();
+  });
+  ASSERT_EQ(notes.size(), 1U);
+  EngageFor("", {false, false, {}, notes});
+  EXPECT_FALSE(Stops("77770000-dog", "third boot/1"));
+  EXPECT_TRUE(Stops("5982c7ee-dog", "two boot/1"));
+  EXPECT_TRUE(Stops("5984a000-dog", "one boot/1"));
+}
+
+TEST_F(ContinuedStop, GoesByTheNameWhereItsProgramHasFoundNoneOrEndedBeforeTheTimeForOthers) {
+  for (const bool finds : {false, true}) {
+    EngageFor("");
+    const auto notes = NotesTo([&](DetachedPublisher& publisher) {
+      latch_->ContinueWith(publisher);
+      EXPECT_TRUE(!finds || Stops("5982c7ee-dog", "one boot/1"));
+      latch_ = nullptr;
+      EndRobots();
+    });
+    EXPECT_THAT(notes, IsEmpty());
+    EngageFor("", {false, false, {}, notes});
+    EXPECT_TRUE(Stops("77770000-dog", "third boot/1"));
+    EndRobots();
+  }
+}
+
+// It ended, where the network could not be joined in that moment.
+TEST_F(ContinuedStop, IsPublishedByTheNextProcessWhereOneCannot) {
+  const TempFolder folder;
+  const std::string lost = folder / "lost";
+  std::ofstream(lost) << "";
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  const UniqueFd read_end(ends[0]);
+  UniqueFd write_end(ends[1]);
+  DetachedPublisher publisher([&](const DetachedPublisher::Notes&) {
+    return unlink(lost.c_str()) != 0 && write(write_end.get(), "x", 1) == 1;
+  });
+  publisher.Begin();
+  write_end = {};
+  char published = 0;
+  EXPECT_EQ(read(read_end.get(), &published, 1), 1);
+}
+
+TEST_F(ContinuedStop, IsNotPublishedByAProcessThatIsCancelled) {
+  EXPECT_THAT(NotesTo([](DetachedPublisher& publisher) { publisher.Cancel(); }),
+              ElementsAre("it did not publish"));
 }
 
 // A controller as far as releases go: it publishes the release, and its heartbeat.
@@ -635,6 +815,33 @@ TEST_F(ReleasedStop, ThatNamesTheBeginningOfAnIdIsPublishedUntilThatMachineRelea
   dog_controller_.SendHeartbeat();
   dog_controller_.Release(7);
   EXPECT_TRUE(Withdrawn());
+}
+
+// The program that had engaged it did, once it ended: an hour after the release, too.
+TEST_F(ReleasedStop, IsNotPublishedAfterItsProgramEither) {
+  DetachedPublisher publisher([](const DetachedPublisher::Notes&) { return true; });
+  EngageFor("dog");
+  latch_->ContinueWith(publisher);
+  dog_controller_.SendHeartbeat();
+  EXPECT_FALSE(Withdrawn());
+  EXPECT_NE(publisher.pid(), 0);
+  dog_controller_.Release(7);
+  EXPECT_TRUE(Withdrawn());
+  EXPECT_EQ(publisher.pid(), 0);
+}
+
+TEST_F(ReleasedStop, ThatGoesToTheRobotsThatWereFoundIsPublishedNoLonger) {
+  EngageFor("dog");
+  for (auto* actuator : {&eyes_, &legs_}) (*actuator)->BelongTo("dog", "5982c7ee", "one boot/1");
+  network_.RunFor(std::chrono::seconds(10));
+  dog_controller_.SendHeartbeat();
+  EXPECT_FALSE(Withdrawn());
+  dog_controller_.Release(7);
+  EXPECT_TRUE(Withdrawn());
+  legs_.emplace(*dog_, "legs");
+  legs_->BelongTo("dog", "5982c7ee", "one boot/1");
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_FALSE(legs_->stopped());
 }
 
 // Another machine may still be out of range.

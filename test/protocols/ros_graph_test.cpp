@@ -15,6 +15,8 @@
 #include "musher/test/contract/world.hpp"
 #include "musher/test/protocols/ros_graph.hpp"
 #include "musher/transport/dds/node_thread.hpp"
+#include "musher/transport/dds/participant.hpp"
+#include "musher/transport/dds/raw_type.hpp"
 #include "musher/transport/dds/ros_nodes.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
@@ -211,6 +213,31 @@ TEST_P(NodesOfADistro, AreKnownByTheirClients) {
       [&] { return nodes.CallersOf("dog1/reset", node->participant()) == "/dog1/arm"; },
       loop.Now() + std::chrono::seconds(20)));
   EXPECT_EQ(nodes.CallersOf("dog1/other", node->participant()), "") << "it has no client of it";
+}
+// A request of the other client counted as one of the person who typed a command beside it.
+TEST(NodesOfAProcess, NameNoSingleCallerBesideAClientWhoseNodeIsNotKnown) {
+  transport::LinuxEventLoop loop;
+  transport::DdsOptions options;
+  options.domain_id = transport::TestDomain();
+  options.name_space = "dog1";
+  options.node_name = "_ros2cli_4711";
+  const auto node = Must(transport::MakeDdsNode(loop, options));
+  const auto client = Must(transport::MakeClient<msg::Trigger>(*node, "dog1/reset"));
+  const dds_entity_t participant = transport::dds::ParticipantOf(*node)->get();
+  const transport::dds::Entity topic(transport::dds::CreateRawTopic(
+      participant, "rq/dog1/resetRequest", std::string(msg::Trigger::kTypeName) + "Request_"));
+  const transport::dds::Entity writer(
+      dds_create_writer(participant, topic.get(), nullptr, nullptr));
+  ASSERT_GT(writer.get(), 0);
+  const transport::RosNodes nodes(*node);
+  std::string callers;
+  loop.RunUntil(
+      [&] {
+        callers = nodes.CallersOf("dog1/reset", node->participant());
+        return callers.find("/dog1/") != std::string::npos;
+      },
+      loop.Now() + std::chrono::seconds(20));
+  EXPECT_EQ(callers, "/dog1/_ros2cli_4711, a node that is not known");
 }
 INSTANTIATE_TEST_SUITE_P(Ros2, NodesOfADistro,
                          ::testing::Values(DistroRow{"galactic", RosDistro::kGalactic, 24},

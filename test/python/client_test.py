@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import select
 import shutil
 import signal
 import socket
@@ -13,7 +14,7 @@ import time
 import unittest
 from unittest import mock
 
-from robot import DEADLINE_S, SOURCE  # also sets the domain
+from robot import DEADLINE_S, SOURCE, Robot  # also sets the domain
 
 import musher  # noqa: E402
 from musher import _machine  # noqa: E402
@@ -345,7 +346,7 @@ STOP_DOG = """import sys
 import musher
 machine = musher.Machine(namespace=sys.argv[1], machine="dog")
 try:
-    machine.estop("smoke", timeout_s=0.1)
+    machine.estop("smoke", timeout_s=float(sys.argv[2]))
 except musher.Failure:
     print(machine._stops[-1].publisher_pid(), flush=True)
 sys.stdin.readline()
@@ -356,9 +357,9 @@ machine.close()
 class StopsOfEndedPrograms(unittest.TestCase):
     """A stop that not all have confirmed is published for a minute after the end of its program."""
 
-    def stop_dog(self, namespace):
-        program = subprocess.Popen([sys.executable, "-c", STOP_DOG, namespace], text=True, stdin=subprocess.PIPE,
-                                   stdout=subprocess.PIPE)
+    def stop_dog(self, namespace, timeout_s=0.1):
+        program = subprocess.Popen([sys.executable, "-c", STOP_DOG, namespace, str(timeout_s)], text=True,
+                                   stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self.addCleanup(program.communicate)
         self.addCleanup(program.kill)
         publisher = int(program.stdout.readline())
@@ -386,6 +387,17 @@ class StopsOfEndedPrograms(unittest.TestCase):
         program, _ = self.stop_dog("python_ended")
         program.communicate("\n", DEADLINE_S)
         self.assertEqual(self.stop_in("python_ended").reason, "smoke")
+
+    # It stopped each robot of that name which was started in the minute.
+    def test_one_goes_on_to_the_robot_that_was_found_and_to_no_other_one_of_the_name(self):
+        with contextlib.closing(musher.Node(namespace="python_found")) as node:
+            node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
+                ActuatorStatus(name="legs", state="Active", machine="dog", machine_id=DOG, host="another boot/1"))
+            program, _ = self.stop_dog("python_found", timeout_s=3.0)
+        program.kill()
+        program.wait(DEADLINE_S)
+        stop = self.stop_in("python_found")
+        self.assertEqual((stop.machine, stop.machine_id), ("dog", DOG))
 
     def test_one_that_is_confirmed_is_not(self):
         namespace = "python_confirmed"
@@ -444,6 +456,59 @@ class StopsOfEndedPrograms(unittest.TestCase):
                 self.assertIn(b"smoke", controller.recv(4096))
                 searched.set()
                 stopping.join(DEADLINE_S)
+
+
+class ReleasedStops(unittest.TestCase):
+    """Of a robot that runs: what has engaged a stop publishes it no longer once it is released."""
+
+    LEGS = """class Legs(musher.Actuator):
+    def on_set_up(self): pass
+    def on_self_check(self): pass
+    def on_active(self): pass
+    def on_low_power(self): pass
+    def on_tear_down(self): pass
+musher.run(Legs)"""
+
+    def setUp(self):
+        self.robot = Robot({"legs": self.LEGS})
+        self.addCleanup(self.robot.close)
+        self.robot.up()
+        self.machine = musher.Machine(self.robot.file)
+        self.addCleanup(self.machine.close)
+        self.machine.wait_until("Active", DEADLINE_S)
+
+    def engage(self, *reasons):
+        """Stops of this program that count as not confirmed; returns the processes that go on with them."""
+        with mock.patch.object(_machine._native.Stop, "confirm", lambda stop: None):
+            for reason in reasons:
+                with contextlib.suppress(musher.Failure):
+                    self.machine.estop(reason, timeout_s=0.0)
+        publishers = [stop.publisher_pid() for stop in self.machine._stops]
+        self.assertNotIn(0, publishers)
+        self.machine.wait_until(lambda status: all(reason in status.emergency_stop_reason for reason in reasons),
+                                DEADLINE_S)
+        return publishers
+
+    def await_end(self, publishers):
+        for pid in publishers:
+            with contextlib.suppress(ProcessLookupError):
+                process = os.pidfd_open(pid)
+                self.addCleanup(os.close, process)
+                self.assertTrue(select.select([process], [], [], DEADLINE_S)[0], "it goes on with a released stop")
+
+    # That of the older one went on, and published it once its program ended.
+    def test_a_release_ends_also_the_stops_that_newer_ones_have_replaced(self):
+        publishers = self.engage("smoke", "hand in the gripper")
+        self.assertEqual(len(self.machine.status().stop_ids), 1)
+        self.machine.release_estop()
+        self.assertEqual(self.machine._stops, [])
+        self.await_end(publishers)
+
+    # It stopped the robot again when the program ended, an hour later, too.
+    def test_a_release_by_another_program_ends_them(self):
+        publishers = self.engage("smoke", "hand in the gripper")
+        self.assertEqual(self.robot.run("estop", "--release").returncode, 0)
+        self.await_end(publishers)
 
 
 class Stops(unittest.TestCase):
@@ -537,7 +602,14 @@ class Stops(unittest.TestCase):
         self.publish(self.node(), DOG, latched=True)
         second = self.node()
         later = threading.Timer(0.1, lambda: self.publish(second, SECOND_DOG, latched=True))
-        second.subscribe("musher/emergency_stop", EmergencyStop, lambda stop: later.start(), latched=True)
+        received = []  # by the name, and by the id of the first machine
+
+        def on_stop(stop):
+            if not received:
+                later.start()
+            received.append(stop)
+
+        second.subscribe("musher/emergency_stop", EmergencyStop, on_stop, latched=True)
         with self.assertRaises(musher.Failure) as failed:
             self.dog().estop("smoke", timeout_s=1.0)
         later.join(DEADLINE_S)

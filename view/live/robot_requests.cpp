@@ -269,7 +269,8 @@ void RobotRequests::Stop(const Caller& caller, const std::string& reason,
   msg::EmergencyStop stop = NewEmergencyStop(caller.by, reason);
   stop.machine = address.machine.name;
   stop.machine_id = address.machine.id;
-  auto latch = StopLatch::Begin(node_, options_.name_space, stop, options_.with_keys);
+  auto latch = StopLatch::Begin(node_, options_.name_space, stop,
+                                {options_.with_keys, options_.stops.lan, {}, {}});
   if (!latch) {
     return respond(http::ErrorResponse(
         500, latch.error().code, "the emergency stop could not be sent: " + latch.error().message));

@@ -28,10 +28,12 @@ class FarRobot {
  public:
   // `appears_after`: so long after it has received a stop it is discovered; nullopt: at once.
   FarRobot(std::string name_space, std::string machine, std::string id, std::string actuator,
-           std::optional<Duration> appears_after = std::nullopt)
+           std::optional<Duration> appears_after = std::nullopt,
+           std::string host = "another boot/1")
       : name_space_(std::move(name_space)),
         machine_{std::move(machine), std::move(id)},
-        actuator_(std::move(actuator)) {
+        actuator_(std::move(actuator)),
+        host_(std::move(host)) {
     thread_->RunOnLoop([&] {
       stops_ = transport::SubscribeToStops(thread_->node(), name_space_,
                                            [this, appears_after](const auto& stop, const auto&) {
@@ -60,6 +62,7 @@ class FarRobot {
   FarRobot& operator=(const FarRobot&) = delete;
 
   bool stopped() const { return stopped_; }
+  void ConfirmNothing() { confirms_ = false; }
 
  private:
   template <class Message>
@@ -76,7 +79,7 @@ class FarRobot {
     heartbeat.machine = machine_.name;
     heartbeat.machine_id = machine_.id;
     heartbeat.epoch = 1;
-    heartbeat.host = kFar;
+    heartbeat.host = host_;
     heartbeat.pid = 7;
     heartbeat.participant = participant;
     heartbeat.period_ns = Duration(std::chrono::seconds(10)).count();
@@ -84,13 +87,13 @@ class FarRobot {
     actuator_status_.name = actuator_;
     actuator_status_.machine = machine_.name;
     actuator_status_.machine_id = machine_.id;
-    actuator_status_.host = kFar;
+    actuator_status_.host = host_;
     actuator_status_.participant = participant;
     actuators_ = Publish(transport::ActuatorStatusTopic(name_space_), actuator_status_);
     status_.machine = machine_.name;
     status_.machine_id = machine_.id;
     status_.name_space = name_space_;
-    status_.host = kFar;
+    status_.host = host_;
     status_.pid = 7;
     status_.epoch = 1;
     status_.participant = participant;
@@ -101,12 +104,12 @@ class FarRobot {
     actuator.protocol = "musher";
     controllers_ = Publish(transport::MachineStatusTopic(name_space_), status_);
     infos_ = Publish(std::string(transport::kMachinesTopic),
-                     msg::MachineInfo{machine_.name, name_space_, kFar, 7, machine_.id});
+                     msg::MachineInfo{machine_.name, name_space_, host_, 7, machine_.id});
   }
   void OnStop(const msg::EmergencyStop& stop) {
     if (!SameMachine(machine_, {stop.machine, stop.machine_id})) return;
     stopped_ = true;
-    if (!actuators_) return;
+    if (!actuators_ || !confirms_) return;
     actuator_status_.emergency_stop = stop.id;
     status_.emergency_stop = true;
     status_.emergency_stop_by = stop.by;
@@ -115,11 +118,12 @@ class FarRobot {
     EXPECT_TRUE(controllers_->Publish(status_));
   }
 
-  static constexpr const char* kFar = "another boot/1";
   const std::string name_space_;
   const MachineIdentity machine_;
   const std::string actuator_;
+  const std::string host_;
   std::atomic<bool> stopped_ = false;
+  std::atomic<bool> confirms_ = true;
   msg::ActuatorStatus actuator_status_;
   msg::MachineStatus status_;
   const std::shared_ptr<transport::NodeThread> thread_ = transport::NodeThread::Start({}).value();
@@ -213,16 +217,28 @@ class EmergencyStop : public MachineByCli {
     return loop.RunUntil([&] { return reported; }, loop.Now() + std::chrono::seconds(30));
   }
 
-  // Waits until a stop is published.
-  bool AwaitStop() const {
+  // Waits until a stop is published; returns the first one, with the id 0 if there is none.
+  msg::EmergencyStop AwaitStop() const {
     transport::LinuxEventLoop loop;
     const auto node = transport::MakeDdsNode(loop, {}).value();
-    bool published = false;
+    msg::EmergencyStop published;
     const auto stops =
         transport::SubscribeToStops(*node, name_space_, [&](const auto& stop, const auto&) {
-          published = published || stop.engaged;
+          if (stop.engaged && published.id == 0) published = stop;
         }).value();
-    return loop.RunUntil([&] { return published; }, loop.Now() + std::chrono::seconds(30));
+    loop.RunUntil([&] { return published.id != 0; }, loop.Now() + std::chrono::seconds(30));
+    return published;
+  }
+  // The process that goes on to publish a stop, by what its command prints.
+  static pid_t PublisherOf(const Ended& estop) {
+    const std::string kept = "the stop stays published for a minute (pid ";
+    const std::size_t at = estop.err.find(kept);
+    EXPECT_NE(at, std::string::npos) << estop.err;
+    return at == std::string::npos ? 0 : std::stoi(estop.err.substr(at + kept.size()));
+  }
+  static void End(pid_t publisher) {
+    kill(publisher, SIGKILL);
+    waitpid(publisher, nullptr, 0);
   }
   void ExpectLatchedByAll(bool latched) const {
     for (const char* actuator : {"legs", "voice", "eyes"}) {
@@ -704,9 +720,8 @@ TEST_F(EmergencyStop, IsPublishedNoLongerAfterItsReleaseAndHoldsNoModuleThatIsRe
   const Ended estop = Musher({"estop", "--timeout", "1"});
   kill(eyes, SIGCONT);
   EXPECT_EQ(estop.exit, 1);
-  const std::string kept = "the stop stays published for a minute (pid ";
-  ASSERT_THAT(estop.err, HasSubstr(kept));
-  const pid_t publisher = std::stoi(estop.err.substr(estop.err.find(kept) + kept.size()));
+  const pid_t publisher = PublisherOf(estop);
+  ASSERT_NE(publisher, 0);
   ExpectLatchedByAll(true);
   const Ended release = Musher({"estop", "--release"});
   ASSERT_EQ(release.exit, 0) << release.err;
@@ -760,9 +775,58 @@ TEST_F(EmergencyStop, IsPublishedForAMinuteAfterACommandThatReachedNoActuator) {
   EXPECT_EQ(Status()["emergency_stop"]["reason"], "it smokes");
 }
 
+// The command aborted.
+TEST_F(EmergencyStop, InADomainThatIsNoneSaysSo) {
+  const std::string domain = getenv("ROS_DOMAIN_ID");
+  setenv("ROS_DOMAIN_ID", "abc", 1);
+  const Ended estop = Musher({"estop"});
+  setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
+  EXPECT_EQ(estop.exit, 2);
+  EXPECT_THAT(estop.err, HasSubstr("the DDS domain must be 0 to 232, but it is \"abc\""));
+}
+
+// A controller ends the processes of an actuator with it, and finds them by these: the stop that an
+// actuator had engaged ended with its restart.
+TEST_F(EmergencyStop, IsPublishedByAProcessWithoutTheMarksOfTheActuatorThatEngagedIt) {
+  const std::map<std::string, std::string> marks = {{"MUSHER_PROCESS", "1/2"},
+                                                    {"MUSHER_STARTED_AS", "0000000001/legs"},
+                                                    {"MUSHER_CONFIG", "/nowhere/robot.toml"}};
+  for (const auto& [name, value] : marks) setenv(name.c_str(), value.c_str(), 1);
+  const Ended estop = Musher({"estop", "it", "smokes", "--timeout", "0.2"});
+  for (const auto& [name, value] : marks) unsetenv(name.c_str());
+  const pid_t publisher = PublisherOf(estop);
+  ASSERT_NE(publisher, 0);
+  const std::string environment = ReadFile("/proc/" + std::to_string(publisher) + "/environ");
+  EXPECT_NE(environment.find("ROS_DOMAIN_ID="), std::string::npos);
+  for (const auto& [name, value] : marks) {
+    EXPECT_EQ(environment.find(name + "="), std::string::npos) << name;
+  }
+  End(publisher);
+}
+
+// It stopped each robot of that name which was started in the minute.
+TEST_F(EmergencyStop, ByNameIsPublishedForAMinuteToTheRobotsThatWereFound) {
+  const std::string id = "d0900000-0000-4000-8000-000000000002";
+  std::optional<FarRobot> dog(std::in_place, name_space_, "dog", id, "legs");
+  dog->ConfirmNothing();
+  const Ended estop = Musher({"estop", "--machine", "dog", "--timeout", "3"});
+  EXPECT_EQ(estop.exit, 1) << estop.out << estop.err;
+  const pid_t publisher = PublisherOf(estop);
+  ASSERT_NE(publisher, 0);
+  EXPECT_TRUE(dog->stopped());
+  dog.reset();
+  const FarRobot next(name_space_, "dog", "d0910000-0000-4000-8000-000000000003", "legs",
+                      std::nullopt, "third boot/1");
+  const msg::EmergencyStop stop = AwaitStop();
+  EXPECT_EQ(stop.machine, "dog");
+  EXPECT_EQ(stop.machine_id, id);
+  EXPECT_FALSE(next.stopped());
+  End(publisher);
+}
+
 TEST_F(EmergencyStop, IsPublishedAfterItsCommandWasKilled) {
   Process estop(Command({"estop", "it", "smokes", "--timeout", "30"}));
-  ASSERT_TRUE(AwaitStop());
+  ASSERT_NE(AwaitStop().id, 0U);
   kill(estop.pid(), SIGKILL);
   estop.Wait();
   const Ended up = UpDetached();

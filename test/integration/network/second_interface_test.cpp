@@ -146,4 +146,21 @@ TEST_F(SecondInterface, IsUsedWhereTheOtherCannotBeJoined) {
   ExpectNothingWasLost();
 }
 
+// The process that goes on with it had joined before: it published to no host, for its whole
+// minute.
+using StopFromTheDesk = RobotAndDesk;
+
+TEST_F(StopFromTheDesk, ReachesTheRobotOnceTheNetworkOfTheDeskComes) {
+  Connect(kWifi);
+  for (const TestNet& net : {kEthernet, kWifi}) Ip(*desk_, {"link", "set", net.Desk(), "down"});
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended estop = desk_->Run({"estop", "smoke", "--timeout", "1"});
+  EXPECT_EQ(estop.exit, 3) << estop.out;
+  EXPECT_EQ(robot_->Status()["emergency_stop"]["engaged"], false);
+  Ip(*desk_, {"link", "set", kWifi.Desk(), "up"});
+  ASSERT_TRUE(made_);
+  EXPECT_TRUE(Until([this] { return robot_->Status()["emergency_stop"]["engaged"] == true; },
+                    kReachedWithin));
+}
+
 }  // namespace musher::testing::second_interface_test

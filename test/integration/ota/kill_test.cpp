@@ -1,5 +1,7 @@
 // Whichever process is killed in the middle of an upgrade, the robot has a version that runs.
 
+#include <sys/wait.h>
+
 #include <memory>
 #include <utility>
 
@@ -437,6 +439,35 @@ TEST_F(Killed, AVersionThatIsRefusedWhereNoControllerLeadsHasHadItsTrialBoot) {
   EXPECT_EQ(Musher({"down", "--without-controller"}).exit, 0);
   const Ended up = UpDetached();
   EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_EQ(Where(), "Active from a");
+}
+
+// The version before was started all the same.
+TEST_F(Killed, AStartThatAPersonEndsBeforeItsVersionIsRefusedStartsNothingAgain) {
+  Make("1.1.0", {.policy = "[transport]\nprofile = \"lan\"\n"});  // it listens for a second
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  std::ofstream(folder_ / "refuses") << "";
+  Process up({"sh", "-c",
+              "ASAN_OPTIONS=\"$ASAN_OPTIONS:verify_asan_link_order=0\" LD_PRELOAD=\"$0\" "
+              "MUSHER_REFUSES_WITH=\"$1\" && export ASAN_OPTIONS LD_PRELOAD MUSHER_REFUSES_WITH && "
+              "exec \"$2\" up \"$3\"",
+              BinDir() + "/ota_refused_topic.so", folder_ / "refuses", BinDir() + "/musher",
+              root_});
+  const std::string name =
+      NameLock::NameOf(transport::TestDomain(), name_space_, "musher/controller");
+  ASSERT_TRUE(Until([&] { return NameLock::IsHeld(name); }));
+  up.Signal(SIGTERM);
+  const auto ended = [&up] {
+    siginfo_t info{};
+    return waitid(P_PID, static_cast<id_t>(up.pid()), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           info.si_pid == up.pid();
+  };
+  ASSERT_TRUE(Until(ended, std::chrono::seconds(30))) << Where();
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "refuses"));
+  EXPECT_FALSE(NameLock::IsHeld(name)) << up.Wait().err;
+  EXPECT_EQ(Versions()["last"]["kept"], false) << "it was refused, and had its trial boot";
+  const Ended next = UpDetached();
+  EXPECT_EQ(next.exit, 0) << next.err;
   EXPECT_EQ(Where(), "Active from a");
 }
 
