@@ -150,6 +150,12 @@ void ManagedNodeEndpoints::OnChange(const msg::ChangeState::Request& request,
                        ? hooks_.refusal(transition ? &transition.value() : nullptr, caller)
                        : std::optional<Error>();
   if (why && transition) core_.End(false);
+  if (why && transition && hooks_.postpone) {
+    const auto again = [this, request, reply, caller, alive = std::weak_ptr<bool>(alive_)] {
+      if (!alive.expired()) OnChange(request, reply, caller);
+    };
+    if (hooks_.postpone(transition.value(), caller, again)) return;
+  }
   if (why) return refuse(why->message);
   if (!transition) return refuse(transition.error().message);
   PublishEvent();

@@ -35,6 +35,10 @@ class ManagedNodeEndpoints {
     // transition (null: one that the node's state does not have), so that a flood of requests costs
     // little.
     std::function<std::optional<Error>(const Ros2Transition*, ParticipantId caller)> refusal;
+    // Whether a refused request is to be considered again, because its caller is not known yet:
+    // then it calls `again` once, later. May be empty.
+    std::function<bool(const Ros2Transition&, ParticipantId caller, std::function<void()> again)>
+        postpone;
     // Executes the transition; calls `done` once, now or later, with the reason of a failure.
     std::function<void(const Ros2Transition&, ParticipantId caller, Done done)> change;
     std::function<void(const std::string&)> log;  // may be empty
