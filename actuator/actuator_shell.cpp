@@ -198,12 +198,18 @@ void ActuatorShell::OnManager(const State& target, OnManagerAnswered answered) {
   Handle(actuator_event::ManagerCommand{token, State(target.name().substr(0, kLongestName))});
 }
 
-void ActuatorShell::OfferManagedNodeAt(Time when) {
-  offer_later_ = node_.loop().At(when, [this] { OfferManagedNode(); });
+void ActuatorShell::OfferToRos2At(Time when) {
+  offer_later_ = node_.loop().At(when, [this] { OfferToRos2(); });
+}
+
+void ActuatorShell::OfferToRos2() {
+  offer_later_ = nullptr;
+  if (hooks_.ros2 == Hooks::Ros2::kManagedNode) return OfferManagedNode();
+  services_.emplace(node_, transport::ResolveName(config_.name_space, actuator_.name),
+                    transport::ParametersOf(config_));
 }
 
 void ActuatorShell::OfferManagedNode() {
-  offer_later_ = nullptr;
   transport::ManagedNodeEndpoints::Hooks hooks;
   hooks.refusal = [this](const Ros2Transition*, transport::ParticipantId) -> std::optional<Error> {
     if (core_.report.epoch == 0) return std::nullopt;
@@ -373,12 +379,12 @@ void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
       });
   if (!fs_machine) return hooks_.on_finished(fs_machine.error());
   fs_machine_ = std::move(fs_machine).value();
-  if (hooks_.managed_node) {
+  if (hooks_.ros2 != Hooks::Ros2::kNothing) {
     const Time now = node_.loop().Now();
     offer_later_ = node_.loop().At(now + kControllerDetected, [this, now] {
       const bool controlled = !core_.announced.empty() || core_.report.epoch != 0;
-      if (controlled) return OfferManagedNodeAt(now + kStartIsOver);
-      OfferManagedNode();
+      if (controlled) return OfferToRos2At(now + kStartIsOver);
+      OfferToRos2();
     });
   }
   if (hooks_.on_set_up) hooks_.on_set_up();

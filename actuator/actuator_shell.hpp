@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "musher/actuator/checkpoints.hpp"
@@ -22,6 +23,7 @@
 #include "musher/transport/service.hpp"
 #include "musher/wire/battery_watch.hpp"
 #include "musher/wire/managed_node_endpoints.hpp"
+#include "musher/wire/node_services.hpp"
 
 namespace musher {
 
@@ -54,7 +56,10 @@ class ActuatorShell {
     std::function<void(Error)> on_finished;  // torn down (code 0), or SetUp failed
     // A line for the actuator's log; may be empty.
     std::function<void(const std::string&)> on_remark;
-    bool managed_node = false;  // offered to ROS 2 as a managed node after SetUp
+    // What the tools of ROS 2 are offered after SetUp: the services of every node, or those of a
+    // managed node as well.
+    enum class Ros2 { kNothing, kNode, kManagedNode };
+    Ros2 ros2 = Ros2::kNothing;
   };
 
   // `config`, `node` and `worker` must outlive the shell.
@@ -94,7 +99,8 @@ class ActuatorShell {
                  transport::ParticipantId sender);
   using OnManagerAnswered = std::function<void(const actuator_action::Answer&)>;
   void OnManager(const State& target, OnManagerAnswered answered);
-  void OfferManagedNodeAt(Time when);
+  void OfferToRos2At(Time when);
+  void OfferToRos2();
   void OfferManagedNode();
   void ChangeManagedNode(const Ros2Transition& transition,
                          transport::ManagedNodeEndpoints::Done done);
@@ -144,6 +150,7 @@ class ActuatorShell {
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
   std::unique_ptr<FsMachine> fs_machine_;
+  std::optional<transport::NodeServices> services_;  // of a node that is not managed
   std::unique_ptr<transport::ManagedNodeEndpoints> managed_node_;
   transport::LoopHandlePtr offer_later_;
   transport::LoopHandlePtr finish_later_;

@@ -320,7 +320,8 @@ class MachineActuator::Impl {
       Finish(end.code == kCodeOk ? 0 : 1);
     };
     hooks.on_remark = [this](const std::string& line) { Log(LogLevel::kWarning, line); };
-    hooks.managed_node = config_->ros2.managed_nodes;
+    using Ros2 = ActuatorShell::Hooks::Ros2;
+    hooks.ros2 = config_->ros2.managed_nodes ? Ros2::kManagedNode : Ros2::kNode;
     // The controller that starts this process sets both.
     const auto variable = [](const char* name) {
       const char* set = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)

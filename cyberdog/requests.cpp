@@ -26,51 +26,56 @@ std::string NoState(std::uint8_t number) {
 
 Requests::Requests(transport::Endpoints& endpoints, ControllerShell& shell,
                    PowerSaving& power_saving)
-    : shell_(shell), power_saving_(power_saving) {
+    : node_(endpoints.node()), shell_(shell), power_saving_(power_saving) {
   ServeStates(endpoints);
   ServePower(endpoints);
 }
 
 void Requests::ServeStates(transport::Endpoints& endpoints) {
-  endpoints.Subscribe<msg::UInt8>(kMachineStateSwitch,
-                                  [this](const msg::UInt8& wanted) { OnSwitch(wanted.data); });
+  endpoints.SubscribeWithInfo<msg::UInt8>(
+      kMachineStateSwitch,
+      [this](const msg::UInt8& wanted, const transport::SampleInfo& info) {
+        OnSwitch(wanted.data, NameOf(info.participant));
+      },
+      {});
   endpoints.Serve<msg::MachineState>(
       kMachineStateSwitchKeep,
-      [this](const auto& request, const KeepReply& reply) { OnKeep(request, reply); });
+      [this](const auto& request, const KeepReply& reply, transport::ParticipantId caller) {
+        OnKeep(request, reply, NameOf(caller));
+      });
   endpoints.Serve<msg::Trigger>(kMachineStateValget, [this](const auto&, const auto& reply) {
     reply({true, std::string(TextOf(shell_.machine().state))});
   });
-  endpoints.Serve<msg::SetBool>(kOtaStateSwitch, [this](const auto& request, const auto& reply) {
-    event::PolicyRequested requested;
-    requested.what = PolicyRequest::kOta;
-    requested.enable = request.data;
-    Request(requested,
-            [reply](const Result<>& result) { reply(ReplyFrom<msg::SetBool::Response>(result)); });
-  });
+  ServeSetBool(endpoints, kOtaStateSwitch, PolicyRequest::kOta);
+}
+
+void Requests::ServeSetBool(transport::Endpoints& endpoints, const char* name, PolicyRequest what) {
+  endpoints.Serve<msg::SetBool>(
+      name, [this, what](const auto& request, const auto& reply, transport::ParticipantId caller) {
+        event::PolicyRequested requested;
+        requested.what = what;
+        requested.enable = request.data;
+        requested.by = NameOf(caller);
+        Request(requested, [reply](const Result<>& result) {
+          reply(ReplyFrom<msg::SetBool::Response>(result));
+        });
+      });
 }
 
 void Requests::ServePower(transport::Endpoints& endpoints) {
-  const auto enable = [&](const char* name, PolicyRequest what) {
-    endpoints.Serve<msg::SetBool>(name, [this, what](const auto& request, const auto& reply) {
-      event::PolicyRequested requested;
-      requested.what = what;
-      requested.enable = request.data;
-      Request(requested, [reply](const Result<>& result) {
-        reply(ReplyFrom<msg::SetBool::Response>(result));
-      });
-    });
-  };
   const auto trigger = [&](const char* name, PolicyRequest what) {
-    endpoints.Serve<msg::Trigger>(name, [this, what](const auto&, const auto& reply) {
-      event::PolicyRequested requested;
-      requested.what = what;
-      Request(requested, [reply](const Result<>& result) {
-        reply(ReplyFrom<msg::Trigger::Response>(result));
-      });
-    });
+    endpoints.Serve<msg::Trigger>(
+        name, [this, what](const auto&, const auto& reply, transport::ParticipantId caller) {
+          event::PolicyRequested requested;
+          requested.what = what;
+          requested.by = NameOf(caller);
+          Request(requested, [reply](const Result<>& result) {
+            reply(ReplyFrom<msg::Trigger::Response>(result));
+          });
+        });
   };
-  enable(kLowPowerEnable, PolicyRequest::kLowPowerSwitch);
-  enable(kLowPowerOnoff, PolicyRequest::kLowPowerStore);
+  ServeSetBool(endpoints, kLowPowerEnable, PolicyRequest::kLowPowerSwitch);
+  ServeSetBool(endpoints, kLowPowerOnoff, PolicyRequest::kLowPowerStore);
   trigger(kLowPowerExit, PolicyRequest::kWakeUp);
   trigger(kPoweroff, PolicyRequest::kPowerOff);
   trigger(kReboot, PolicyRequest::kReboot);
@@ -101,7 +106,7 @@ void Requests::Request(const event::PolicyRequested& requested,
   });
 }
 
-void Requests::OnSwitch(std::uint8_t number) {
+void Requests::OnSwitch(std::uint8_t number, const std::string& by) {
   const auto state = StateOfNumber(number);
   if (!state) {
     return shell_.Remark(kCodeParametersInvalid,
@@ -110,10 +115,12 @@ void Requests::OnSwitch(std::uint8_t number) {
   event::PolicyRequested requested;
   requested.what = PolicyRequest::kSwitch;
   requested.state = *state;
+  requested.by = by;
   Request(requested, [](const Result<>&) {});  // a refusal is in the journal
 }
 
-void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply& reply) {
+void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply& reply,
+                      const std::string& by) {
   const bool kept = shell_.machine().policy.keep.has_value();
   const bool cancels = kept && request.ticks == 0;  // in whichever state
   const auto state = StateOfNumber(request.state);
@@ -126,6 +133,7 @@ void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply
   requested.what = PolicyRequest::kKeep;
   requested.state = state.value_or(shell_.machine().state);
   requested.ticks = request.ticks;
+  requested.by = by;
   Request(requested, [reply, kept](const Result<>& result) {
     if (result) return reply({true, kCodeOk});
     if (kept) return reply({true, kKeptAlready});
@@ -139,6 +147,7 @@ void Requests::OnWakeWord() {
   if (state == kActive || state == kProtected || power_saving_.leaving()) return;
   event::PolicyRequested requested;
   requested.what = PolicyRequest::kWakeUp;
+  requested.by = "the wake word";
   Request(requested, [](const Result<>&) {});  // a refusal is in the journal
 }
 

@@ -24,13 +24,20 @@ class Requests {
 
   void ServeStates(transport::Endpoints& endpoints);
   void ServePower(transport::Endpoints& endpoints);
+  void ServeSetBool(transport::Endpoints& endpoints, const char* name, PolicyRequest what);
   // Sends a request to the policy; if it leads out of LowPower, once the board has left low power.
   // TearDown and Error do not wait for the board, and a refused request does not wake it.
   void Request(const event::PolicyRequested& requested, const ControllerShell::OnAnswer& done);
-  void OnSwitch(std::uint8_t number);
-  void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply);
+  void OnSwitch(std::uint8_t number, const std::string& by);
+  void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply,
+              const std::string& by);
   void OnWakeWord();
+  // Of the participant that requests; empty: it has none.
+  std::string NameOf(transport::ParticipantId participant) const {
+    return node_.RosNodeOf(participant);
+  }
 
+  transport::Node& node_;
   ControllerShell& shell_;
   PowerSaving& power_saving_;
 };

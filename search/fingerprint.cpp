@@ -70,7 +70,7 @@ inline constexpr std::tuple kIgnored<Stopping> = {&Stopping::begun};
 template <>
 inline constexpr std::tuple kIgnored<Keep> = {&Keep::seconds};
 template <>
-inline constexpr std::tuple kIgnored<PowerDown> = {&PowerDown::cause};
+inline constexpr std::tuple kIgnored<PowerDown> = {&PowerDown::cause, &PowerDown::by};
 // Its clock is another one: its distance from now would make every state different.
 template <>
 inline constexpr std::tuple kIgnored<PolicyState> = {&PolicyState::clock,

@@ -41,6 +41,11 @@ class Endpoints {
   void Serve(const std::string& name, typename Server<S>::Handler handler) {
     if (opened_) Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
   }
+  // The same with the calling participant.
+  template <msg::Service S>
+  void Serve(const std::string& name, typename Server<S>::HandlerOfCaller handler) {
+    if (opened_) Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
+  }
   // Subscribes. Returns the subscription, which knows its writers; null if it could not be opened.
   // The handler owns the sample and may move it.
   template <msg::Message M>

@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <optional>
+#include <vector>
 
 #include "musher/base/host.hpp"
 #include "musher/base/toml/names.hpp"
@@ -21,9 +23,12 @@
 #include "musher/view/link_request.hpp"
 #include "musher/view/live/live_server.hpp"
 #include "musher/view/live/qr_code.hpp"
+#include "musher/wire/node_services.hpp"
 
 namespace musher::view {
 namespace {
+
+constexpr const char* kViewNode = "musher_view";  // in ROS 2
 
 struct ViewOptions {
   std::string name_space;
@@ -120,7 +125,7 @@ Result<std::unique_ptr<transport::Node>> JoinForView(transport::EventLoop& loop,
   dds.own_networks_only = options.interfaces.size() == 1;  // see DdsOptions
   dds.discovery = transport::DiscoveryTiming::kAtOnce;
   dds.unicast = true;
-  dds.node_name = "musher_view";
+  dds.node_name = kViewNode;
   dds.name_space = options.name_space;
   if (with_keys) {
     const std::string identity = FromEnvironment("MUSHER_IDENTITY");
@@ -168,6 +173,11 @@ int Serve(const ViewOptions& options, const std::string& token) {
                 options.port);
     PrintLink(options, options.port, link.value());
     return 0;
+  }
+  std::optional<transport::NodeServices> services;
+  if (!live.with_keys) {  // with keys there is no tool of ROS 2 in the domain
+    services.emplace(*node.value(), transport::ResolveName(options.name_space, kViewNode),
+                     std::vector<transport::NodeParameter>());
   }
   const std::uint16_t port = server.value()->port();
   std::printf("The page is at http://%s:%u/\n", AddressFor(options).c_str(), port);

@@ -5,7 +5,6 @@
 
 #include "musher/base/code.hpp"
 #include "musher/messages/stamp.hpp"
-#include "musher/wire/type_descriptions.hpp"
 
 namespace musher::transport {
 namespace {
@@ -53,16 +52,8 @@ Result<std::unique_ptr<ManagedNodeEndpoints>> ManagedNodeEndpoints::Make(
   std::unique_ptr<ManagedNodeEndpoints> endpoints(
       new ManagedNodeEndpoints(node, name_space, name, instance, std::move(hooks)));
   if (auto opened = endpoints->Open(); !opened) return opened.error();
-  // Not fatal: permissions from an earlier version do not include them.
-  if (auto made = ParameterEndpoints::Make(node, ResolveName(name_space, name),
-                                           endpoints->hooks_.parameters)) {
-    endpoints->parameters_ = std::move(made).value();
-  }
-  if (auto made = MakeServer<msg::GetTypeDescription>(
-          node, ResolveName(name_space, name) + "/get_type_description",
-          [](const auto& request, auto reply) { reply(Describe(request)); })) {
-    endpoints->describe_type_ = std::move(made).value();
-  }
+  endpoints->of_every_node_.emplace(node, ResolveName(name_space, name),
+                                    std::move(endpoints->hooks_.parameters));
   return endpoints;
 }
 
@@ -159,6 +150,12 @@ void ManagedNodeEndpoints::OnChange(const msg::ChangeState::Request& request,
                        ? hooks_.refusal(transition ? &transition.value() : nullptr, caller)
                        : std::optional<Error>();
   if (why && transition) core_.End(false);
+  if (why && transition && hooks_.postpone) {
+    const auto again = [this, request, reply, caller, alive = std::weak_ptr<bool>(alive_)] {
+      if (!alive.expired()) OnChange(request, reply, caller);
+    };
+    if (hooks_.postpone(transition.value(), caller, again)) return;
+  }
   if (why) return refuse(why->message);
   if (!transition) return refuse(transition.error().message);
   PublishEvent();

@@ -1,8 +1,8 @@
 #pragma once
 // The services and topics of a managed node for ROS 2's tools: `ros2 lifecycle`, launch files,
 // nav2's manager. Under <namespace>/<name>/: change_state, get_state, get_available_states,
-// get_available_transitions, get_transition_graph and the topic transition_event; the services of
-// parameters; get_type_description; and, from a manager's activate on, a bond on <namespace>/bond.
+// get_available_transitions, get_transition_graph and the topic transition_event; those of every
+// node (node_services.hpp); and, from a manager's activate on, a bond on <namespace>/bond.
 //
 // Queries are always answered. A refused change_state is answered with success = false, because the
 // type has no field for a reason; the reason is logged.
@@ -21,10 +21,9 @@
 #include "musher/messages/bond/status.hpp"
 #include "musher/messages/lifecycle_msgs/graph.hpp"
 #include "musher/messages/lifecycle_msgs/services.hpp"
-#include "musher/messages/type_description_interfaces/get_type_description.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
-#include "musher/wire/parameter_endpoints.hpp"
+#include "musher/wire/node_services.hpp"
 
 namespace musher::transport {
 
@@ -36,6 +35,10 @@ class ManagedNodeEndpoints {
     // transition (null: one that the node's state does not have), so that a flood of requests costs
     // little.
     std::function<std::optional<Error>(const Ros2Transition*, ParticipantId caller)> refusal;
+    // Whether a refused request is to be considered again, because its caller is not known yet:
+    // then it calls `again` once, later. May be empty.
+    std::function<bool(const Ros2Transition&, ParticipantId caller, std::function<void()> again)>
+        postpone;
     // Executes the transition; calls `done` once, now or later, with the reason of a failure.
     std::function<void(const Ros2Transition&, ParticipantId caller, Done done)> change;
     std::function<void(const std::string&)> log;  // may be empty
@@ -96,8 +99,7 @@ class ManagedNodeEndpoints {
   std::unique_ptr<Server<msg::GetAvailableStates>> get_states_;
   std::unique_ptr<Server<msg::GetAvailableTransitions>> get_transitions_;
   std::unique_ptr<Server<msg::GetAvailableTransitions>> get_graph_;
-  std::unique_ptr<ParameterEndpoints> parameters_;
-  std::unique_ptr<Server<msg::GetTypeDescription>> describe_type_;
+  std::optional<NodeServices> of_every_node_;
   // Expires before late results arrive.
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

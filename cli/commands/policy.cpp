@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "musher/base/host.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
@@ -33,9 +34,9 @@ struct PolicyCommand {
 };
 
 // `done` makes the result message from the state that the machine is then in.
-ExitCode Request(const PolicyCommand& policy,
-                 const std::function<std::string(const std::string&)>& done,
+ExitCode Request(PolicyCommand policy, const std::function<std::string(const std::string&)>& done,
                  const GlobalOptions& global, Console& console) {
+  policy.request.by = UserAtHost();
   const auto link = Link::OpenForCalls(global, &console);
   const auto answer =
       link->CallLeader<msg::RequestPolicy>("request_policy", policy.request, kPolicyTimeout);

@@ -12,6 +12,10 @@ namespace {
 
 constexpr const char* kMachineNode = "musher";
 
+std::string ChangeStateOf(const MachineConfig& config) {
+  return transport::ResolveName(config.name_space, kMachineNode) + "/change_state";
+}
+
 // Done-degraded is a success: the machine is in the target; the log names the missing actuators.
 Result<> ToResult(const SwitchResult& result) {
   if (result.done() || result.outcome == SwitchOutcome::kDoneDegraded) return Ok();
@@ -29,6 +33,10 @@ Result<std::unique_ptr<ManagedMachine>> ManagedMachine::Make(transport::Node& no
   transport::ManagedNodeEndpoints::Hooks hooks;
   hooks.refusal = [self](const Ros2Transition* transition, transport::ParticipantId caller) {
     return self->WhyRefused(transition, caller);
+  };
+  hooks.postpone = [self](const Ros2Transition& transition, transport::ParticipantId caller,
+                          std::function<void()> again) {
+    return self->Postpone(transition, caller, std::move(again));
   };
   hooks.change = [self](const Ros2Transition& transition, transport::ParticipantId caller,
                         const Done& done) {
@@ -52,15 +60,29 @@ void ManagedMachine::OnRecord() {
   endpoints_->Observe(machine.state, moves ? machine.current->target : State());
 }
 
+std::string ManagedMachine::NodeOf(transport::ParticipantId caller) const {
+  return ros_nodes_.CallersOf(ChangeStateOf(shell_.config()), caller);
+}
+
 // The nodes of the command `ros2` have this prefix: a person has typed it. In a process with other
 // nodes one of these may have sent the request.
 Requester ManagedMachine::RequesterOf(transport::ParticipantId caller) const {
-  const std::string service =
-      transport::ResolveName(shell_.config().name_space, kMachineNode) + "/change_state";
-  const std::string node = ros_nodes_.CallersOf(service, caller);
+  const std::string node = NodeOf(caller);
   const bool person = node.starts_with("/_ros2cli") && node.find(", ") == std::string::npos;
   if (person) return {"ros2 lifecycle (" + node + ")", false};
   return {node.empty() ? "a ROS 2 manager" : node, true};
+}
+
+std::optional<Error> ManagedMachine::WhyRefusedToManager(const Ros2Transition& transition) const {
+  const auto target = TargetOf(transition, shell_.config());
+  if (!target || NeedsNoSwitch(*target)) return std::nullopt;
+  return RefusalOfManager(shell_.config(), shell_.machine(), *target);
+}
+
+bool ManagedMachine::Postpone(const Ros2Transition& transition, transport::ParticipantId caller,
+                              std::function<void()> again) const {
+  if (!NodeOf(caller).empty() || !WhyRefusedToManager(transition)) return false;
+  return ros_nodes_.WhenKnown(ChangeStateOf(shell_.config()), caller, std::move(again));
 }
 
 // The requests that the decision code would refuse, without a record of each: there may be many.
@@ -76,7 +98,7 @@ std::optional<Error> ManagedMachine::WhyRefused(const Ros2Transition* transition
   if (!machine.start_up.set_up || transition == nullptr) return std::nullopt;
   const auto target = TargetOf(*transition, shell_.config());
   if (!target || NeedsNoSwitch(*target)) return std::nullopt;
-  auto overridden = RefusalOfManager(shell_.config(), machine, *target);
+  auto overridden = WhyRefusedToManager(*transition);
   if (overridden && RequesterOf(caller).manager) return overridden;
   const Plan plan = MakePlan(shell_.config(), machine, *target);
   return plan.free_by ? std::nullopt : plan.refusal;

@@ -34,6 +34,12 @@ class ManagedMachine {
 
   using Done = transport::ManagedNodeEndpoints::Done;
   Requester RequesterOf(transport::ParticipantId caller) const;
+  std::string NodeOf(transport::ParticipantId caller) const;
+  std::optional<Error> WhyRefusedToManager(const Ros2Transition& transition) const;
+  // A command of ROS 2 Humble has no service by which it is known, and its request may come before
+  // its list of nodes: a person's, which would be refused as that of a manager.
+  bool Postpone(const Ros2Transition& transition, transport::ParticipantId caller,
+                std::function<void()> again) const;
   std::optional<Error> WhyRefused(const Ros2Transition* transition,
                                   transport::ParticipantId caller) const;
   bool NeedsNoSwitch(const State& target) const;

@@ -26,6 +26,9 @@ Ros2Tools::Ros2Tools(transport::Node& node, ControllerShell& shell,
   const Ros2Config& config = shell.config().ros2;
   if (config.managed_nodes) {
     keep(managed_, ManagedMachine::Make(node, shell, ros_nodes, instance), "ROS 2 managed node");
+  } else {
+    services_.emplace(node, transport::ResolveName(shell.config().name_space, "musher"),
+                      transport::ParametersOf(shell.config()));
   }
   if (config.diagnostics) {
     keep(diagnostics_, Diagnostics::Make(node, shell, wall_ns), "/diagnostics");

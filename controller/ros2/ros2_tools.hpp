@@ -1,18 +1,21 @@
 #pragma once
-// The interfaces of the machine for ROS 2's tools, each enabled by [ros2] of the config: a managed
-// node, /diagnostics, /rosout. Available while the controller leads.
+// The interfaces of the machine for ROS 2's tools: the services of every node, and, each enabled by
+// [ros2] of the config, a managed node, /diagnostics, /rosout. Available while the controller
+// leads.
 //
 // Threads: loop thread only.
 
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "musher/controller/ros2/diagnostics.hpp"
 #include "musher/controller/ros2/managed_machine.hpp"
 #include "musher/controller/ros2/other_vendors.hpp"
 #include "musher/controller/ros2/rosout.hpp"
+#include "musher/wire/node_services.hpp"
 
 namespace musher {
 
@@ -28,6 +31,7 @@ class Ros2Tools {
   bool Holds() const { return managed_ && managed_->Holds(); }
 
  private:
+  std::optional<transport::NodeServices> services_;  // of a node that is not managed
   std::unique_ptr<ManagedMachine> managed_;
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<Rosout> rosout_;

@@ -148,7 +148,7 @@ void ControllerServices::OnRestart(const msg::RestartActuator::Request& request,
 
 void ControllerServices::OnRelease(const msg::ReleaseEmergencyStop::Request& request,
                                    const Reply<msg::ReleaseEmergencyStop>& reply,
-                                   transport::ParticipantId /*caller*/) {
+                                   transport::ParticipantId caller) {
   if (const auto error = MeantForAnother(shell_, request)) {
     return reply(AnswerTo<msg::ReleaseEmergencyStop>(*error));
   }
@@ -158,12 +158,13 @@ void ControllerServices::OnRelease(const msg::ReleaseEmergencyStop::Request& req
     shell_.PublishStatus();
     reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
   };
-  shell_.ReleaseEmergencyStop(request.by.substr(0, kLongestName), done, std::move(seen));
+  shell_.ReleaseEmergencyStop(RequesterOf(request.by, "release_emergency_stop", caller), done,
+                              std::move(seen));
 }
 
 void ControllerServices::OnRequestPolicy(const msg::RequestPolicy::Request& request,
                                          const Reply<msg::RequestPolicy>& reply,
-                                         transport::ParticipantId /*caller*/) {
+                                         transport::ParticipantId caller) {
   const auto answer = [this, reply](const Result<>& result) {
     const Error end = result ? Error{kCodeOk, ""} : result.error();
     shell_.PublishStatus();
@@ -175,7 +176,8 @@ void ControllerServices::OnRequestPolicy(const msg::RequestPolicy::Request& requ
   if (!what || *what == PolicyRequest::kSwitch || request.state.size() > kLongestName) {
     return answer(Refused<Refusal::kUnknownRequest>(request.request.substr(0, kLongestName)));
   }
-  shell_.SendPolicyRequest({0, *what, State(request.state), request.seconds, request.enable},
+  shell_.SendPolicyRequest({0, *what, State(request.state), request.seconds, request.enable,
+                            RequesterOf(request.by, "request_policy", caller)},
                            answer);
 }
 

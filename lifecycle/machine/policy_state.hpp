@@ -78,6 +78,7 @@ struct PowerDown {
   Time force_at{};
   bool commanded = false;  // the command has been given
   RecordId cause = 0;      // the record with the reason
+  std::string by;          // as in Requester
 
   friend bool operator==(const PowerDown&, const PowerDown&) = default;
 };
@@ -181,7 +182,7 @@ template <>
 inline constexpr std::tuple kFields<PowerDown> = {
     Field{"reboot", &PowerDown::reboot},     Field{"tear_down_at", &PowerDown::tear_down_at},
     Field{"force_at", &PowerDown::force_at}, Field{"commanded", &PowerDown::commanded},
-    Field{"cause", &PowerDown::cause},
+    Field{"cause", &PowerDown::cause},       Field{"by", &PowerDown::by},
 };
 
 template <>

@@ -105,6 +105,9 @@ struct Requester {
   friend bool operator==(const Requester&, const Requester&) = default;
 };
 
+// The name of the policy as a requester.
+inline constexpr const char* kThePolicy = "the policy";
+
 // The last switch of the machine that no manager has requested. A manager may not switch the
 // machine to a more active state than that: a person's pause lasts until a person ends it.
 struct StandingRequest {

@@ -5,12 +5,13 @@
 
 namespace musher {
 
-void Power::Begin(bool reboot, Time tear_down_at, RecordId cause) {
+void Power::Begin(bool reboot, Time tear_down_at, RecordId cause, const Requester& by) {
   PowerDown power;
   power.reboot = reboot;
   power.tear_down_at = tear_down_at;
   power.force_at = now_ + config_.policy->power.force_after;
   power.cause = RecordPolicy(kCodeOk, texts::PowerDownStarted(reboot), cause);
+  power.by = by.name;
   machine_.policy.power = power;
 }
 

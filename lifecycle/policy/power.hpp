@@ -10,7 +10,7 @@ class Power : StepPart {
  public:
   using StepPart::StepPart;
 
-  void Begin(bool reboot, Time tear_down_at, RecordId cause);
+  void Begin(bool reboot, Time tear_down_at, RecordId cause, const Requester& by);
   // Gives the command, once. `in_time`: the machine is torn down.
   void Command(bool in_time);
   // The same when the time for TearDown has expired.

@@ -29,9 +29,10 @@ std::string LimitForm(BatteryLimit limit) {
 
 }  // namespace
 
-RecordText PolicyRequested(const std::string& what, const State& target) {
-  return MakeText(EventName::kPolicyRequested, "{what} requested",
-                  {{"what", what}, {"target", target}});
+RecordText PolicyRequested(const std::string& what, const State& target, const std::string& by) {
+  return MakeText(EventName::kPolicyRequested,
+                  by.empty() ? "{what} requested" : "{what} requested by {by}",
+                  {{"what", what}, {"target", target}, {"by", by}});
 }
 
 RecordText PolicyRefused(const std::string& what, const std::string& why) {

@@ -181,7 +181,8 @@ RecordText RestartedTooOften(int starts, Duration reset_after);
 // sample: that it was low.
 std::string BatteryText(std::optional<int> percent, bool charging);
 // `target`: of a request for a switch; "": another request.
-RecordText PolicyRequested(const std::string& what, const State& target);
+RecordText PolicyRequested(const std::string& what, const State& target,
+                           const std::string& by = {});
 RecordText PolicyRefused(const std::string& what, const std::string& why);
 RecordText BatterySampleInvalid(int percent);
 RecordText BatteryJumped(int before, int percent);

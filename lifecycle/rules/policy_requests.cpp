@@ -38,9 +38,8 @@ std::string Describe(const event::PolicyRequested& requested) {
   return "reboot";
 }
 
-// Its message has no name of a client.
-Requester ByPolicyRequest() {
-  return {"a request to the policy"};
+Requester RequesterOf(const event::PolicyRequested& requested) {
+  return {requested.by.empty() ? "a request to the policy" : requested.by};
 }
 
 // Of a request for a switch; empty: another request.
@@ -62,8 +61,9 @@ void PolicyRequests::On(const event::PolicyRequested& requested) {
   if (machine_.phase == Phase::kIdle) {
     return refuse(Refused<Refusal::kNotSetUp>(), 0);
   }
-  const RecordId request_record =
-      RecordPolicy(kCodeOk, texts::PolicyRequested(Describe(requested), SwitchTargetOf(requested)));
+  const RecordId request_record = RecordPolicy(
+      kCodeOk,
+      texts::PolicyRequested(Describe(requested), SwitchTargetOf(requested), requested.by));
   if (const auto refusal = Handle(requested, request_record)) refuse(*refusal, request_record);
 }
 
@@ -75,7 +75,7 @@ std::optional<Error> PolicyRequests::Handle(const Requested& requested, RecordId
     case PolicyRequest::kSwitch:
       machine_.policy.calls.push_back(requested.request);
       requests_.On(event::SetStateRequested{requested.request, requested.state, std::nullopt,
-                                            AfterTearDown::kStaysDown, ByPolicyRequest()});
+                                            AfterTearDown::kStaysDown, RequesterOf(requested)});
       return std::nullopt;
     case PolicyRequest::kKeep:
       return HandleKeep(requested, request_record);
@@ -190,7 +190,10 @@ std::optional<Error> PolicyRequests::HandlePower(const Requested& requested,
   const bool updating =
       machine_.state == kOta || (machine_.current && machine_.current->target == kOta);
   if (updating) return Refused<Refusal::kInOta>();
-  if (!power) power_.Begin(reboot, now_ + config_.policy->power.delay, request_record);
+  if (!power) {
+    power_.Begin(reboot, now_ + config_.policy->power.delay, request_record,
+                 RequesterOf(requested));
+  }
   Do(action::AnswerCall{requested.request, Ok()});
   if (std::exchange(power->commanded, false)) {
     power->reboot = reboot;
@@ -217,10 +220,10 @@ std::optional<Error> PolicyRequests::BeginRequested(const Requested& requested, 
   machine_.policy.calls.push_back(requested.request);
   if (target == kTearDown) {
     tear_down_.Begin(plan, {requested.request}, request_record, AfterTearDown::kStaysDown,
-                     ByPolicyRequest());
+                     RequesterOf(requested));
   } else {
     switches_.Begin(plan, Purpose::kRequested, {requested.request}, request_record,
-                    ByPolicyRequest());
+                    RequesterOf(requested));
   }
   return std::nullopt;
 }

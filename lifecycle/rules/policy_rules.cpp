@@ -222,7 +222,8 @@ bool PolicyRules::ApplyBatteryRule() {
   if (!config_.policy->battery || BatteryRulesWait()) return false;
   const BatteryLevel level = TakingDownLevel(config_, machine_.policy);
   if (machine_.policy.empty) {
-    power_.Begin(false, now_ + config_.policy->empty_battery_delay, machine_.policy.level_cause);
+    power_.Begin(false, now_ + config_.policy->empty_battery_delay, machine_.policy.level_cause,
+                 {kThePolicy});
     if (TearDownForPower()) return true;
     power_.Force();  // its time may be zero
     return false;
@@ -320,7 +321,7 @@ bool PolicyRules::TearDownForPower() {
                  power.cause);
     return false;
   }
-  tear_down_.Begin(plan, {}, power.cause);
+  tear_down_.Begin(plan, {}, power.cause, AfterTearDown::kStaysDown, {power.by});
   return true;
 }
 

@@ -184,6 +184,7 @@ struct PolicyRequested {
   State state;             // of kSwitch and kKeep
   std::int64_t ticks = 0;  // of kKeep, in seconds
   bool enable = false;     // of kOta and the low-power switch
+  std::string by{};        // the person or program; "" = not known
   friend bool operator==(const PolicyRequested&, const PolicyRequested&) = default;
 };
 // The save of that number has ended. A failed save may still succeed later; then this event comes
@@ -422,6 +423,7 @@ inline constexpr std::tuple kFields<event::PolicyRequested> = {
     Field{"state", &event::PolicyRequested::state},
     Field{"ticks", &event::PolicyRequested::ticks},
     Field{"enable", &event::PolicyRequested::enable},
+    Field{"by", &event::PolicyRequested::by},
 };
 
 template <>

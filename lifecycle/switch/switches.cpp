@@ -21,7 +21,7 @@ Requester RequesterOf(Purpose purpose) {
     case Purpose::kFallback:
       return {"the loss of a critical actuator"};
     case Purpose::kPolicy:
-      return {"the policy"};
+      return {kThePolicy};
     case Purpose::kRequested:
     case Purpose::kStop:
       break;

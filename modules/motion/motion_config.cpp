@@ -2,8 +2,10 @@
 
 #include <arpa/inet.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
+#include <numbers>
 #include <utility>
 
 #include "musher/base/toml/document.hpp"
@@ -79,6 +81,54 @@ Rows BoardRows(MotionConfig& config) {
       row::Time("feedback_ms", config.board_feedback)};
 }
 
+// A name of a frame.
+config_toml::Row FrameRow(const char* key, std::string& frame) {
+  return [key, &frame](TableReader& reader) {
+    row::Text(key, frame)(reader);
+    if (frame.empty() && reader.Has(key))
+      reader.Fault(reader.At(key), key, "expected the name of a frame");
+  };
+}
+
+// [[tf.mount]]. A frame has one place.
+void ReadMounts(TableReader& tf, TfConfig& config) {
+  constexpr double kFarthestM = 10;
+  constexpr double kHalfTurnDeg = 180;
+  for (TableReader& reader : tf.Subs("mount")) {
+    Mount mount;
+    mount.parent = config.base;
+    std::array<double, 3>& xyz = mount.xyz_m;
+    std::array<double, 3> rpy_deg{};
+    ReadRows(reader,
+             {row::Required("frame", "the name of a frame, such as \"laser_link\"",
+                            FrameRow("frame", mount.frame)),
+              FrameRow("parent", mount.parent),
+              row::Numbers("xyz_m", {&xyz[0], &xyz[1], &xyz[2]}, -kFarthestM, kFarthestM,
+                           "expected [x, y, z] in metres"),
+              row::Numbers("rpy_deg", {&rpy_deg[0], &rpy_deg[1], &rpy_deg[2]}, -kHalfTurnDeg,
+                           kHalfTurnDeg, "expected [roll, pitch, yaw] in degrees")});
+    for (std::size_t i = 0; i < rpy_deg.size(); ++i) {
+      mount.rpy_rad.at(i) = rpy_deg.at(i) * std::numbers::pi / kHalfTurnDeg;
+    }
+    const bool placed = mount.frame == mount.parent || mount.frame == config.base ||
+                        mount.frame == config.odom ||
+                        std::ranges::count(config.mounts, mount.frame, &Mount::frame) > 0;
+    if (placed && !mount.frame.empty()) {
+      reader.Fault(reader.At("frame"), "frame", "'" + mount.frame + "' has another place already");
+    }
+    config.mounts.push_back(std::move(mount));
+  }
+}
+
+Rows TfRows(TfConfig& config) {
+  return {row::Bool("publish", config.publish), FrameRow("odom", config.odom),
+          FrameRow("base", config.base),
+          row::Check(
+              "base", [&config] { return config.base != config.odom; },
+              "it is the frame of the odometry, too"),
+          [&config](TableReader& reader) { ReadMounts(reader, config); }};
+}
+
 MotionConfig Read(const Table& table, const std::string& path, Findings& findings) {
   MotionConfig config;
   const std::filesystem::path folder = config_toml::FolderOf(path);
@@ -88,7 +138,7 @@ MotionConfig Read(const Table& table, const std::string& path, Findings& finding
   ReadRows(root,
            {row::File("motions", config.motions, folder), row::File("gaits", config.gaits, folder),
             row::Sub("priority", PriorityRows(config.priorities)),
-            row::Sub("board", BoardRows(config))});
+            row::Sub("board", BoardRows(config)), row::Sub("tf", TfRows(config.tf))});
   return config;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // The motion manager's own config file (config/motion/motion_manager.toml explains every key).
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,12 +29,33 @@ struct LcmConfig {
   friend bool operator==(const LcmConfig&, const LcmConfig&) = default;
 };
 
+// A frame that is fixed on another one, such as that of a lidar on the body.
+struct Mount {
+  std::string frame;
+  std::string parent;
+  std::array<double, 3> xyz_m{};    // of its origin, in the parent
+  std::array<double, 3> rpy_rad{};  // roll, pitch and yaw, about the fixed axes of the parent
+
+  friend bool operator==(const Mount&, const Mount&) = default;
+};
+
+// What it publishes on /tf and /tf_static.
+struct TfConfig {
+  bool publish = false;  // the odometry: from `odom` to `base`
+  std::string odom = "odom";
+  std::string base = "base_link";
+  std::vector<Mount> mounts;
+
+  friend bool operator==(const TfConfig&, const TfConfig&) = default;
+};
+
 struct MotionConfig {
   std::string motions;  // the file of the motion id table, absolute
   std::string gaits;    // the folder of the gaits of users, absolute
   Priorities priorities = DefaultPriorities();
   BoardKind board = BoardKind::kTopic;
   LcmConfig lcm;
+  TfConfig tf;
   Duration board_wait = Milliseconds(10'000);   // how long SetUp waits for the first report
   Duration board_silent = Milliseconds(500);    // timeout without a report
   Duration board_feedback = Milliseconds(200);  // within which a command must be taken

@@ -13,6 +13,9 @@ namespace {
 constexpr Duration kStatusPeriod = Milliseconds(100);
 constexpr double kLeastStepM = 0.05;
 constexpr double kJumpM = 1;
+// As tf2 has it.
+constexpr transport::Qos kTfQos{transport::Qos::Reliability::kReliable,
+                                transport::Qos::Durability::kVolatile, 100};
 
 }  // namespace
 
@@ -29,6 +32,7 @@ MotionShell::MotionShell(Dependencies dependencies)
 
 Result<> MotionShell::Open(const MakeBackend& make_backend) {
   OpenTopics();
+  OpenFrames();
   if (!endpoints_.opened()) return endpoints_.opened();
   auto backend = make_backend([this](const BodyState& body) { OnBody(body); });
   if (!backend) return backend.error();
@@ -52,6 +56,17 @@ void MotionShell::OpenTopics() {
         Do(motion_event::ServoArrived{FromWire(command)});
       },
       transport::kSystemDefaultQos);
+}
+
+// A localisation or a world may publish the same frames: then the config leaves them out.
+void MotionShell::OpenFrames() {
+  const TfConfig& config = dependencies_.config.tf;
+  if (config.publish) tf_ = endpoints_.Advertise<msg::TfMessage>("/tf", kTfQos);
+  const msg::TfMessage fixed{FixedFrames(config)};
+  if (fixed.transforms.empty()) return;
+  auto* frames = endpoints_.Advertise<msg::TfMessage>("/tf_static", transport::kLatchedQos);
+  // A latched sample that cannot be sent is the same fault as a topic that cannot be opened.
+  if (frames != nullptr) static_cast<void>(frames->Publish(fixed));
 }
 
 void MotionShell::OpenServices() {
@@ -100,6 +115,9 @@ void MotionShell::OnBody(const BodyState& body) {
     MeasureWay(body.motion);
     static_cast<void>(odometry_->Publish(OdometryOf(body.motion, way_m_)));
     static_cast<void>(imu_->Publish(ImuOf(body.motion)));
+    if (tf_ != nullptr && tf_->MatchedReaders() > 0) {
+      static_cast<void>(tf_->Publish({{BodyFrame(dependencies_.config.tf, body.motion)}}));
+    }
   }
   for (const auto& then : std::exchange(next_report_callbacks_, {})) then();
 }

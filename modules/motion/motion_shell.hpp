@@ -17,6 +17,7 @@
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/messages/sensor_msgs/imu.hpp"
+#include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/modules/motion/motion_backend.hpp"
 #include "musher/modules/motion/motion_core.hpp"
 #include "musher/modules/motion/motion_sequence.hpp"
@@ -68,6 +69,7 @@ class MotionShell {
 
   Result<> Open(const MakeBackend& make_backend);
   void OpenTopics();
+  void OpenFrames();
   void OpenServices();
 
   void OnBody(const BodyState& body);
@@ -102,6 +104,7 @@ class MotionShell {
   transport::Publisher<msg::MotionStatus>* status_ = nullptr;
   transport::Publisher<msg::Odometry>* odometry_ = nullptr;
   transport::Publisher<msg::Imu>* imu_ = nullptr;
+  transport::Publisher<msg::TfMessage>* tf_ = nullptr;  // null: not published
   transport::Publisher<msg::NodeError>* errors_ = nullptr;
   transport::Publisher<msg::AudioPlayExtend>* speech_ = nullptr;
   transport::LoopHandlePtr status_timer_;

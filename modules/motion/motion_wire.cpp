@@ -1,6 +1,7 @@
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/messages/stamp.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -35,6 +36,25 @@ MotionArguments ArgumentsOf(const Message& message) {
   arguments.step_height = message.step_height;
   arguments.value = message.value;
   return arguments;
+}
+
+msg::TransformStamped Transform(const std::string& parent, const std::string& frame,
+                                const Eigen::Isometry3d& placement, Duration stamp) {
+  msg::TransformStamped transform;
+  transform.header = {msg::ToStamp(stamp), parent};
+  transform.child_frame_id = frame;
+  transform.transform = {ToWire(Eigen::Vector3d(placement.translation())), Turn(placement)};
+  return transform;
+}
+
+Eigen::Isometry3d PlacementOf(const Mount& mount) {
+  const auto [roll, pitch, yaw] = mount.rpy_rad;
+  Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
+  placement.translate(Eigen::Vector3d(mount.xyz_m[0], mount.xyz_m[1], mount.xyz_m[2]));
+  placement.rotate(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()));
+  return placement;
 }
 
 // Of x, y, z, roll, pitch and yaw.
@@ -162,6 +182,25 @@ msg::Imu ImuOf(const BodyMotion& motion) {
   imu.linear_acceleration = ToWire(motion.a_B);
   if (!motion.has_acceleration) imu.linear_acceleration_covariance[0] = -1;  // no such reading
   return imu;
+}
+
+msg::TransformStamped BodyFrame(const TfConfig& config, const BodyMotion& motion) {
+  return Transform(config.odom, config.base, motion.X_OB, motion.stamp);
+}
+
+std::vector<msg::TransformStamped> FixedFrames(const TfConfig& config) {
+  std::vector<msg::TransformStamped> fixed;
+  const auto is_mounted = [&config](const char* frame) {
+    return frame == config.base || std::ranges::count(config.mounts, frame, &Mount::frame) > 0;
+  };
+  for (const char* frame : {kBodyFrame, kImuFrame}) {
+    if (!config.publish || is_mounted(frame)) continue;
+    fixed.push_back(Transform(config.base, frame, Eigen::Isometry3d::Identity(), {}));
+  }
+  for (const Mount& mount : config.mounts) {
+    fixed.push_back(Transform(mount.parent, mount.frame, PlacementOf(mount), {}));
+  }
+  return fixed;
 }
 
 }  // namespace musher::motion

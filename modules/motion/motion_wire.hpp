@@ -2,11 +2,15 @@
 // Converts between messages and the motion manager's values. Input from the wire is not trusted:
 // an invalid rotation becomes the identity.
 
+#include <vector>
+
+#include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/sensor_msgs/imu.hpp"
 #include "musher/modules/motion/motion_backend.hpp"
+#include "musher/modules/motion/motion_config.hpp"
 #include "musher/modules/motion/motion_core.hpp"
 
 namespace musher::motion {
@@ -33,5 +37,11 @@ inline constexpr double kTurnErrorRadS = 0.05;
 // `way_m`: that the body has walked since its odometry began, which its drift grows with.
 msg::Odometry OdometryOf(const BodyMotion& motion, double way_m);
 msg::Imu ImuOf(const BodyMotion& motion);
+
+// For /tf: where the body is in the frame of its odometry, at the time of the odometry.
+msg::TransformStamped BodyFrame(const TfConfig& config, const BodyMotion& motion);
+// For /tf_static: the frame of `odom_out` and `imu` on the body, if the body is published, and the
+// mounts. The IMU is in the body's frame: its place is that of a mount, where there is one.
+std::vector<msg::TransformStamped> FixedFrames(const TfConfig& config);
 
 }  // namespace musher::motion

@@ -68,7 +68,7 @@ PyNodePtr NodeOf(const ActuatorHandle& handle) {
   const PyActuator& actuator = handle.Get();
   auto thread = actuator.node();
   if (!thread) return nullptr;
-  return std::make_shared<PyNode>(PyNode{std::move(thread), actuator.machine_config().name_space});
+  return std::make_shared<PyNode>(std::move(thread), actuator.machine_config().name_space);
 }
 
 std::unique_ptr<ActuatorHandle> MakeHandle(const std::string& name, const py::object& self) {

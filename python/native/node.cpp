@@ -117,7 +117,17 @@ PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
   if (!keys.empty()) options.credentials = transport::Credentials{keys, identity};
   auto thread = WithoutGil([&] { return transport::NodeThread::Start(options); });
   if (!thread) Raise("Failure", thread.error());
-  return std::make_shared<PyNode>(PyNode{std::move(thread).value(), name_space});
+  const auto node = std::make_shared<PyNode>(std::move(thread).value(), name_space);
+  // The tools of ROS 2 list it, and call these services of each node.
+  if (!name.empty() && keys.empty()) {
+    WithoutGil([&] {
+      node->thread->RunOnLoop([&] {
+        node->services = std::make_unique<transport::NodeServices>(
+            node->thread->node(), node->Resolve(name), std::vector<transport::NodeParameter>());
+      });
+    });
+  }
+  return node;
 }
 
 msg::Bytes WithEnvelope(const msg::RequestId& id, std::span<const std::byte> message) {

@@ -11,12 +11,22 @@
 #include "musher/python/native/mailbox.hpp"
 #include "musher/python/native/parts.hpp"
 #include "musher/transport/dds/node_thread.hpp"
+#include "musher/wire/node_services.hpp"
 
 namespace musher::python {
 
 struct PyNode {
   std::shared_ptr<transport::NodeThread> thread;
   std::string name_space;
+  std::unique_ptr<transport::NodeServices> services;  // of a node with a name; on the loop
+
+  PyNode(std::shared_ptr<transport::NodeThread> on, std::string in)
+      : thread(std::move(on)), name_space(std::move(in)) {}
+  PyNode(const PyNode&) = delete;
+  PyNode& operator=(const PyNode&) = delete;
+  ~PyNode() {
+    if (services) thread->RunOnLoop([this] { services.reset(); });
+  }
 
   std::string Resolve(const std::string& name) const {
     return transport::ResolveName(name_space, name);

@@ -1,5 +1,7 @@
 #include "musher/test/contract/plain_lifecycle_manager.hpp"
 
+#include <humble.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -222,15 +224,28 @@ std::vector<std::string> PlainLifecycleClient::GetTransitionGraph() {
   return Transitions(get_graph_);
 }
 
-bool PublishNodes(PlainParticipant& participant,
-                  const std::map<std::string, std::vector<dds_entity_t>>& nodes) {
+namespace {
+
+struct SinceIron {
+  using Gid = rmw_dds_common_msg_dds__Gid_;
+  using Node = rmw_dds_common_msg_dds__NodeEntitiesInfo_;
+  using Info = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
+};
+
+struct UpToHumble {
+  using Gid = humble_msg_dds__Gid_;
+  using Node = humble_msg_dds__NodeEntitiesInfo_;
+  using Info = humble_msg_dds__ParticipantEntitiesInfo_;
+};
+
+// The topic's writer, once a reader is matched; 0: none is.
+dds_entity_t AdvertiseNodes(PlainParticipant& participant, const dds_topic_descriptor_t& type) {
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
   const dds_entity_t topic =
-      dds_create_topic(participant.entity(), &rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc,
-                       "ros_discovery_info", nullptr, nullptr);
+      dds_create_topic(participant.entity(), &type, "ros_discovery_info", nullptr, nullptr);
   const dds_entity_t writer = dds_create_writer(participant.entity(), topic, qos, nullptr);
   dds_delete_qos(qos);
   dds_set_status_mask(writer, DDS_PUBLICATION_MATCHED_STATUS);
@@ -243,21 +258,28 @@ bool PublishNodes(PlainParticipant& participant,
     dds_get_publication_matched_status(writer, &status);
     return status.current_count > 0;
   });
-  const auto fill = [](dds_entity_t entity, rmw_dds_common_msg_dds__Gid_& gid) {
+  return matched ? writer : 0;
+}
+
+template <class Layout>
+bool PublishNodesAs(PlainParticipant& participant, const dds_topic_descriptor_t& type,
+                    const std::map<std::string, std::vector<dds_entity_t>>& nodes) {
+  const dds_entity_t writer = AdvertiseNodes(participant, type);
+  const auto fill = [](dds_entity_t entity, typename Layout::Gid& gid) {
     dds_guid_t guid{};
     dds_get_guid(entity, &guid);
     std::copy(std::begin(guid.v), std::end(guid.v), gid.data);
   };
-  rmw_dds_common_msg_dds__ParticipantEntitiesInfo_ info{};
+  typename Layout::Info info{};
   fill(participant.entity(), info.gid);
   std::vector<std::string> names;
-  std::vector<std::vector<rmw_dds_common_msg_dds__Gid_>> gids;
+  std::vector<std::vector<typename Layout::Gid>> gids;
   for (const auto& [name, writers] : nodes) {
     names.push_back(name);
-    std::vector<rmw_dds_common_msg_dds__Gid_>& all = gids.emplace_back(writers.size());
+    std::vector<typename Layout::Gid>& all = gids.emplace_back(writers.size());
     for (std::size_t i = 0; i < writers.size(); ++i) fill(writers[i], all[i]);
   }
-  std::vector<rmw_dds_common_msg_dds__NodeEntitiesInfo_> entities(nodes.size());
+  std::vector<typename Layout::Node> entities(nodes.size());
   for (std::size_t i = 0; i < entities.size(); ++i) {
     const auto count = static_cast<std::uint32_t>(gids[i].size());
     entities[i].node_namespace[0] = '/';
@@ -266,8 +288,23 @@ bool PublishNodes(PlainParticipant& participant,
   }
   const auto count = static_cast<std::uint32_t>(entities.size());
   info.node_entities_info_seq = {count, count, entities.data(), false};
-  return matched && dds_write(writer, &info) == DDS_RETCODE_OK &&
+  return writer > 0 && dds_write(writer, &info) == DDS_RETCODE_OK &&
          dds_wait_for_acks(writer, DDS_SECS(20)) == DDS_RETCODE_OK;
+}
+
+}  // namespace
+
+bool PublishNodes(PlainParticipant& participant,
+                  const std::map<std::string, std::vector<dds_entity_t>>& nodes) {
+  return PublishNodesAs<SinceIron>(participant,
+                                   rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc, nodes);
+}
+
+bool PublishNodesOfHumble(PlainParticipant& participant,
+                          const std::map<std::string, std::vector<dds_entity_t>>& nodes) {
+  dds_topic_descriptor_t type = humble_msg_dds__ParticipantEntitiesInfo__desc;
+  type.m_typename = rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc.m_typename;
+  return PublishNodesAs<UpToHumble>(participant, type, nodes);
 }
 
 PlainBond::PlainBond(PlainParticipant& participant, const std::string& name_space, std::string id,

@@ -139,6 +139,9 @@ class PlainLifecycleClient {
 // writers. Returns once every process that reads the topic has them, and there is one.
 bool PublishNodes(PlainParticipant& participant,
                   const std::map<std::string, std::vector<dds_entity_t>>& nodes);
+// The same in the layout of Humble and before.
+bool PublishNodesOfHumble(PlainParticipant& participant,
+                          const std::map<std::string, std::vector<dds_entity_t>>& nodes);
 
 // One side of a bond, like bondcpp's.
 class PlainBond {

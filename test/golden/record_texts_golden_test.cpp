@@ -207,6 +207,7 @@ Examples OfThePolicy() {
   return {
       {"PolicyRequested", PolicyRequested("wake-up", "")},
       {"PolicyRequested", PolicyRequested("switch to Active", "Active")},
+      {"PolicyRequested", PolicyRequested("wake-up", "", "alice@dog1")},
       {"PolicyRefused", PolicyRefused("wake-up", "the machine is not in LowPower")},
       {"BatterySampleInvalid", BatterySampleInvalid(250)},
       {"BatteryJumped", BatteryJumped(80, 0)},

@@ -71,4 +71,39 @@ TEST_F(AMixedRobotWithACheckpoint, RestartsANodeThatHangsInATransitionLongAfterI
   ExpectAllIn("LowPower");
 }
 
+// A critical node of another host, which a launch file there has started, with the checkpoint that
+// such a node has by default: the process of another host has no exit that is seen, and the lease
+// of a ROS 2 process is 10 s.
+class AMixedRobotWithANodeOfAnotherHost : public AMixedRobot {
+ protected:
+  AMixedRobotWithANodeOfAnotherHost() : AMixedRobot(Far()) {
+    robot_.network().SetLease(std::chrono::seconds(60));  // no other sign of its loss
+  }
+  static MachineConfig Far() {
+    MachineConfig config = Config(false);
+    ActuatorConfig& planner = config.actuators[2];
+    planner.command.clear();
+    planner.restart.policy = RestartPolicy::kNo;
+    planner.critical = true;
+    planner.on_lost = kProtected;
+    planner.checkpoint = std::chrono::seconds(5);
+    return config;
+  }
+
+  std::unique_ptr<transport::Node> pc_ = robot_.network().MakeNode("pc");
+  RosManagedNode planner_{*pc_, "c"};
+};
+
+TEST_F(AMixedRobotWithANodeOfAnotherHost, KnowsWithinItsCheckpointThatTheHostIsOff) {
+  BringUp();
+  robot_.RunFor(std::chrono::seconds(20));
+  ExpectAllIn("Active");
+  const Time off = robot_.network().now();
+  robot_.network().Crash(*pc_);
+  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().state == "Protected"; },
+                              std::chrono::seconds(10)));
+  EXPECT_LE(robot_.network().now() - off, Milliseconds(5100));
+  EXPECT_THAT(robot_.Degraded(), ::testing::ElementsAre("c"));
+}
+
 }  // namespace musher::testing::mixed_robot_health_test

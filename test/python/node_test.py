@@ -11,6 +11,7 @@ import musher
 from musher._message import Message
 from musher._node import default_by
 from musher.example_interfaces.action import Fibonacci
+from musher.rcl_interfaces.srv import ListParameters
 from musher.std_msgs.msg import String
 from musher.std_srvs.srv import Trigger
 from robot import DEADLINE_S, run_python
@@ -32,6 +33,15 @@ class Nodes(unittest.TestCase):
         waiting.join(DEADLINE_S)
         self.assertEqual(waited, [True])
         self.assertEqual(client.call(Trigger.Request()).message, "begun")
+
+    # `ros2 param list` waits 5 s for each node of its list without them.
+    def test_a_node_with_a_name_answers_the_services_of_parameters_with_none(self):
+        for there in (musher.Node("planner"), musher.Node("dock", namespace="dog1")):
+            self.addCleanup(there.close)
+        for service in ("/planner/list_parameters", "/dog1/dock/list_parameters"):
+            client = self.here.client(service, ListParameters)
+            self.assertTrue(client.wait_until_ready(DEADLINE_S), service)
+            self.assertEqual(client.call(ListParameters.Request()).result.names, [])
 
     def test_a_handler_gets_the_messages_and_an_exception_of_it_does_not_stop_the_next(self):
         received, all_there = [], threading.Event()

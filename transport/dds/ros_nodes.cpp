@@ -1,5 +1,6 @@
 #include "musher/transport/dds/ros_nodes.hpp"
 
+#include <iterator>
 #include <optional>
 #include <set>
 #include <span>
@@ -15,7 +16,8 @@ namespace musher::transport {
 namespace {
 
 constexpr std::size_t kMostProcesses = 1000;  // any number of participants may come
-constexpr std::size_t kMostBytes = 1 << 20;   // of one process
+constexpr std::size_t kMostWaiting = 16;
+constexpr std::size_t kMostBytes = 1 << 20;  // of one process
 
 // `Info`: of this distribution of ROS 2, or of those before Iron.
 template <class Info>
@@ -57,6 +59,36 @@ void RosNodes::Keep(std::span<const std::byte> bytes, EndpointId process) {
   }
   if (processes_.size() >= kMostProcesses && !processes_.contains(process)) return;
   processes_[process].newest.emplace(bytes.begin(), bytes.end());
+  CallKnown();
+}
+
+bool RosNodes::WhenKnown(const std::string& service, ParticipantId participant,
+                         std::function<void()> then) const {
+  const Time now = node_.loop().Now();
+  if (first_waited_.size() >= kMostProcesses) first_waited_.clear();
+  const Time until = first_waited_.try_emplace(participant, now).first->second + kKnownWithin;
+  if (!reader_ || now >= until || waiting_.size() >= kMostWaiting) return false;
+  waiting_.push_back({service, participant, std::move(then), nullptr});
+  const auto one = std::prev(waiting_.end());
+  one->until = node_.loop().At(until, [this, one] {
+    const auto ended = std::move(one->then);
+    waiting_.erase(one);
+    ended();
+  });
+  return true;
+}
+
+// What is called may wait again.
+void RosNodes::CallKnown() const {
+  std::list<Waiting> known;
+  for (auto one = waiting_.begin(); one != waiting_.end();) {
+    const auto next = std::next(one);
+    if (!CallersOf(one->service, one->participant).empty()) {
+      known.splice(known.end(), waiting_, one);
+    }
+    one = next;
+  }
+  for (const Waiting& one : known) one.then();
 }
 
 const RosNodes::Nodes& RosNodes::NodesIn(Process& process) {

@@ -4,6 +4,8 @@
 //
 // Threads: loop thread only.
 
+#include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -29,6 +31,14 @@ class RosNodes {
   // The nodes of `participant` with a client of `service` ("dog1/musher/set_state"): one, or
   // several, separated by ", ". If their process has not published all of them, Node::RosNodeOf().
   std::string CallersOf(const std::string& service, ParticipantId participant) const;
+  // Calls `then` once, on the loop, as soon as CallersOf() knows these, at the latest kKnownWithin
+  // after the first such call for `participant`. Returns false, and does not call it, if that time
+  // is over, or if too many wait.
+  bool WhenKnown(const std::string& service, ParticipantId participant,
+                 std::function<void()> then) const;
+
+  // From a request to the list of nodes of its process, which may be discovered later.
+  static constexpr Duration kKnownWithin = Milliseconds(1000);
 
  private:
   using Nodes = std::map<EndpointId, std::string>;  // by their endpoints
@@ -38,11 +48,20 @@ class RosNodes {
     std::optional<msg::Bytes> newest;  // not yet decoded
     Nodes nodes;
   };
+  struct Waiting {
+    std::string service;
+    ParticipantId participant = 0;
+    std::function<void()> then;
+    LoopHandlePtr until;
+  };
   void Keep(std::span<const std::byte> bytes, EndpointId process);
+  void CallKnown() const;
   static const Nodes& NodesIn(Process& process);
 
   Node& node_;
   mutable std::map<EndpointId, Process> processes_;  // by their writers of the topic
+  mutable std::list<Waiting> waiting_;
+  mutable std::map<ParticipantId, Time> first_waited_;  // of those that were waited for
   std::unique_ptr<RawReader> reader_;
 };
 

@@ -50,6 +50,11 @@ std::string NotStopped(const EstopReport& report, bool searched) {
   return sentence;
 }
 
+// The requester, as status and history have it.
+std::string OnPage(const RobotRequests::Caller& caller) {
+  return caller.by + " on the page";
+}
+
 std::vector<MachineIdentity> NamedOf(const std::vector<MachineHere>& machines) {
   std::vector<MachineIdentity> named;
   for (const MachineHere& machine : machines) {
@@ -177,7 +182,7 @@ void RobotRequests::Set(const Caller& caller, const std::string& target,
   std::erase_if(switches_, [](const Switch& each) { return each.ended; });
   SwitchClient::Options options;
   options.leader = LeaderOptions();
-  options.by = caller.by + " on the page";
+  options.by = OnPage(caller);
   options.timeout = kSwitchTime;
   options.find = kAnswerTime;
   Switch& one = switches_.emplace_back();
@@ -204,7 +209,7 @@ void RobotRequests::Restart(const Caller& caller, const std::string& actuator,
   std::erase_if(restarts_, [](const Restarting& each) { return each.ended; });
   Restarting& one = restarts_.emplace_back();
   auto call = LeaderCall<msg::RestartActuator>::Make(
-      node_, LeaderOptions(), "restart_actuator", {actuator, caller.by}, kRestartTime,
+      node_, LeaderOptions(), "restart_actuator", {actuator, OnPage(caller)}, kRestartTime,
       [this, &one, respond](const Result<msg::RestartActuator::Response>& answer) {
         one.ended = true;
         if (answer) return Answer<msg::RestartActuator>(respond, answer.value());
@@ -221,7 +226,7 @@ void RobotRequests::Release(const Caller& caller, const std::vector<std::string>
                             const http::Respond& respond) {
   if (!HasController(respond) || !IsMeant(caller, respond)) return;
   msg::ReleaseEmergencyStop::Request request;
-  request.by = caller.by;
+  request.by = OnPage(caller);
   request.seen_stops = seen;
   Call<msg::ReleaseEmergencyStop>("release_emergency_stop", request, kAnswerTime, respond);
 }

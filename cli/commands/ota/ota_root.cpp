@@ -124,8 +124,10 @@ std::optional<Failure> RootMachine::Connect() {
 }
 
 Result<> RootMachine::RequestPolicy(bool enter) {
-  const auto answer = link_->CallLeader<msg::RequestPolicy>("request_policy", {"ota", "", 0, enter},
-                                                            kSwitchTimeout);
+  msg::RequestPolicy::Request request{"ota", "", 0, enter};
+  request.by = UserAtHost();
+  const auto answer =
+      link_->CallLeader<msg::RequestPolicy>("request_policy", request, kSwitchTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
   const auto& response = std::get<msg::RequestPolicy::Response>(answer);
   // done-degraded counts as done: a robot with a failed actuator must be upgradable, too.
@@ -136,7 +138,8 @@ Result<> RootMachine::RequestPolicy(bool enter) {
 }
 
 Result<> RootMachine::Switch(const std::string& state) {
-  const auto answer = link_->CallLeader<msg::SetState>("set_state", {state, ""}, kSwitchTimeout);
+  const auto answer =
+      link_->CallLeader<msg::SetState>("set_state", {state, "", UserAtHost()}, kSwitchTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
   const auto& response = std::get<msg::SetState::Response>(answer);
   if (response.state == state) return Ok();

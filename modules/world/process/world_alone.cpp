@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "musher/actuator/worker.hpp"
 #include "musher/base/joined.hpp"
@@ -17,6 +18,7 @@
 #include "musher/modules/world/render/shot.hpp"
 #include "musher/modules/world/scene/variation.hpp"
 #include "musher/transport/dds/node_thread.hpp"
+#include "musher/wire/node_services.hpp"
 
 namespace musher::world {
 namespace {
@@ -49,7 +51,10 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
-  const auto node = transport::NodeThread::Start();
+  transport::DdsOptions dds;
+  dds.name_space = name_space;
+  dds.node_name = "world";
+  const auto node = transport::NodeThread::Start(dds);
   if (!node) {
     Print(node.error().message);
     return 1;
@@ -66,11 +71,14 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
   WorkerThread shooter;
   options.shooter = &shooter;
   std::unique_ptr<WorldHost> host;
+  std::optional<transport::NodeServices> services;
   std::string why_not;
   node.value()->RunOnLoop([&] {
     auto started = WorldHost::Start(node.value()->node(), scene, std::move(options));
     if (started) {
       host = std::move(started).value();
+      services.emplace(node.value()->node(), transport::ResolveName(name_space, dds.node_name),
+                       std::vector<transport::NodeParameter>());
     } else {
       why_not = started.error().message;
     }
@@ -85,6 +93,7 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
   std::optional<World> world;
   node.value()->RunOnLoop([&] {
     world = host->world();
+    services.reset();
     host.reset();
   });
   if (drawer.joinable()) drawer.join();

@@ -77,8 +77,12 @@ msg::TfMessage WorldFrames::Moving() const {
     moving.transforms.push_back(TransformOf(name + "/odom", name + "/base_link", placement, now));
   }
   if (!scene.has_body) return moving;
-  // By its own odometry, which drifts.
+  // By its own odometry, which drifts; a localisation says by how much.
   const Isometry3d body = BodyInPlace(world_.body().odometry(), world_.body().attitude());
+  if (scene.localised) {
+    const Isometry3d in_place = BodyInPlace(world_.body().pose(), world_.body().attitude());
+    moving.transforms.push_back(TransformOf(kMapFrame, "odom", in_place * body.inverse(), now));
+  }
   moving.transforms.push_back(TransformOf("odom", "base_link", body, now));
   if (!world_.humanoid()) return moving;
   const Angles angles = AnglesOf(*world_.humanoid());

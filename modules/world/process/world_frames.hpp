@@ -6,7 +6,7 @@
 //   joint_states         sensor_msgs/JointState, of a humanoid, while subscribed
 //   /tf                  tf2_msgs/TFMessage, whatever the namespace, while subscribed: of each
 //                        robot R/odom → R/base_link by its odometry, of the body odom → base_link
-//                        and its joints
+//                        and its joints, and map → odom if the scene is localised
 //   /tf_static           latched: map → R/odom, for its odometry is exact without a fault, and
 //                        what is fixed on them
 //

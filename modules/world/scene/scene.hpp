@@ -220,8 +220,9 @@ struct BoardSpec {
 struct Scene {
   std::string name;
   std::uint64_t seed = 1;
-  double speed = 1;       // world time for each second
-  bool lockstep = false;  // a step waits until all processes that use /clock have had the last one
+  double speed = 1;        // world time for each second
+  bool lockstep = false;   // a step waits until all processes that use /clock have had the last one
+  bool localised = false;  // map → odom of the body on /tf, where it really is
   Eigen::Vector2d least_m{-5, -4};
   Eigen::Vector2d most_m{5, 4};
   double ceiling_m = 0;  // over the ground; 0: there is none

@@ -61,7 +61,8 @@ class Reader {
     Variation by;
     placed_.push_back({scene_.start, {1, 1}, "start"});
     keys::ReadSome(root, {row::Number("speed", scene_.speed, kLeastSpeed, kMostSpeed),
-                          row::Bool("lockstep", scene_.lockstep), row::Sub("place", PlaceRows()),
+                          row::Bool("lockstep", scene_.lockstep),
+                          row::Bool("localised", scene_.localised), row::Sub("place", PlaceRows()),
                           row::Sub("body", BodyRows()), row::Sub("motion_board", MotionBoardRows()),
                           row::Sub("battery", BatteryRows(scene_.battery)),
                           row::Sub("picture", PictureRows()), row::Sub("start", StartRows())});

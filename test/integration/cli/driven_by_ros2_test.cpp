@@ -2,6 +2,7 @@
 
 #include "musher/base/host.hpp"
 #include "musher/test/contract/plain_lifecycle_manager.hpp"
+#include "musher/test/contract/plain_ros2_command.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 
 namespace musher::testing::driven_by_ros2_test {
@@ -88,6 +89,26 @@ TEST_F(ARobotDrivenByRos2, IsResumedByAPersonsRos2LifecycleWithoutServices) {
   EXPECT_EQ(up.Wait().exit, 0);
 }
 
+// Of Humble, in its layout: its request may be discovered before its list of nodes.
+TEST_F(ARobotDrivenByRos2, IsResumedByAPersonsRos2LifecycleWhoseNodesComeAfterItsRequest) {
+  Add("[ros2]\nstart = \"manager\"\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
+  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
+  ASSERT_TRUE(manager.Startup());
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  PlainParticipant person(transport::TestDomain());
+  PlainLifecycleClient tool(person, name_space_ + "/musher");
+  ASSERT_TRUE(tool.WaitForServices());
+  tool.ChangeStateWithoutWaiting(3);  // activate
+  ASSERT_EQ(dds_wait_for_acks(tool.change_state_writer(), DDS_SECS(20)), DDS_RETCODE_OK);
+  EXPECT_TRUE(PublishNodesOfHumble(person, {{"_ros2cli_4711", {tool.change_state_writer()}}}));
+  AwaitStatus([](const nlohmann::json& status) { return status["state"] == "Active"; });
+  EXPECT_EQ(Status()["requested_by"], "ros2 lifecycle (/_ros2cli_4711)");
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(up.Wait().exit, 0);
+}
+
 // Before it has published its nodes.
 TEST_F(ARobotDrivenByRos2, NamesAllNodesOfAContainerWhereItDoesNotKnowTheOne) {
   Add("[ros2]\nstart = \"manager\"\n");
@@ -128,6 +149,30 @@ TEST_F(ARobotDrivenByRos2, RefusesAFloodOfForbiddenRequestsWithoutARecordOfEach)
   const std::string history = Musher({"history"}).out;
   EXPECT_THAT(history, HasSubstr("change_state activate failed: "));
   EXPECT_THAT(history, Not(HasSubstr("switch to Active requested")));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+}
+
+// Its message has a name only if the client gives one.
+TEST_F(ARobotDrivenByRos2, NamesTheNodeThatRequestsASwitchOfThePolicy) {
+  Add("[policy]\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  PlainRos2Command node(transport::TestDomain());
+  node.participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                            "rr/dock/get_type_descriptionReply");
+  musher_msgs_srv_dds__RequestPolicy_Request_ request{};
+  std::string ota = "ota", none;
+  request.request = ota.data();
+  request.state = request.machine = request.machine_id = request.by = none.data();
+  request.enable = true;
+  std::string state;
+  EXPECT_TRUE(node.Call<musher_msgs_srv_dds__RequestPolicy_Response_>(
+      "/" + name_space_ + "/musher/request_policy",
+      musher_msgs_srv_dds__RequestPolicy_Request__desc,
+      musher_msgs_srv_dds__RequestPolicy_Response__desc, request,
+      [&](const auto& reply) { state = reply.state; }));
+  EXPECT_EQ(state, "OTA");
+  EXPECT_EQ(Status()["requested_by"], "/dock");
+  EXPECT_THAT(Musher({"history"}).out, HasSubstr("OTA entry requested by /dock"));
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 

@@ -14,6 +14,7 @@
 namespace musher::testing::ros2_command_test {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Ros2Command : public MachineByCli {
  protected:
@@ -206,6 +207,41 @@ TEST_F(Ros2Command, ParamListGetAndSetAreAnsweredByEveryNode) {
   EXPECT_EQ(ros2_.ParamSet(Here("legs"), "machine", "other"),
             "Setting parameter failed: 'machine' is read-only: change the config file, and restart "
             "the machine with it\n");
+}
+
+// Without an answer the real one waits 5 s.
+TEST_F(Ros2Command, ParamListIsAnsweredByThePageWhichHasNone) {
+  if (!std::filesystem::exists(BinDir() + "/musher-view")) GTEST_SKIP() << "built without it";
+  Process view({BinDir() + "/musher-view", "--namespace", name_space_, "--port", "0", "--no-link",
+                "--token-file", folder_ / "view_token"});
+  ASSERT_NE(view.LineWith("The page is at"), "");
+  std::string nodes = kNodes;
+  nodes.insert(nodes.find("~/voice"), "~/musher_view\n");
+  Expect(nodes, [this] { return ros2_.NodeList(); });
+  const std::string all = ros2_.ParamList();
+  EXPECT_THAT(all, HasSubstr(Text("~/musher_view:\n~/voice:\n")));
+  EXPECT_THAT(all, Not(HasSubstr("timed out")));
+  EXPECT_EQ(ros2_.ParamSet(Here("musher_view"), "port", "80"),
+            "Setting parameter failed: 'port' is not declared: Musher's settings are in its config "
+            "files\n");
+}
+
+class Ros2CommandOfUnmanagedNodes : public Ros2Command {
+ protected:
+  void SetUp() override {
+    std::ofstream(config_, std::ios::app) << "[ros2]\nmanaged_nodes = false\n";
+    ASSERT_NO_FATAL_FAILURE(Ros2Command::SetUp());
+  }
+};
+
+TEST_F(Ros2CommandOfUnmanagedNodes, ParamListIsAnsweredByEveryNode) {
+  Expect(kNodes, [this] { return ros2_.NodeList(); });
+  EXPECT_EQ(ros2_.LifecycleNodes(), "");
+  std::string all;
+  for (const char* node : {"~/eyes", "~/legs", "~/musher", "~/voice"}) {
+    all += std::string(node) + ":\n  config_file\n  config_hash\n  machine\n  use_sim_time\n";
+  }
+  EXPECT_EQ(ros2_.ParamList(), Text(all));
 }
 
 TEST_F(Ros2Command, TopicEchoHasTheLatchedStateAndTheOnesAfterIt) {

@@ -8,6 +8,7 @@
 
 namespace musher::testing::page_test {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 constexpr const char* kPort = "8765";
@@ -127,7 +128,12 @@ TEST_F(PageFromTheDesk, LooksAndActsWithALoginOnly) {
   EXPECT_FALSE(IsStopped());
   const Answer set = Post(robot, "/api/set", R"({"target":"LowPower"})", person);
   EXPECT_EQ(set.status, 200) << set.body;
-  EXPECT_EQ(robot_->Status()["state"], "LowPower");
+  const nlohmann::json status = robot_->Status();
+  EXPECT_EQ(status["state"], "LowPower");
+  const std::string requester = status["requested_by"];
+  EXPECT_THAT(requester, EndsWith(" on the page"));
+  EXPECT_THAT(robot_->Run({"history"}).out,
+              HasSubstr("switch to LowPower requested by " + requester));
 }
 
 // The page at the desk, of a person who knows which network is left. By all of them DDS chooses the

@@ -126,4 +126,73 @@ TEST_F(Requesters, AreInTheRecordAndOfTheMachine) {
                                                    "switch to LowPower requested by alice@dog1")));
 }
 
+// The policy, and what asks it.
+class RequestersOfThePolicy : public Rules {
+ protected:
+  const std::string& requested_by() { return robot().machine().requested_by; }
+  // The request of alice, and two seconds.
+  void Request(PolicyRequest what, const State& wanted = {}, std::int64_t seconds = 0,
+               bool enable = false) {
+    robot().SendPolicyRequest({0, what, wanted, seconds, enable, "alice@dog1"});
+    robot().RunFor(std::chrono::seconds(2));
+  }
+};
+
+TEST_F(RequestersOfThePolicy, ItsOwnSwitchIsNamedAndNoManagerUndoesIt) {
+  Robot();
+  Battery(15);
+  ASSERT_EQ(state(), "Protected");
+  EXPECT_EQ(requested_by(), "the policy");
+  const SwitchResult refused = robot().Set("Active", std::nullopt, kManager);
+  EXPECT_EQ(refused.outcome, SwitchOutcome::kRefused);
+  EXPECT_THAT(refused.reason, HasSubstr("Protected was last requested by the policy (switch "));
+}
+
+TEST_F(RequestersOfThePolicy, ARequestIsNamedByItsClientInTheRecordAndOfTheMachine) {
+  Robot("LowPower");
+  Request(PolicyRequest::kWakeUp);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_EQ(requested_by(), "alice@dog1");
+  EXPECT_TRUE(IsRecorded(texts::PolicyRequested("wake-up", {}, "alice@dog1")));
+  Request(PolicyRequest::kOta, {}, 0, true);
+  EXPECT_EQ(state(), "OTA");
+  EXPECT_EQ(requested_by(), "alice@dog1");
+}
+
+TEST_F(RequestersOfThePolicy, AManagerDoesNotEndWhatAPersonHasRequestedByIt) {
+  Robot();
+  ASSERT_TRUE(robot().Set("Active", std::nullopt, kManager).done());
+  Request(PolicyRequest::kKeep, "Protected", 1);
+  ASSERT_EQ(state(), "Protected");
+  EXPECT_EQ(requested_by(), "alice@dog1");
+  robot().RunFor(std::chrono::seconds(2));
+  const SwitchResult refused = robot().Set("Active", std::nullopt, kManager);
+  EXPECT_THAT(refused.reason, HasSubstr("Protected was last requested by alice@dog1 (switch "));
+}
+
+TEST_F(RequestersOfThePolicy, ASwitchByItAndWithoutANameAreWhatTheyAre) {
+  Robot();
+  Request(PolicyRequest::kSwitch, "DeActive");
+  EXPECT_EQ(requested_by(), "alice@dog1");
+  robot().SendPolicyRequest({0, PolicyRequest::kSwitch, "Active", 0, false});
+  robot().RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(requested_by(), "a request to the policy");
+}
+
+TEST_F(RequestersOfThePolicy, ThePowerOffIsOfItsClientAlsoWhenItsTimeHasCome) {
+  Robot();
+  Request(PolicyRequest::kPowerOff);
+  robot().RunFor(std::chrono::seconds(20));
+  ASSERT_TRUE(robot().stopped());
+  EXPECT_EQ(requested_by(), "alice@dog1");
+}
+
+TEST_F(RequestersOfThePolicy, ThePowerOffOfAnEmptyBatteryIsOfThePolicy) {
+  Robot();
+  Battery(0);
+  robot().RunFor(std::chrono::seconds(60));
+  ASSERT_TRUE(robot().stopped());
+  EXPECT_EQ(requested_by(), "the policy");
+}
+
 }  // namespace musher::testing::requester_test

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <limits>
+#include <map>
+
 #include "musher/modules/motion/motion_shell.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/modules/motion/topic_backend.hpp"
@@ -17,7 +20,8 @@ using ::testing::HasSubstr;
 
 class MotionShellTest : public ::testing::Test {
  protected:
-  MotionShellTest() {
+  explicit MotionShellTest(TfConfig tf = {}) {
+    config_.tf = std::move(tf);
     const Motion& stand = *TheTable().Find(kRecoveryStand);
     board_.board.report.mode = stand.mode;
     board_.board.report.bar = 100;
@@ -46,12 +50,18 @@ class MotionShellTest : public ::testing::Test {
 
   template <msg::Message M>
   void Listen(const std::string& topic, std::vector<M>& messages) {
-    subscriptions_.push_back(
-        transport::MakeSubscription<M>(*user_, "dog1/" + topic,
-                                       [&messages](const M& message, const transport::SampleInfo&) {
-                                         messages.push_back(message);
-                                       })
-            .value());
+    ListenResolved("dog1/" + topic, messages, transport::kDefaultQos);
+  }
+  template <msg::Message M>
+  void ListenResolved(const std::string& topic, std::vector<M>& messages,
+                      const transport::Qos& qos) {
+    subscriptions_.push_back(transport::MakeSubscription<M>(
+                                 *user_, topic,
+                                 [&messages](const M& message, const transport::SampleInfo&) {
+                                   messages.push_back(message);
+                                 },
+                                 qos)
+                                 .value());
   }
 
   template <msg::Service S>
@@ -177,6 +187,56 @@ TEST_F(MotionShellTest, PublishesOdometryAndImuFiftyTimesASecond) {
   EXPECT_FLOAT_EQ(static_cast<float>(odometry.twist.twist.linear.x), 0.5F);
   EXPECT_GT(odometry.pose.pose.orientation.z, 0.1) << "left is positive";
   EXPECT_EQ(imu_.back().orientation, odometry.pose.pose.orientation);
+}
+
+// As nav2 and RViz have it; the frame of `odom_out` is one of the tree.
+class MotionShellWithFrames : public MotionShellTest {
+ protected:
+  MotionShellWithFrames()
+      : MotionShellTest(
+            {true, "odom", "base_link", {{"laser_link", "base_link", {0.2, 0, 0.1}, {0, 0, 1}}}}) {
+    ListenResolved("tf", moving_, transport::kDefaultQos);
+    ListenResolved("tf_static", fixed_, transport::kLatchedQos);
+    network_.RunFor(Milliseconds(200));
+  }
+  std::vector<msg::TfMessage> moving_;
+  std::vector<msg::TfMessage> fixed_;
+};
+
+TEST_F(MotionShellWithFrames, PublishesTheBodyWithEachOdometry) {
+  Stream(303, {0.5F, 0, 0.4F}, Milliseconds(1000));
+  odometry_.clear();
+  moving_.clear();
+  Stream(303, {0.5F, 0, 0.4F}, Milliseconds(1000));
+  EXPECT_EQ(moving_.size(), odometry_.size());
+  ASSERT_EQ(moving_.back().transforms.size(), 1U);
+  const msg::TransformStamped& body = moving_.back().transforms[0];
+  const msg::Odometry& odometry = odometry_.back();
+  EXPECT_EQ(body.header, odometry.header) << "the same time and frame: odom";
+  EXPECT_EQ(body.child_frame_id, "base_link");
+  EXPECT_GT(body.transform.translation.x, 0.5);
+  EXPECT_EQ(body.transform.rotation, odometry.pose.pose.orientation);
+}
+
+TEST_F(MotionShellWithFrames, LatchesWhatIsFixedOnTheBody) {
+  ASSERT_EQ(fixed_.size(), 1U);
+  std::map<std::string, msg::TransformStamped> frames;
+  for (const auto& one : fixed_[0].transforms) frames[one.child_frame_id] = one;
+  ASSERT_EQ(frames.size(), 3U);
+  for (const char* frame : {"base_link_leg", "imu_link", "laser_link"}) {
+    EXPECT_EQ(frames[frame].header.frame_id, "base_link") << frame;
+  }
+  EXPECT_EQ(frames["base_link_leg"].transform.rotation.w, 1);
+  EXPECT_EQ(frames["laser_link"].transform.translation.z, 0.1);
+  EXPECT_NEAR(frames["laser_link"].transform.rotation.z, std::sin(0.5), 1e-9);
+}
+
+TEST_F(MotionShellTest, PublishesNoFrameUnlessItsConfigSaysSo) {
+  std::vector<msg::TfMessage> frames;
+  ListenResolved("tf", frames, transport::kDefaultQos);
+  ListenResolved("tf_static", frames, transport::kLatchedQos);
+  Stream(303, {0.5F, 0, 0}, Milliseconds(1000));
+  EXPECT_TRUE(frames.empty());
 }
 
 TEST_F(MotionShellTest, ReportsTheTemperatureOfItsMotors) {

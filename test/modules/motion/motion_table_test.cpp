@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "musher/lifecycle/actuator/capability.hpp"
@@ -252,10 +253,41 @@ TEST(MotionConfigFile, TakesTheKeysOfABoardOnLcm) {
                                             "udpm://239.1.2.3:3", "eth0", 255, "192.168.44.233"}));
 }
 
+TEST(MotionConfigFile, TakesTheFramesAndTheirMounts) {
+  const ConfigReading reading = ReadMotionConfigText(
+      "[tf]\npublish = true\nodom = \"dog1/odom\"\nbase = \"dog1/base_link\"\n"
+      "[[tf.mount]]\nframe = \"dog1/laser\"\nxyz_m = [0.1, 0, 0.2]\nrpy_deg = [0, 0, 180]\n"
+      "[[tf.mount]]\nframe = \"dog1/beam\"\nparent = \"dog1/laser\"\n",
+      "m.toml");
+  ASSERT_TRUE(reading.config);
+  const TfConfig& tf = reading.config->tf;
+  EXPECT_TRUE(tf.publish);
+  EXPECT_EQ(tf.odom, "dog1/odom");
+  ASSERT_EQ(tf.mounts.size(), 2U);
+  EXPECT_EQ(tf.mounts[0],
+            (Mount{"dog1/laser", "dog1/base_link", {0.1, 0, 0.2}, {0, 0, std::numbers::pi}}));
+  EXPECT_EQ(tf.mounts[1].parent, "dog1/laser");
+}
+
+TEST(MotionConfigFile, RefusesAFrameWithTwoPlacesOrNone) {
+  const ConfigReading reading = ReadMotionConfigText(
+      "[tf]\nbase = \"odom\"\n"
+      "[[tf.mount]]\nxyz_m = [1, 2]\n"
+      "[[tf.mount]]\nframe = \"laser\"\n"
+      "[[tf.mount]]\nframe = \"laser\"\n"
+      "[[tf.mount]]\nframe = \"odom\"\n",
+      "m.toml");
+  EXPECT_FALSE(reading.config);
+  std::vector<int> lines;
+  for (const Diagnostic& diagnostic : reading.diagnostics) lines.push_back(diagnostic.line);
+  EXPECT_THAT(lines, ElementsAre(2, 3, 4, 8, 10));
+}
+
 TEST(MotionConfigFile, OfTheCyberDog2TakesItsBoardOnly) {
   const ConfigReading reading = ReadMotionConfigFile(SourceDir() + "/config/motion/cyberdog2.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(reading.config->lcm.board, "192.168.44.233");
+  EXPECT_TRUE(reading.config->tf.publish);
 }
 
 TEST(MotionConfigFile, WarnsOfTheTopicClockWhereARobotMayBe) {

@@ -14,6 +14,7 @@
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/rcl_interfaces/parameters.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
@@ -82,6 +83,16 @@ class MusherWorld : public ::testing::Test {
 
   bool Until(const std::function<bool()>& holds) {
     return loop_.RunUntil(holds, loop_.Now() + seconds(20));
+  }
+  // `ros2 param list` is answered by the node, which is one of ROS 2's list.
+  void ExpectNoParameters(const std::string& node) {
+    const auto list =
+        transport::MakeClient<msg::ListParameters>(*node_, node + "/list_parameters").value();
+    std::optional<Result<msg::ListParameters::Response>> answer;
+    list->Call({}, seconds(20), [&](auto reply) { answer = std::move(reply); });
+    ASSERT_TRUE(Until([&] { return answer.has_value(); }));
+    ASSERT_TRUE(answer->ok()) << answer->error().message;
+    EXPECT_TRUE(answer->value().result.names.empty());
   }
   // Time runs, and the body takes commands.
   void ExpectLife() {
@@ -187,6 +198,7 @@ TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
   auto child = exec::Child::Start(spec, reaper.value());
   ASSERT_TRUE(child);
   ExpectLife();
+  ExpectNoParameters("dog1/world");
   child.value().Signal(SIGINT);
   ASSERT_TRUE(child.value().EndedBy(std::chrono::steady_clock::now() + seconds(20)));
   EXPECT_EQ(child.value().Reap().number, 0);

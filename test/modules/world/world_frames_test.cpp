@@ -151,6 +151,18 @@ TEST_F(WorldFramesTest, HaveTheBodyWithItsSensorsByItsOdometry) {
   EXPECT_TRUE(Find("camera_front", "odom").isApprox(expected, kTiny));
 }
 
+// Its odometry begins where it was switched on; a localisation knows where that is.
+TEST_F(WorldFramesTest, HaveTheBodyInTheMapOfALocalisedScene) {
+  Scene scene = EmptyYard();
+  scene.localised = true;
+  scene.start = {{1, 2}, 0.5};
+  Open(scene);
+  const World world = host_->world();
+  const Isometry3d expected = BodyInPlace(world.body().pose(), world.body().attitude());
+  EXPECT_TRUE(Find("base_link", "map").isApprox(expected, kTiny));
+  EXPECT_FALSE(Find("base_link", "odom").isApprox(expected, kTiny));
+}
+
 TEST_F(WorldFramesTest, MoveTheLimbsOfAHumanoidByItsJoints) {
   Scene scene = EmptyYard();
   scene.start_standing = true;

@@ -60,6 +60,7 @@ class RequestsOfAPage : public ::testing::Test {
         node, "set_state", [this, machine, is_meant](const auto& request, auto reply) {
           if (!is_meant(request)) return;
           done_.push_back(machine + " to " + request.target);
+          by_.insert(request.by);
           msg::SetState::Response response;
           response.outcome = "done";
           reply(response);
@@ -68,12 +69,14 @@ class RequestsOfAPage : public ::testing::Test {
         node, "restart_actuator", [this, machine, is_meant](const auto& request, auto reply) {
           if (!is_meant(request)) return;
           done_.push_back(machine + " restarts " + request.actuator);
+          by_.insert(request.by);
           reply({});
         });
     controller.release = Serve<msg::ReleaseEmergencyStop>(
         node, "release_emergency_stop", [this, machine, is_meant](const auto& request, auto reply) {
           if (!is_meant(request)) return;
           done_.push_back(machine + " releases");
+          by_.insert(request.by);
           reply({});
         });
     controller.last.machine = machine;
@@ -171,6 +174,7 @@ class RequestsOfAPage : public ::testing::Test {
   std::vector<std::function<void(std::vector<MachineHere>)>> searching_;
   std::vector<std::string> bodies_;  // with their statuses of HTTP
   std::vector<std::string> done_;    // by the controllers
+  std::set<std::string> by_;         // the requesters of that
   std::unique_ptr<RobotRequests> requests_;
   std::unique_ptr<MachineFeed> feed_;
 };
@@ -239,6 +243,14 @@ TEST_F(RequestsOfAPage, ActOnTheMachineOfThisHostOnceItRuns) {
   const auto received = Receive(*cat.node);
   Stop();
   EXPECT_THAT(received->stops, ElementsAre("dog uuid-a"));
+}
+
+// What status and history show.
+TEST_F(RequestsOfAPage, NameThePersonToTheController) {
+  Open();
+  const auto dog = Lead("dog", "uuid-a");
+  EXPECT_EQ(Act().size(), 3U);
+  EXPECT_THAT(by_, ElementsAre("alice on the page"));
 }
 
 TEST_F(RequestsOfAPage, ActOnAnotherMachineThatAPersonHasNamed) {
