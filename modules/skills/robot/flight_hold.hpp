@@ -9,7 +9,7 @@
 //        ▲                                                             │
 //        └───────────────────────────── landed ◀────────────────────────┘
 //
-// It is never let go in the air: one that is carried farther than kLostM, by a wind that is
+// It is never released in the air: one that is carried farther than kLostM, by a wind that is
 // stronger than its commands or by a jump of its pose, is held where it is then, and does not fly
 // back.
 //

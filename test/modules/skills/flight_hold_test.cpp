@@ -75,7 +75,7 @@ TEST(FlightHold, StandsStillWithoutOdometryAndKeepsThePlaceAfterwards) {
   EXPECT_LT(back->x_m_s, -0.3);
 }
 
-// It was let go 1.5 m off its place, and the wind had it from then on.
+// It was released 1.5 m off its place, and the wind had it from then on.
 TEST(FlightHold, HoldsAFlyerAgainstAWindThatIsStrongerThanItsCommands) {
   Flyer flyer;
   FlightHold hold;
