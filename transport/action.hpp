@@ -19,10 +19,11 @@
 //   events.on_end = [](const GoalOutcome<msg::Fibonacci>& outcome) {…};
 //   const GoalId id = client.value()->SendGoal({10}, Milliseconds(500), events);
 //
-// Four problems of the ROS 2 stack are avoided:
+// Problems of the ROS 2 stack that are avoided:
 //   - Every goal of a client ends: with the server's result, or as lost with a reason when the
 //     server crashed, restarted or became unreachable. (An rclcpp client waits for ever.)
 //   - A goal ends as aborted when its server has dropped every handle, and so forgotten the goal.
+//   - A goal that is cancelled before its start says so in `error_msg` or `message` of its result.
 //   - A cancel request for a goal that is canceling already is answered with that goal, so that it
 //     may be repeated. (ROS 2 answers that the goal has ended.)
 //   - A cancel request that overtakes its goal is kept for a minute, and the goal is then rejected.
@@ -65,6 +66,27 @@ msg::Bytes EncodeResult(const typename A::Result& result) {
   typename A::GetResult::Response response;
   response.result = result;
   return EncodeEnvelope(msg::RequestId{}, response);
+}
+
+template <class R>
+concept HasErrorMsg = requires(R& result) {
+  result.error_msg = std::string();
+};
+template <class R>
+concept HasMessage = requires(R& result) {
+  result.message = std::string();
+};
+
+// The result of a goal that is cancelled before its start, with a text where the type has one.
+template <msg::Action A>
+typename A::Result NotStarted() {
+  typename A::Result result{};
+  if constexpr (HasErrorMsg<typename A::Result>) {
+    result.error_msg = kNotStartedText;
+  } else if constexpr (HasMessage<typename A::Result>) {
+    result.message = kNotStartedText;
+  }
+  return result;
 }
 
 }  // namespace internal
@@ -270,9 +292,10 @@ Result<std::unique_ptr<ActionServer<A>>> MakeActionServer(
   raw.cancel = [cancel = std::move(handlers.cancel), handle](const RawGoalPtr& goal) {
     cancel(handle(goal));
   };
-  auto server =
-      RawActionServer::Make(node, action, internal::TypesOf<A>(), internal::EncodeResult<A>({}),
-                            std::move(raw), std::move(options));
+  RawActionServer::Defaults defaults{internal::EncodeResult<A>({}),
+                                     internal::EncodeResult<A>(internal::NotStarted<A>())};
+  auto server = RawActionServer::Make(node, action, internal::TypesOf<A>(), std::move(defaults),
+                                      std::move(raw), std::move(options));
   if (!server) return server.error();
   return std::make_unique<ActionServer<A>>(std::move(server).value());
 }

@@ -52,16 +52,18 @@ bool RawGoal::PublishFeedback(msg::Bytes message) {
          server->feedback_->Write(std::move(message)).ok();
 }
 
-Result<std::unique_ptr<RawActionServer>> RawActionServer::Make(
-    Node& node, const std::string& action, const ActionTypes& types, msg::Bytes no_result,
-    Handlers handlers, ActionServerOptions options) {
+Result<std::unique_ptr<RawActionServer>> RawActionServer::Make(Node& node,
+                                                               const std::string& action,
+                                                               const ActionTypes& types,
+                                                               Defaults defaults, Handlers handlers,
+                                                               ActionServerOptions options) {
   if (!options.stamp) {
     options.stamp = [] {
       return msg::ToStamp(std::chrono::system_clock::now().time_since_epoch());
     };
   }
   std::unique_ptr<RawActionServer> server(
-      new RawActionServer(node, std::move(no_result), std::move(handlers), std::move(options)));
+      new RawActionServer(node, std::move(defaults), std::move(handlers), std::move(options)));
   if (const Result<> opened = server->Open(node, action, types); !opened) return opened.error();
   return server;
 }
@@ -150,7 +152,7 @@ bool RawActionServer::OnGetResult(const msg::RequestId& id, std::span<const std:
   const GoalId& goal_id = request->goal_id.uuid;
   const GoalState state = goals_.StateOf(goal_id);
   if (state == GoalState::kUnknown) {
-    reply(Completed(no_result_, id, state));
+    reply(Completed(defaults_.no_result, id, state));
     return true;
   }
   Record& record = records_.at(goal_id);
@@ -199,7 +201,7 @@ void RawActionServer::OnCancelGoal(const msg::GoalInfo& request,
   for (RawGoalPtr& goal : canceling) {
     if (goal->state() != GoalState::kCanceling) continue;
     if (!records_.at(goal->id()).started) {
-      goal->End(GoalState::kCanceled, no_result_);
+      goal->End(GoalState::kCanceled, defaults_.not_started);
       continue;
     }
     handlers->cancel(std::move(goal));
@@ -229,7 +231,8 @@ bool RawActionServer::End(const GoalId& id, GoalState state, msg::Bytes reply) {
 void RawActionServer::Abandon(const GoalId& id) {
   const GoalState state = goals_.StateOf(id);
   const bool canceling = state == GoalState::kCanceling;
-  if (IsActive(state)) End(id, canceling ? GoalState::kCanceled : GoalState::kAborted, no_result_);
+  if (!IsActive(state)) return;
+  End(id, canceling ? GoalState::kCanceled : GoalState::kAborted, defaults_.no_result);
 }
 
 void RawActionServer::ReplyToWaiting(const GoalId& id) {

@@ -4,8 +4,9 @@
 //
 // A goal is started after the reply that accepts it is sent, which may be held (raw_server.hpp): an
 // rclcpp client drops the feedback of a goal that it does not know to be accepted. A goal that is
-// cancelled before ends without being started. One whose cancellation has overtaken it, on a topic
-// of its own, is rejected; the reply to the cancellation is ROS 2's, that the goal is unknown.
+// cancelled before ends without being started, and its result says so where it has a text. One
+// whose cancellation has overtaken it, on a topic of its own, is rejected; the reply to the
+// cancellation is ROS 2's, that the goal is unknown.
 //
 // Threads: loop thread only.
 
@@ -34,6 +35,9 @@ struct ActionServerOptions {
 };
 
 class RawActionServer;
+
+// The text of the result of a goal that is cancelled before its start.
+inline constexpr const char* kNotStartedText = "cancelled before it started";
 
 // An accepted goal. It ends when it is destroyed, if it has not ended before: cancelled if it is
 // canceling, else aborted. All calls do nothing after the server is dropped.
@@ -74,10 +78,15 @@ class RawActionServer {
     std::function<void(RawGoalPtr)> cancel;
   };
 
-  // `no_result`: a reply of get_result with an empty result, see RawGoal::End().
+  // Replies of get_result, see RawGoal::End().
+  struct Defaults {
+    msg::Bytes no_result;    // an empty one
+    msg::Bytes not_started;  // of a goal that is cancelled before its start
+  };
+
   static Result<std::unique_ptr<RawActionServer>> Make(Node& node, const std::string& action,
-                                                       const ActionTypes& types,
-                                                       msg::Bytes no_result, Handlers handlers,
+                                                       const ActionTypes& types, Defaults defaults,
+                                                       Handlers handlers,
                                                        ActionServerOptions options);
 
   std::uint64_t malformed() const {
@@ -101,9 +110,9 @@ class RawActionServer {
     msg::Bytes result;             // from the end on
   };
 
-  RawActionServer(Node& node, msg::Bytes no_result, Handlers handlers, ActionServerOptions options)
+  RawActionServer(Node& node, Defaults defaults, Handlers handlers, ActionServerOptions options)
       : loop_(node.loop()),
-        no_result_(std::move(no_result)),
+        defaults_(std::move(defaults)),
         options_(std::move(options)),
         handlers_(std::make_shared<const Handlers>(std::move(handlers))),
         goals_(options_.results) {}
@@ -123,7 +132,7 @@ class RawActionServer {
   void PublishStatuses();
 
   EventLoop& loop_;
-  const msg::Bytes no_result_;
+  const Defaults defaults_;
   const ActionServerOptions options_;
   const std::shared_ptr<const Handlers> handlers_;  // shared: a handler may drop the server
   ActionGoals goals_;

@@ -140,11 +140,15 @@ Result<> Manager::Begin(std::unique_ptr<Run> run, const Values& parameters, Orig
   Remove(run->name());
   run->origin_ = std::move(origin);
   Keep(std::move(run));
+  if (changed_) changed_(*runs_.back(), runs_.back()->history().back());
   return Ok();
 }
 
 void Manager::Keep(std::unique_ptr<Run> run) {
   run->number_ = ++last_number_;
+  run->changed_ = [this](const Run& of, const Change& change) {
+    if (changed_) changed_(of, change);
+  };
   runs_.push_back(std::move(run));
 }
 

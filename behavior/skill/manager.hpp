@@ -76,6 +76,12 @@ class Manager {
   // its end could not be read later. Must not use the manager.
   void OnRemoval(std::function<void(const Run&)> removal) { removal_ = std::move(removal); }
 
+  // Called after each change of the state of a run, from the one to its first state on; of a skill
+  // that runs skills, of its own states only. Must not throw, and must not use the manager.
+  void OnStateChanged(std::function<void(const Run&, const Change&)> changed) {
+    changed_ = std::move(changed);
+  }
+
   // Null: it was not started since its last reset, or is unknown.
   const Run* Find(std::string_view skill) const;
   // In the order of their starts, ended ones included.
@@ -108,6 +114,7 @@ class Manager {
   std::vector<std::unique_ptr<Run>> runs_;
   std::uint64_t last_number_ = 0;  // of a run
   std::function<void(const Run&)> removal_;
+  std::function<void(const Run&, const Change&)> changed_;
   std::optional<Time> last_;
   bool in_step_ = false;
 };

@@ -182,6 +182,7 @@ void Run::Move(StateId target, Cause cause, const std::string& why) {
   elapsed_ = {};
   if (cause != Cause::kRetried && !why.empty()) feedback_.message = why;
   ShowState();
+  if (changed_) changed_(*this, history_.back());
 }
 
 void Run::CheckLimits() {

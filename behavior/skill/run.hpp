@@ -15,6 +15,7 @@
 // Threads: one at a time. A skill must not call its own run.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -164,6 +165,7 @@ class Run {
   Table table_;
   Result<> built_;
   std::vector<Run*> inside_;
+  std::function<void(const Run&, const Change&)> changed_;  // of its manager
 
   StateId state_ = kIdle;
   bool entered_ = false;  // no step in this state yet

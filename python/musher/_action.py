@@ -147,6 +147,16 @@ class ServerGoal:
         self._server._open().feedback(self._token, codec_of(message_type), message)
 
 
+def _not_started(response: Any) -> Any:
+    """The reply for a goal that is cancelled before its start, as in transport/action.hpp."""
+    made = response()
+    for field in ("error_msg", "message"):
+        if isinstance(getattr(made.result, field, None), str):
+            setattr(made.result, field, "cancelled before it started")
+            break
+    return made
+
+
 class ActionServer(Endpoint):
     """Each goal runs on a thread of its own; what the handler returns is the result of a goal that has succeeded.
     musher.GoalCanceled ends it as canceled, any other exception as aborted."""
@@ -164,7 +174,7 @@ class ActionServer(Endpoint):
         if node._native is not None:
             response = self._action.GetResult.Response
             self._native = _native.ActionServer(node._native, name, action._dds_type, codec_of(response), response(),
-                                                node._mailbox, self._handled_by(self._on_item))
+                                                _not_started(response), node._mailbox, self._handled_by(self._on_item))
 
     def _on_item(self, item: _native.Item) -> None:
         if self._closed:

@@ -114,11 +114,14 @@ struct Goals {
 
 class ActionServer : public OnLoop<RawActionServer> {
  public:
-  // `no_result`: a GetResult.Response. Each goal is accepted: the loop does not wait for Python.
+  // `no_result`, `not_started`: a GetResult.Response each, see RawActionServer::Defaults. Each goal
+  // is accepted: the loop does not wait for Python.
   ActionServer(const PyNodePtr& node, const std::string& name, const std::string& type,
-               const Codec& codec, const py::object& no_result, const MailboxPtr& mailbox,
-               std::int64_t key)
-      : ActionServer(std::make_shared<Goals>(), WithEnvelope({}, EncodeMessage(codec, no_result)),
+               const Codec& codec, const py::object& no_result, const py::object& not_started,
+               const MailboxPtr& mailbox, std::int64_t key)
+      : ActionServer(std::make_shared<Goals>(),
+                     {WithEnvelope({}, EncodeMessage(codec, no_result)),
+                      WithEnvelope({}, EncodeMessage(codec, not_started))},
                      node, name, type, mailbox, key) {}
   ~ActionServer() { CloseGoals(); }
 
@@ -156,14 +159,14 @@ class ActionServer : public OnLoop<RawActionServer> {
   }
 
  private:
-  ActionServer(std::shared_ptr<Goals> goals, msg::Bytes no_result, const PyNodePtr& node,
-               const std::string& name, const std::string& type, const MailboxPtr& mailbox,
-               std::int64_t key)
+  ActionServer(std::shared_ptr<Goals> goals, RawActionServer::Defaults defaults,
+               const PyNodePtr& node, const std::string& name, const std::string& type,
+               const MailboxPtr& mailbox, std::int64_t key)
       : OnLoop(node,
                [&](transport::Node& on) {
                  goals->node = &on;
                  return RawActionServer::Make(on, node->Resolve(name), TypesOf(type),
-                                              std::move(no_result), HandlersOf(goals, mailbox, key),
+                                              std::move(defaults), HandlersOf(goals, mailbox, key),
                                               {});
                }),
         goals_(std::move(goals)) {}
@@ -223,7 +226,7 @@ void AddActions(py::module_& native) {
       .def("close", &ActionClient::Close);
   py::class_<ActionServer>(native, "ActionServer")
       .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const Codec&,
-                    const py::object&, const MailboxPtr&, std::int64_t>())
+                    const py::object&, const py::object&, const MailboxPtr&, std::int64_t>())
       .def("execute", &ActionServer::Execute)
       .def("feedback", &ActionServer::Feedback)
       .def("end", &ActionServer::End)

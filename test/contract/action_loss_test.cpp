@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/test/contract/action_harness.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -312,6 +313,39 @@ TEST_F(HeldAction, EndsAGoalThatIsCancelledBeforeItsStart) {
   EXPECT_THAT(server_->canceling, IsEmpty());
   network_.RunFor(std::chrono::seconds(6));
   EXPECT_THAT(server_->started, SizeIs(1)) << "it is not started any more";
+}
+
+// Its result was empty: a person who had sent a skill read "cancelled:".
+TEST(AnActionWithATextInItsResult, SaysThatAGoalWasCancelledBeforeItsStart) {
+  using Skill = msg::SkillExecution;
+  constexpr GoalId kGoal{7};
+  sim::Network network(1);
+  const auto robot = network.MakeNode("dog"), desk = network.MakeNode("desk"),
+             phone = network.MakeNode("phone");
+  int started = 0;
+  ActionHandlers<Skill> handlers;
+  handlers.start = [&](const ServerGoal<Skill>&) { ++started; };
+  handlers.cancel = [](ServerGoal<Skill> goal) { goal.Canceled({}); };
+  const auto server = Must(MakeActionServer<Skill>(*robot, "skill", handlers));
+  const auto client = Must(MakeActionClient<Skill>(*desk, "skill"));
+  // The reply to a client without a reader is held, and the goal is not started before it is sent.
+  const auto requests =
+      Must(phone->MakeRawWriter("rq/skill/_action/send_goalRequest",
+                                std::string(Skill::SendGoal::kTypeName) + "Request_", {}, {}));
+  network.RunFor(std::chrono::seconds(1));
+  Skill::SendGoal::Request request;
+  request.goal_id.uuid = kGoal;
+  EXPECT_TRUE(requests->Write(internal::EncodeEnvelope(msg::RequestId{1, 1}, request)));
+  network.RunFor(Milliseconds(500));
+  std::string end;
+  client->Cancel(kGoal, kLong, [](const auto&) {});
+  client->GetOutcome(kGoal, kLong, [&](const Result<GoalOutcome<Skill>>& outcome) {
+    ASSERT_TRUE(outcome) << outcome.error().message;
+    end = std::string(GoalEndName(outcome.value().end)) + ": " + outcome.value().result.message;
+  });
+  network.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(end, "canceled: cancelled before it started");
+  EXPECT_EQ(started, 0);
 }
 
 TEST_F(PartitionedAction, ForgetsTheCallersOfResultsThatAreLost) {

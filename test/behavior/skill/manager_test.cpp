@@ -346,6 +346,26 @@ TEST_F(AManager, ShowsTheEndOfEachRunBeforeItIsRemoved) {
                                    "walk cancelled: all skills are reset (0%)"));
 }
 
+TEST_F(AManager, SaysEachChangeOfAState) {
+  std::vector<std::string> changes;
+  manager_->OnStateChanged([&](const skill::Run& run, const skill::Change& change) {
+    changes.push_back(run.name() + " " + std::string(run.table().Name(change.from)) + " > " +
+                      std::string(run.table().Name(change.to)));
+  });
+  walk_.step = CompletesAfter(1);
+  look_.step = InExecuting([](const Tick&) { return Next::Stay(); });
+  ASSERT_TRUE(manager_->Start("walk"));
+  ASSERT_THAT(changes, ElementsAre(::testing::StartsWith("walk IDLE > ")));
+  Steps(2);
+  EXPECT_THAT(changes.back(), ::testing::EndsWith(" > SUCCEEDED"));
+  ASSERT_TRUE(manager_->Start("look"));
+  Steps(1);
+  ASSERT_TRUE(manager_->CancelNow("look", "by the test"));
+  EXPECT_THAT(changes.back(), ::testing::EndsWith(" > CANCELLED"));
+  EXPECT_EQ(changes.size(),
+            manager_->Find("walk")->history().size() + manager_->Find("look")->history().size());
+}
+
 TEST_F(AManager, ThePauseIsNoTimeOfItsSkills) {
   ASSERT_TRUE(manager_->Start("walk"));
   Steps(3);

@@ -1,7 +1,8 @@
-// Random runs of each skill that moves a robot on the ground: on random maps, with faults of what
-// it senses and things that appear, cancelled or not; planner, controller, skills, gate and body on
-// a simulated network. The body touches nothing that its scan sees, each run ends within its time,
-// and then the robot stands. Flights have body_property_test.cpp.
+// Random runs of each skill that moves a robot on the ground, and of a person who does so by
+// teleop: on random maps, with faults of what it senses and things that appear, cancelled or not;
+// planner, controller, skills, gate and body on a simulated network. The body touches nothing that
+// its scan sees, each run ends within its time, and then the robot stands. Flights have
+// body_property_test.cpp.
 
 #include <gmock/gmock.h>
 
@@ -14,10 +15,12 @@
 #include "musher/behavior/skill/manager.hpp"
 #include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/navigation/controller_server/controller_server.hpp"
 #include "musher/modules/navigation/planner_server/planner_server.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
+#include "musher/modules/skills/skills/body_skills.hpp"
 #include "musher/modules/skills/skills/navigation_skills.hpp"
 #include "musher/test/modules/navigation/loop_background.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
@@ -32,6 +35,7 @@ using navigation::testing::SimulatedRobot;
 
 constexpr double kRadiusM = 0.2;
 constexpr double kTimeoutS = 25;
+constexpr const char* kTeleop = "teleop";  // no skill: commands of a person
 
 struct Outcome {
   bool ended = false;
@@ -65,12 +69,14 @@ class RandomRun {
     target_ = Must(transport::MakePublisher<msg::Odometry>(*peers_, "target/odom"));
     detections_ = Must(transport::MakePublisher<msg::ObjectStates>(*peers_, "r/detections",
                                                                    transport::kSensorDataQos));
+    OpenBodyParts();
     PublishMap();
     watch_ = peers_->loop().Every(Milliseconds(10), [this] { Watch(); });
     inputs_ = peers_->loop().Every(Milliseconds(100), [this] { PublishInputs(); });
     robot_.Open(endpoints_, "");
     skill::Registry registry;
     EXPECT_TRUE(RegisterNavigationSkills(registry, robot_));
+    EXPECT_TRUE(RegisterBodySkills(registry, robot_));
     manager_ = std::make_unique<skill::Manager>(registry.All());
     steps_ = node_->loop().Every(Milliseconds(100), [this] {
       robot_.BeginStep(node_->loop().Now());
@@ -81,20 +87,27 @@ class RandomRun {
 
   Outcome Run() {
     Outcome outcome;
-    const auto started = manager_->StartWithTexts(skill_, Parameters());
-    EXPECT_TRUE(started) << skill_ << ": " << started.error().message;
-    if (!started) return outcome;
+    const bool teleoperates = skill_ == kTeleop;
+    if (!teleoperates) {
+      const auto started = manager_->StartWithTexts(skill_, Parameters());
+      EXPECT_TRUE(started) << skill_ << ": " << started.error().message;
+      if (!started) return outcome;
+    }
+    person_ = teleoperates;
     const double cancel_s = OneIn(4) ? Between(0, 20) : 1e9;
-    constexpr double kBoundS = kTimeoutS + 8;  // a cancellation has 5 s
-    for (double at_s = 0; at_s < kBoundS && !run().ended(); at_s += 0.5) {
+    const double bound_s = teleoperates ? kTimeoutS : kTimeoutS + 8;  // a cancellation has 5 s
+    for (double at_s = 0; at_s < bound_s && (teleoperates || !run().ended()); at_s += 0.5) {
       if (OneIn(16)) HasFaults() ? InjectFault() : AddDisc();
       if (at_s >= cancel_s) static_cast<void>(manager_->Cancel(skill_, "by the test"));
       network_.RunFor(FromSeconds(0.5));
     }
-    outcome.ended = run().ended();
-    outcome.text = skill::ToText(run().feedback());
+    person_ = false;
     body_->stuck = false;
     network_.RunFor(FromSeconds(2));
+    const int commands = body_->commands();
+    if (teleoperates) network_.RunFor(FromSeconds(1));
+    outcome.ended = teleoperates ? body_->commands() == commands : run().ended();
+    outcome.text = teleoperates ? robot_.HeldBy() : skill::ToText(run().feedback());
     outcome.stands = body_->speed_m_s() < 0.01;
     outcome.least_room_m = std::min(body_->least_room_m(), least_disc_m_);
     outcome.travelled_m = travelled_m_;
@@ -109,8 +122,9 @@ class RandomRun {
   }
   static skills::SkillsConfig Config() {
     const auto reading = skills::ReadSkillsText(
-        "robot = \"r\"\nkind = \"jetbot\"\nradius_m = 0.2\n[topics]\nobjects = \"\"\n"
-        "line = \"line\"\n[gate]\nreaction_ms = 300\n",
+        "robot = \"r\"\nkind = \"jetbot\"\nradius_m = 0.2\nhand = true\n"
+        "[topics]\nobjects = \"objects\"\nline = \"line\"\nteleop = \"r/teleop\"\n"
+        "[cameras]\nfront = \"r/camera\"\n[gate]\nreaction_ms = 300\n",
         "/tmp/r.toml");
     return *reading.config;
   }
@@ -146,6 +160,33 @@ class RandomRun {
         std::make_unique<LoopBackground>(controller_node_->loop(), Milliseconds(5))));
     planner_->Permit(true, "");
     controller_->Permit(true, "");
+  }
+
+  // A box beside the start, which no scan sees, and a hand; in `place` it holds the box.
+  void OpenBodyParts() {
+    teleop_ = Must(transport::MakePublisher<msg::Twist>(*peers_, "r/teleop"));
+    objects_ = Must(transport::MakePublisher<msg::ObjectStates>(*peers_, "objects"));
+    camera_ =
+        Must(transport::MakePublisher<msg::Image>(*peers_, "r/camera", transport::kSensorDataQos));
+    std::uniform_real_distribution<double> away_m(0.5, 1.9), angle_rad(-M_PI, M_PI);
+    const double m = away_m(others_), rad = angle_rad(others_);
+    const navigation::Point& start = body_->pose().at;
+    box_ = {start.x_m + m * std::cos(rad), start.y_m + m * std::sin(rad), 0};
+    if (skill_ == "place") box_held_by_ = "r";
+    hand_ = Must(transport::MakeServer<msg::ManipulationControl>(
+        *peers_, "r/manipulation_control",
+        [this](const auto& request, const auto& reply) { reply(UseHand(request)); }));
+  }
+  msg::ManipulationControl::Response UseHand(const msg::ManipulationControl::Request& request) {
+    using Action = msg::ManipulationControl;
+    msg::ManipulationControl::Response response;
+    response.distance_m = navigation::Distance(box_, body_->pose().at);
+    response.success = request.action == Action::kPlace || request.action == Action::kRelease ||
+                       response.distance_m <= request.distance_threshold_m;
+    if (!response.success) response.message = "Too far";
+    if (!response.success || request.action == Action::kCheckDistance) return response;
+    box_held_by_ = request.action == Action::kAttach ? "r" : "";
+    return response;
   }
 
   double Share() { return std::uniform_real_distribution<double>(0, 1)(random_); }
@@ -185,6 +226,16 @@ class RandomRun {
       texts.emplace_back("distance", std::to_string(Between(0.3, 1.5)));
       texts.emplace_back("speed", "0.5");
     }
+    if (skill_ == "grasp" || skill_ == "place") {
+      texts.emplace_back("distance_threshold", "0.3");
+      texts.emplace_back("approach", "2");
+      texts.emplace_back("object_prim_path", "box");
+    }
+    if (skill_ == "place") {
+      texts.emplace_back("target_location",
+                         "[" + std::to_string(box_.x_m) + ", " + std::to_string(box_.y_m) + ", 0]");
+    }
+    if (skill_ == "take_photo") texts.emplace_back("target", "box");
     if (skill_ == "track") {
       texts.emplace_back("target_topic", "/target/odom");
       texts.emplace_back("track_period", "2");
@@ -255,6 +306,32 @@ class RandomRun {
     target.pose.pose.orientation.w = 1;
     static_cast<void>(target_->Publish(target));
     PublishDetections(target.pose.pose.position);
+    msg::ObjectStates objects;
+    objects.header = target.header;
+    objects.objects.push_back({"box", "box", {}, box_held_by_});
+    objects.objects[0].pose.position = {box_.x_m, box_.y_m, 0};
+    objects.objects[0].pose.orientation.w = 1;
+    static_cast<void>(objects_->Publish(objects));
+    msg::Image picture;
+    picture.width = picture.height = 1;
+    picture.encoding = "mono8";
+    picture.step = 1;
+    picture.data = {7};
+    static_cast<void>(camera_->Publish(picture));
+    if (person_) Teleoperate();
+  }
+  // Any velocity for a while, and then another one; the stick is at rest in a quarter of the time.
+  void Teleoperate() {
+    if (others_() % 10 == 0) {
+      std::uniform_real_distribution<double> ahead_m_s(-1.5, 1.5), turn_rad_s(-1, 1);
+      const double ahead = ahead_m_s(others_), turn = turn_rad_s(others_);
+      stick_ = {};
+      if (others_() % 4 != 0) {
+        stick_.linear.x = ahead;
+        stick_.angular.z = turn;
+      }
+    }
+    static_cast<void>(teleop_->Publish(stick_));
   }
   // The target as a detector of the body sees it, which looks all around and through walls. Half of
   // them have pictures that are empty or lost, or show a second thing, or one that jumps.
@@ -297,6 +374,15 @@ class RandomRun {
   std::unique_ptr<transport::Publisher<msg::Odometry>> target_;
   std::unique_ptr<transport::Publisher<msg::ObjectStates>> detections_;
   std::mt19937_64 detector_faults_{seed_};
+  std::mt19937_64 others_{seed_ + 1};  // of the box and the person
+  navigation::Point box_;
+  std::string box_held_by_;
+  bool person_ = false;  // moves it
+  msg::Twist stick_;
+  std::unique_ptr<transport::Publisher<msg::Twist>> teleop_;
+  std::unique_ptr<transport::Publisher<msg::ObjectStates>> objects_;
+  std::unique_ptr<transport::Publisher<msg::Image>> camera_;
+  std::unique_ptr<transport::Server<msg::ManipulationControl>> hand_;
   std::unique_ptr<navigation::PlannerServer> planner_;
   std::unique_ptr<navigation::ControllerServer> controller_;
   skills::RosRobot robot_;
@@ -307,7 +393,8 @@ class RandomRun {
 
 void ExpectNoContact(std::uint64_t from, std::uint64_t to) {
   for (const char* skill : {"navigate_to", "move", "explore", "avoid_obstacle", "follow_line",
-                            "track", "visual_servoing", "back_up", "spin", "leave_tight_start"}) {
+                            "track", "visual_servoing", "back_up", "spin", "leave_tight_start",
+                            "grasp", "place", "take_photo", kTeleop}) {
     double travelled_m = 0;
     std::string ends;
     for (std::uint64_t seed = from; seed < to; ++seed) {
