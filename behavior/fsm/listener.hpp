@@ -1,6 +1,7 @@
 #pragma once
-// The callbacks of a machine to its listeners. A listener cannot break the machine: its exceptions
-// are caught and counted, and the only change it can make is to send a command.
+// The callbacks of a machine to its listeners: one interface for what it does, another for what
+// comes in from outside. A listener cannot break the machine: its exceptions are caught and
+// counted, and the only change it can make is to send a command.
 //
 // Threads: the machine calls its listeners on the thread that calls the machine.
 
@@ -65,24 +66,29 @@ struct Input {
 
 class Machine;
 
+// Of its own, so that a machine without one does not call out in each tick.
+class InputListener {
+ public:
+  virtual ~InputListener() = default;
+  // Before the input takes effect. Also for a command that will be refused by a full queue; not for
+  // a command that a state or a listener sends.
+  virtual void OnInput(const Machine& machine, const Input& input) = 0;
+};
+
 class Listener {
  public:
   virtual ~Listener() = default;
-  // Before the input takes effect. Also for a command that will be refused by a full queue; not for
-  // a command that a state or a listener sends.
-  virtual void OnInput(const Machine& /*machine*/, const Input& /*input*/) {}
   // The machine is in its new state; OnEnter of that state follows.
-  virtual void OnChange(const Machine& /*machine*/, const Change& /*change*/) {}
+  virtual void OnChange(const Machine& machine, const Change& change);
   // The same in a machine that a state holds, at any depth.
-  virtual void OnChangeInside(const Machine& /*machine*/, const Machine& /*inside*/,
-                              const Change& /*change*/) {}
+  virtual void OnChangeInside(const Machine& machine, const Machine& inside, const Change& change);
   // A state stays and keeps this command (Next::KeepCommand()): as long as it does, no other
   // command is handled. Once for each command and state.
-  virtual void OnKept(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
+  virtual void OnKept(const Machine& machine, EventId command, StateId state);
   // A command was not handled in this state.
-  virtual void OnUnhandled(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
+  virtual void OnUnhandled(const Machine& machine, EventId command, StateId state);
   // Before the machine goes to its safe state or stops.
-  virtual void OnFault(const Machine& /*machine*/, const Fault& /*fault*/) {}
+  virtual void OnFault(const Machine& machine, const Fault& fault);
 };
 
 }  // namespace musher::fsm

@@ -61,11 +61,12 @@ constexpr const char* kInTick = "a state or a listener cannot change the machine
 // While this exists, calls that change the machine fail.
 class Machine::InTick {
  public:
-  explicit InTick(Machine& machine) : machine_(machine) {
-    machine_.in_tick_ = true;
-    machine_.plain_ = false;
+  explicit InTick(Machine& machine, Ticking ticking = Ticking::kAny) : machine_(machine) {
+    machine_.ticking_ = ticking;
   }
-  ~InTick() { machine_.in_tick_ = false; }
+  ~InTick() {
+    if (machine_.ticking_ != Ticking::kNoPlainNext) machine_.ticking_ = Ticking::kNo;
+  }
   InTick(const InTick&) = delete;
   InTick& operator=(const InTick&) = delete;
 
@@ -209,6 +210,7 @@ void Machine::DeclareStates() {
   row_ = (nodes_.size() + 63) / 64;
   declared_.assign(nodes_.size() * row_, 0);
   routes_.clear();
+  first_route_ = nodes_.size();
   chart_ = {.name = options_.name, .states = {}, .transitions = {}, .start = kNoState};
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     Declaration transitions(*this, static_cast<StateId>(i));
@@ -293,8 +295,9 @@ std::optional<Machine::Route> Machine::FindRoute(std::string_view target) {
 }
 
 const Machine::Route* Machine::RouteOf(StateId target) const {
-  const std::size_t index = Index(target) - nodes_.size();
-  return Index(target) >= nodes_.size() && index < routes_.size() ? &routes_[index] : nullptr;
+  if (Index(target) < first_route_) return nullptr;
+  const std::size_t index = Index(target) - first_route_;
+  return index < routes_.size() ? &routes_[index] : nullptr;
 }
 
 void Machine::CheckAll(std::string_view start) {
@@ -337,7 +340,7 @@ Result<> Machine::Build(std::string_view start) {
 // --- names, listeners and texts ---
 
 bool Machine::Declared(StateId from, StateId to) const {
-  if (Index(to) >= nodes_.size()) {
+  if (Index(to) >= first_route_) [[unlikely]] {
     const Route* const route = RouteOf(to);
     return route != nullptr && route->from == from;
   }
@@ -374,7 +377,18 @@ void Machine::Listen(Listener* listener) {
 
 void Machine::Forget(Listener* listener) {
   std::ranges::replace(listeners_, listener, nullptr);
-  if (!in_tick_) std::erase(listeners_, nullptr);
+  if (!in_tick()) std::erase(listeners_, nullptr);
+}
+
+void Machine::ListenToInputs(InputListener* listener) {
+  MUSHER_CHECK(listener != nullptr);
+  input_listeners_.push_back(listener);
+  EndPlain();
+}
+
+void Machine::ForgetInputs(InputListener* listener) {
+  std::ranges::replace(input_listeners_, listener, nullptr);
+  if (!in_tick()) std::erase(input_listeners_, nullptr);
 }
 
 std::optional<StateId> Machine::FindState(std::string_view name) const {
@@ -468,13 +482,13 @@ void Machine::FailByException(Phase phase) {
 }
 
 // By index: a listener may remove itself, or add another, which gets the following calls.
-template <class Call>
-void Machine::NotifyAll(Call&& call) {
-  const std::size_t count = listeners_.size();
+template <class Interface, class Call>
+void Machine::NotifyAll(const std::vector<Interface*>& listeners, Call&& call) {
+  const std::size_t count = listeners.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (listeners_[i] == nullptr) continue;
+    if (listeners[i] == nullptr) continue;
     try {
-      call(*listeners_[i]);
+      call(*listeners[i]);
     } catch (...) {
       ++counts_.listener_faults;
     }
@@ -495,7 +509,7 @@ void Machine::Advance(Time last, Time now) {
 }
 
 void Machine::NotifyInput(const Input& input) {
-  NotifyAll([&](Listener& listener) { listener.OnInput(*this, input); });
+  NotifyAll(input_listeners_, [&](InputListener& each) { each.OnInput(*this, input); });
 }
 
 Result<> Machine::StartAt(StateId state, Time now) {
@@ -503,7 +517,7 @@ Result<> Machine::StartAt(StateId state, Time now) {
 }
 
 Result<> Machine::StartIn(StateId state, Time now, const Entry& entry) {
-  if (in_tick_) return CallError(name(), kInTick);
+  if (in_tick()) return CallError(name(), kInTick);
   if (!built_) return CallError(name(), "cannot start before Build() has succeeded");
   if (running_) return CallError(name(), "runs already");
   if (Index(state) >= nodes_.size()) return CallError(name(), "has no such state");
@@ -522,7 +536,7 @@ Result<> Machine::StartIn(StateId state, Time now, const Entry& entry) {
 }
 
 void Machine::Pause() {
-  if (in_tick_ || !running_) return;
+  if (in_tick() || !running_) return;
   const InTick guard(*this);
   NotifyInput({.kind = Input::Kind::kPause});
   last_tick_.reset();
@@ -546,36 +560,38 @@ void Machine::DropNormalCommands() {
 // [[unlikely]] moves rare code out of the path of the common tick: the state decides to stay, and
 // runs.
 void Machine::RunOnce(Time now) {
-  if (!plain_) [[unlikely]] {
+  if (ticking_ != Ticking::kNoPlainNext) [[unlikely]] {
     return RunAny(now);
   }
-  const InTick guard(*this);
-  if (!listeners_.empty()) NotifyInput({.kind = Input::Kind::kTick, .time = now});
+  const InTick guard(*this, Ticking::kPlain);
   Advance(std::exchange(*last_tick_, now), now);
-  if (waiting_ > 0) [[unlikely]] {  // a listener has sent a command
-    stays_ = Step();
-    if (stays_) Run();
-    return EndTick();
+  Next next = Next::Stay();
+  if (Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) [[likely]] {
+    if (!next.stays() || ticking_ != Ticking::kPlain) [[unlikely]] {
+      return Finish(next);
+    }
+    if (Guard(Phase::kRun, [&] { present_->Run(tick_); }) && ticking_ == Ticking::kPlain)
+        [[likely]] {
+      ticking_ = Ticking::kNoPlainNext;
+      return;
+    }
   }
   use_ = Use::kDone;
-  Next next = Next::Stay();
-  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return EndTick();
-  if (!next.stays() || requested_ != nullptr) [[unlikely]] {
-    stays_ = Conclude(next);
-    if (stays_) Run();
-    return EndTick();
-  }
-  if (Guard(Phase::kRun, [&] { present_->Run(tick_); }) && waiting_ == 0 && requested_ == nullptr)
-      [[likely]] {
-    plain_ = true;
-    return;
-  }
+  EndTick();
+}
+
+// The rest of a plain tick, where the state goes elsewhere or has sent something. All of it is in
+// line here: the frames of its functions would take as long as the work in them.
+[[gnu::flatten]] void Machine::Finish(Next next) {
+  use_ = Use::kDone;
+  stays_ = Conclude(next);
+  if (stays_) Run();
   EndTick();
 }
 
 // A tick that may have checks, commands or a transition under way.
 void Machine::RunAny(Time now) {
-  if (in_tick_) {
+  if (in_tick()) {
     throw std::logic_error("RunOnce() of " + name() + " inside of its own tick does nothing");
   }
   if (!running_) return;
@@ -588,7 +604,7 @@ void Machine::RunAny(Time now) {
 
 // False: it went to its safe state.
 bool Machine::BeginTick(Time now) {
-  if (!listeners_.empty()) NotifyInput({.kind = Input::Kind::kTick, .time = now});
+  NotifyInput({.kind = Input::Kind::kTick, .time = now});
   Advance(last_tick_.value_or(now), now);
   last_tick_ = now;
   if (mode_ == Mode::kTransitioning) tick_.transition_elapsed += tick_.step;
@@ -599,8 +615,10 @@ void Machine::EndTick() {
   if (requested_ != nullptr && requested_->at == this) Follow();
   if (waiting_ > 0 && options_.commands_per_tick > 1) Drain();
   if (!checks_.empty() && running_) PassesChecks();
-  plain_ = running_ && mode_ != Mode::kTransitioning && waiting_ == 0 && requested_ == nullptr &&
-           checks_.empty();
+  if (running_ && mode_ != Mode::kTransitioning && waiting_ == 0 && requested_ == nullptr &&
+      checks_.empty() && input_listeners_.empty()) {
+    ticking_ = Ticking::kNoPlainNext;
+  }
 }
 
 // Handles further commands, as in ticks at the same time.
@@ -711,7 +729,7 @@ bool Machine::Execute(Next next) {
 void Machine::Keeps(EventId command, const Next& next) {
   if (next.waits() || kept_ == command) return;
   kept_ = command;
-  NotifyAll([&](Listener& listener) { listener.OnKept(*this, command, current_); });
+  NotifyAll(listeners_, [&](Listener& each) { each.OnKept(*this, command, current_); });
 }
 
 void Machine::Run() {
@@ -744,13 +762,7 @@ bool Machine::HandleUnsafe(const SafetyCheck& check, const std::optional<std::st
 }
 
 void Machine::Begin(Next next) {
-  if (!Declared(current_, next.target())) {
-    const std::string_view target = Name(next.target());
-    return Fail(Phase::kCheck,
-                "it went to " +
-                    (target.empty() ? std::string("an unknown state") : std::string(target)) +
-                    ", which it has not declared");
-  }
+  if (!Declared(current_, next.target())) return FailUndeclared(next.target());
   mode_ = Mode::kTransitioning;
   cause_ = std::exchange(tick_.command, kNoEvent);
   tick_.target = next.target();
@@ -764,8 +776,7 @@ void Machine::Proceed() {
   if (done) {
     GoTo(tick_.target);
   } else if (tick_.transition_elapsed > options_.longest_transition) {
-    Fail(Phase::kTransition,
-         "the transition to " + std::string(Name(tick_.target)) + " does not end");
+    FailEndless();
   }
 }
 
@@ -774,9 +785,9 @@ void Machine::GoTo(StateId target) {
   const Route* const route = RouteOf(target);
   if (route == nullptr) return Switch(target, Cause::kDecided, cause_, {});
   for (Machine* machine = this; machine != route->at; machine = machine->around_) {
-    machine->requested_ = route;
+    machine->Request(*route);
   }
-  route->at->requested_ = route;
+  route->at->Request(*route);
 }
 
 // Goes along the requested route, which begins in this machine or in one inside.
@@ -818,13 +829,15 @@ void Machine::Switch(StateId target, Cause cause, EventId command, const Entry& 
 // unfinished: the machine inside, where its function threw before it stopped that machine, and an
 // aborted transition, whose command was not handled.
 void Machine::EndPresent(EventId command) {
-  if (current_ != kNoState) {
-    for (const auto& inside : nodes_[Index(current_)].inside) static_cast<void>(inside->Stop());
-  }
+  if (current_ != kNoState && !nodes_[Index(current_)].inside.empty()) StopInside();
   if (requested_ != nullptr) CancelRequest();
   kept_ = kNoEvent;
   const EventId behind = std::exchange(cause_, kNoEvent);
   if (behind != kNoEvent && behind != command) Unhandled(behind);
+}
+
+void Machine::StopInside() {
+  for (const auto& inside : nodes_[Index(current_)].inside) static_cast<void>(inside->Stop());
 }
 
 // The current state has been left, or there was none.
@@ -838,8 +851,10 @@ void Machine::Enter(StateId target, Cause cause, EventId command, const Entry& e
   mode_ = target == safe_ ? Mode::kSafeStop : Mode::kNormal;
   if (mode_ == Mode::kNormal) unsafe_ = checks_.size();
   Remember(change);
-  if (!node.inside.empty()) SetEntries(entry);
+  const bool holds_machines = !node.inside.empty();
+  if (holds_machines) SetEntries(entry);
   Guard(Phase::kEnter, [&] { present_->OnEnter(tick_); });
+  if (!holds_machines) return;
   for (const auto& inside : node.inside) inside->entry_ = {};  // OnEnter may have failed before it
 }
 
@@ -848,12 +863,23 @@ void Machine::Note(Phase phase, std::string what, const std::string& inner) {
   std::string where(Name(current_));
   if (!inner.empty()) where += "/" + inner;
   fault_ = Fault{current_, phase, tick_.now, std::move(what), std::move(where)};
-  NotifyAll([&](Listener& listener) { listener.OnFault(*this, *fault_); });
+  NotifyAll(listeners_, [&](Listener& each) { each.OnFault(*this, *fault_); });
 }
 
 void Machine::Fail(Phase phase, std::string what) {
   Note(phase, std::move(what));
   LeaveFailed(phase);
+}
+
+void Machine::FailUndeclared(StateId target) {
+  const std::string name(Name(target));
+  Fail(Phase::kCheck,
+       "it went to " + (name.empty() ? "an unknown state" : name) + ", which it has not declared");
+}
+
+void Machine::FailEndless() {
+  Fail(Phase::kTransition,
+       "the transition to " + std::string(Name(tick_.target)) + " does not end");
 }
 
 // The current state failed in `phase`. The machine goes to the safe state; where that has failed,
@@ -884,7 +910,7 @@ void Machine::Halt(Cause cause) {
 }
 
 Result<> Machine::Stop() {
-  if (in_tick_) return CallError(name(), kInTick);
+  if (in_tick()) return CallError(name(), kInTick);
   if (!running_) return Ok();
   const InTick guard(*this);
   NotifyInput({.kind = Input::Kind::kStop});
@@ -902,7 +928,7 @@ Result<> Machine::Stop() {
 }
 
 Result<> Machine::Force(StateId target) {
-  if (in_tick_) return CallError(name(), kInTick);
+  if (in_tick()) return CallError(name(), kInTick);
   if (!running_) return CallError(name(), "does not run");
   if (Index(target) >= nodes_.size()) return CallError(name(), "has no such state");
   const InTick guard(*this);
@@ -912,7 +938,7 @@ Result<> Machine::Force(StateId target) {
 }
 
 Result<> Machine::Reset() {
-  if (in_tick_) return CallError(name(), kInTick);
+  if (in_tick()) return CallError(name(), kInTick);
   if (!running_) return CallError(name(), "does not run");
   const InTick guard(*this);
   NotifyInput({.kind = Input::Kind::kReset});
@@ -938,10 +964,11 @@ Result<> Machine::SendData(EventId event, std::shared_ptr<EventData> data) {
                      (data == nullptr ? " carries data, which is missing" : " carries other data")};
   }
   if (!running_) return CallError(name(), "does not run");
-  if (!in_tick_) {  // a command of a state or a listener is not an input from outside
+  if (!in_tick()) {  // a command of a state or a listener is not an input from outside
     const InTick guard(*this);
     NotifyInput({.kind = Input::Kind::kCommand, .command = event, .data = data.get()});
   }
+  EndPlain();
   if (events_[Index(event)].urgency == Urgency::kUrgent) DropCommands();
   if (waiting_ == commands_.size()) {
     ++counts_.refused;
@@ -1008,15 +1035,16 @@ void Machine::GiveBack(EventId event) {
 
 void Machine::Unhandled(EventId command) {
   ++counts_.unhandled;
-  NotifyAll([&](Listener& listener) { listener.OnUnhandled(*this, command, current_); });
+  NotifyAll(listeners_, [&](Listener& each) { each.OnUnhandled(*this, command, current_); });
 }
 
 void Machine::Remember(const Change& change) {
   ++counts_.changes;
-  history_.Add(change);
-  NotifyAll([&](Listener& listener) { listener.OnChange(*this, change); });
+  history_.Emplace(change.at, change.tick, change.from, change.to, change.command, change.cause);
+  NotifyAll(listeners_, [&](Listener& each) { each.OnChange(*this, change); });
   for (Machine* outer = around_; outer != nullptr; outer = outer->around_) {
-    outer->NotifyAll([&](Listener& listener) { listener.OnChangeInside(*outer, *this, change); });
+    outer->NotifyAll(outer->listeners_,
+                     [&](Listener& each) { each.OnChangeInside(*outer, *this, change); });
   }
 }
 

@@ -158,6 +158,9 @@ class Machine {
   // `listener` has to outlive the machine, or be removed with Forget(). A listener may call both.
   void Listen(Listener* listener);
   void Forget(Listener* listener);
+  // The same for the inputs from outside, each of its ticks among them.
+  void ListenToInputs(InputListener* listener);
+  void ForgetInputs(InputListener* listener);
 
   // --- status ---
 
@@ -244,6 +247,17 @@ class Machine {
     std::string name;
     std::function<void(Archive&)> persist;
   };
+  // Whether it is in a tick, or in another call that changes it.
+  //
+  // A plain tick needs to ask and run the state only: the machine runs, and has no safety checks,
+  // no listeners of inputs, no commands and no transition under way. Each call that may change this
+  // ends it, and the next tick finds out again.
+  enum class Ticking : std::uint8_t {
+    kNo,
+    kNoPlainNext,  // no, and the next one will be plain
+    kPlain,        // and so far it has stayed plain
+    kAny,
+  };
   class Declaration;
   class InTick;
   class Restorer;
@@ -255,9 +269,10 @@ class Machine {
   std::optional<StateId> FindTarget(StateId from, std::string_view name) const;
   Result<> StartIn(StateId state, Time now, const Entry& entry);
   inline void GoTo(StateId target);
-  void Follow();
-  void SetEntries(const Entry& entry);
-  void CancelRequest();
+  [[gnu::noinline]] void Follow();
+  [[gnu::noinline]] void StopInside();
+  [[gnu::noinline]] void SetEntries(const Entry& entry);
+  [[gnu::noinline]] void CancelRequest();
   void CheckAll(std::string_view start);
   std::optional<std::size_t> FindCheck(std::string_view name) const;
   static std::string InsideName(const Node& node, const Machine& inside);
@@ -268,7 +283,15 @@ class Machine {
   // What the present states have declared of it.
   enum class Word : std::uint8_t { kNothing, kHandles, kDefers };
 
+  bool in_tick() const { return ticking_ >= Ticking::kPlain; }
+  // The tick, and the next one, may have more to do than to ask and run the state.
+  void EndPlain() { ticking_ = in_tick() ? Ticking::kAny : Ticking::kNo; }
+  void Request(const Route& route) {
+    requested_ = &route;
+    EndPlain();
+  }
   void RunAny(Time now);
+  void Finish(Next next);
   inline void Advance(Time last, Time now);
   bool BeginTick(Time now);
   void EndTick();
@@ -277,8 +300,8 @@ class Machine {
   bool Conclude(Next next);
   inline bool Execute(Next next);
   inline void Run();
-  void Keeps(EventId command, const Next& next);
-  void Drain();
+  [[gnu::noinline]] void Keeps(EventId command, const Next& next);
+  [[gnu::noinline]] void Drain();
   Use Decide(Time now, EventId command, const std::shared_ptr<EventData>& data);
   void RunDecided();
   Word WordOf(EventId command) const;
@@ -288,12 +311,14 @@ class Machine {
   void Proceed();
   void Enter(StateId target, Cause cause, EventId command, const Entry& entry);
   void Switch(StateId target, Cause cause, EventId command, const Entry& entry);
-  bool PassesChecks();
+  [[gnu::noinline]] bool PassesChecks();
   bool HandleUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown);
   void Note(Phase phase, std::string what, const std::string& inner = {});
   void Fail(Phase phase, std::string what);
   void LeaveFailed(Phase phase);
-  void FailByException(Phase phase);
+  [[gnu::noinline]] void FailByException(Phase phase);
+  [[gnu::noinline]] void FailUndeclared(StateId target);
+  [[gnu::noinline]] void FailEndless();
   inline void EndPresent(EventId command);
   void Halt(Cause cause);
   inline bool Declared(StateId from, StateId to) const;
@@ -310,14 +335,14 @@ class Machine {
     return commands_[(first_command_ + i) % commands_.size()];
   }
   EventId TakeCommand();
-  void GiveBack(EventId command);
-  void Unhandled(EventId command);
+  [[gnu::noinline]] void GiveBack(EventId command);
+  [[gnu::noinline]] void Unhandled(EventId command);
   void NotifyInput(const Input& input);
   inline void Remember(const Change& change);
   template <class Call>
   bool Guard(Phase phase, Call&& call);
-  template <class Call>
-  void NotifyAll(Call&& call);
+  template <class Interface, class Call>
+  void NotifyAll(const std::vector<Interface*>& listeners, Call&& call);
 
   const Options options_;
   std::vector<Node> nodes_;
@@ -326,7 +351,8 @@ class Machine {
   std::vector<std::string> errors_;  // errors found so far
   std::vector<std::string> warnings_;
   Chart chart_;
-  std::vector<Route> routes_;            // their ids follow those of the states
+  std::vector<Route> routes_;
+  std::size_t first_route_ = 0;          // its id: they follow those of the states
   Machine* around_ = nullptr;            // null: this is the outermost machine
   StateId around_state_ = kNoState;      // the state of it that holds this machine
   Entry entry_;                          // for the next start, by the machine around this one
@@ -339,11 +365,7 @@ class Machine {
 
   // The data that every tick reads, side by side.
   bool running_ = false;
-  bool in_tick_ = false;
-  // Between two ticks: it runs, has no safety checks, no commands, and no transition under way, so
-  // that the next tick needs to ask and run its state only. Each call that may change this clears
-  // it, and the next tick finds out again.
-  bool plain_ = false;
+  Ticking ticking_ = Ticking::kNo;
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
   State* present_ = nullptr;  // the same, ready to be called
@@ -354,6 +376,7 @@ class Machine {
   std::uint64_t ticks_ = 0;
   std::size_t waiting_ = 0;
   std::vector<Listener*> listeners_;  // null: removed during a notification
+  std::vector<InputListener*> input_listeners_;
   std::vector<SafetyCheck> checks_;
 
   std::shared_ptr<EventData> event_data_;  // of the command of the tick

@@ -31,10 +31,12 @@ Recorder::Recorder(Machine& machine, Sink sink) : machine_(machine), sink_(std::
   AppendWord(line_, machine.name());
   Write();
   machine_.Listen(this);
+  machine_.ListenToInputs(this);
 }
 
 Recorder::~Recorder() {
   machine_.Forget(this);
+  machine_.ForgetInputs(this);
 }
 
 void Recorder::Input(std::string_view name, std::string_view text) {

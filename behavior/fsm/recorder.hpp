@@ -25,7 +25,7 @@
 
 namespace musher::fsm {
 
-class Recorder : public Listener {
+class Recorder : public Listener, public InputListener {
  public:
   // Takes a line with its end. An exception of it counts as a listener fault.
   using Sink = std::function<void(std::string_view line)>;

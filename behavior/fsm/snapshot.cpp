@@ -52,7 +52,7 @@ Result<> Machine::SaveParts(Snapshot& saved) const {
 }
 
 Result<Snapshot> Machine::Save() const {
-  if (in_tick_ || !built_) {
+  if (in_tick() || !built_) {
     return Error{kCodeFailed, name() + ": can be saved once it is built, and between ticks"};
   }
   const auto text = [this](auto id) { return std::string(Name(id)); };
@@ -310,7 +310,7 @@ class Machine::Restorer {
 };
 
 std::vector<SnapshotFault> Machine::Restore(const Snapshot& saved, Time now) {
-  if (!built_ || in_tick_) {
+  if (!built_ || in_tick()) {
     return {{"", name() + ": can be restored once it is built, and between ticks"}};
   }
   Faults faults;
@@ -332,7 +332,7 @@ std::vector<SnapshotFault> Machine::Restore(const Snapshot& saved, Time now) {
 void Machine::Become(const Snapshot& saved, Time now) {
   const auto state = [this](const std::string& name) { return FindState(name).value_or(kNoState); };
   const auto event = [this](const std::string& name) { return FindEvent(name).value_or(kNoEvent); };
-  plain_ = false;
+  EndPlain();
   running_ = saved.running;
   mode_ = saved.mode;
   current_ = state(saved.state);

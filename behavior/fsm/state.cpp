@@ -1,5 +1,5 @@
-// The default functions of a state. Not in the header, where the compiler would speculate at each
-// call that a state does not override them.
+// The default functions of states and listeners. Not in the headers, where the compiler would
+// speculate at each call that they are not overridden.
 
 #include "musher/behavior/fsm/machine.hpp"
 
@@ -19,5 +19,12 @@ void State::Persist(Archive& /*archive*/) {}
 std::span<const std::unique_ptr<Machine>> State::inside() {
   return {};
 }
+
+void Listener::OnChange(const Machine& /*machine*/, const Change& /*change*/) {}
+void Listener::OnChangeInside(const Machine& /*machine*/, const Machine& /*inside*/,
+                              const Change& /*change*/) {}
+void Listener::OnKept(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
+void Listener::OnUnhandled(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
+void Listener::OnFault(const Machine& /*machine*/, const Fault& /*fault*/) {}
 
 }  // namespace musher::fsm

@@ -54,7 +54,9 @@ void Race::Refuse(std::string_view kind, const std::string& why) {
 }
 
 Race::~Race() {
-  if (machine_ != nullptr) machine_->Forget(this);
+  if (machine_ == nullptr) return;
+  machine_->Forget(this);
+  machine_->ForgetInputs(this);
 }
 
 Result<> Race::Build(fsm::Machine& machine) {
@@ -69,6 +71,7 @@ Result<> Race::Build(fsm::Machine& machine) {
   if (Result<> built = machine.Build(course_.states[course_.start].name); !built) return built;
   machine_ = &machine;
   machine.Listen(this);
+  machine.ListenToInputs(this);
   return Ok();
 }
 

@@ -27,7 +27,7 @@ inline constexpr std::string_view kStop = "STOP";
 inline constexpr std::string_view kReset = "RESET";
 }  // namespace command
 
-class Race : private fsm::Listener {
+class Race : private fsm::Listener, private fsm::InputListener {
  public:
   Race(Course course, RaceOutputs& outputs);
   ~Race() override;

@@ -35,7 +35,9 @@ Show::Show(const ShowConfig& config, ShowOutputs& outputs)
 }
 
 Show::~Show() {
-  if (machine_ != nullptr) machine_->Forget(this);
+  if (machine_ == nullptr) return;
+  machine_->Forget(this);
+  machine_->ForgetInputs(this);
 }
 
 Result<> Show::Build(fsm::Machine& machine) {
@@ -43,6 +45,7 @@ Result<> Show::Build(fsm::Machine& machine) {
   if (Result<> built = machine.Build(state::kIdle); !built) return built;
   machine_ = &machine;
   machine.Listen(this);
+  machine.ListenToInputs(this);
   return Ok();
 }
 

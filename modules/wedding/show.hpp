@@ -41,7 +41,7 @@ class ShowOutputs {
   virtual void Log(const std::string& line) = 0;
 };
 
-class Show : private fsm::Listener {
+class Show : private fsm::Listener, private fsm::InputListener {
  public:
   // `stage` outlives it.
   Show(const ShowConfig& config, ShowOutputs& outputs);

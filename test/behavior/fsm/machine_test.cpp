@@ -299,7 +299,7 @@ TEST_F(MachineTest, RefusesItsOwnTickInsideOfATickAlsoAfterOthersInWhichItOnlySt
 }
 
 // Sends a command at the beginning of a tick.
-class Sender : public Listener {
+class Sender : public InputListener {
  public:
   explicit Sender(Machine& machine) : machine_(machine) {}
   void OnInput(const Machine&, const Input& input) override {
@@ -323,9 +323,9 @@ TEST_F(MachineTest, HandlesACommandThatAListenerSendsAtTheBeginningOfATickInThat
   };
   Run(3);
   Sender sender(machine_);
-  machine_.Listen(&sender);
+  machine_.ListenToInputs(&sender);
   Run();
-  machine_.Forget(&sender);
+  machine_.ForgetInputs(&sender);
   EXPECT_EQ(Current(), "PHOTO");
   EXPECT_EQ(machine_.waiting_commands(), 0U);
 }

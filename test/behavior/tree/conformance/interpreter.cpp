@@ -1,6 +1,7 @@
 #include "musher/test/behavior/tree/conformance/interpreter.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 namespace musher::tree::conformance {
@@ -8,13 +9,19 @@ namespace musher::tree::conformance {
 // --- documents ---
 
 std::string TextOf(const Comparison& comparison) {
-  return comparison.entry + " " + comparison.by + " " + std::to_string(comparison.number);
+  return comparison.entry + " " + comparison.by + " " +
+         (comparison.text ? "'" + *comparison.text + "'" : std::to_string(comparison.number));
 }
 std::string TextOf(const Assignment& assignment) {
-  return assignment.entry + " " + assignment.by + " " + std::to_string(assignment.number);
+  return assignment.entry + " " + assignment.by + " " +
+         (assignment.text ? "'" + *assignment.text + "'" : std::to_string(assignment.number));
 }
 
 namespace {
+
+bool IsLoop(const std::string& kind) {
+  return kind.starts_with("Loop");
+}
 
 std::string Quoted(const std::string& text) {
   std::string quoted;
@@ -28,10 +35,13 @@ std::string ElementOf(const Model& model, std::string& trees, int& subtrees) {
   if (!model.name.empty()) text += " name" + Quoted(model.name);
   if (!model.does.empty()) text += " does" + Quoted(model.does);
   for (const auto& [port, value] : model.ports) text += " " + port + Quoted(value);
-  if (model.kind == "LoopInt") {
+  if (IsLoop(model.kind)) {
     std::string queue;
-    for (const int value : model.queue) queue += std::to_string(value) + ";";
-    text += " queue" + Quoted(queue) + " value=\"{x}\"";
+    for (const std::string& value : model.queue) queue += value + ";";
+    text += " queue" + Quoted(queue);
+  }
+  if (!model.value.empty()) {
+    text += " value" + Quoted(IsLoop(model.kind) ? "{" + model.value + "}" : model.value);
   }
   if (model.compares) {
     text += (model.kind == "Precondition" ? " if" : " code") + Quoted(TextOf(*model.compares));
@@ -68,6 +78,20 @@ std::string DocumentOf(const Model& main) {
 
 // --- nodes ---
 
+namespace {
+
+// Thrown by a node: why it fails.
+class Broken : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+// The same on its way to the root.
+struct Failed {
+  Failure failure;
+};
+
+}  // namespace
+
 // A node between its start and its end.
 class Run {
  public:
@@ -83,63 +107,95 @@ class Node {
 
   // `entries`: those of the main tree by the ones of its own tree.
   Node(const Model& of, Interpreter& in, const Entries& around)
-      : model(of), world(in), entries(around) {
+      : model(of), world(in), number(in.nodes++), entries(around) {
     Entries inner = around;
     if (of.kind == "SubTree") {
-      for (auto& [own, outermost] : inner) outermost = around.at(of.entries.at(own));
+      for (auto& [own, outermost] : inner) {
+        const auto outer = of.entries.find(own);
+        outermost = outer == of.entries.end() ? own + " of " + std::to_string(number)
+                                              : around.at(outer->second);
+        in.board.try_emplace(outermost);
+      }
     }
     for (const Model& child : of.children) {
       children.push_back(std::make_unique<Node>(child, in, inner));
     }
   }
 
+  // Throws Failed.
   Status Tick() {
-    const auto holds = [this](const char* when) {
-      const auto found = model.before.find(when);
-      return found == model.before.end() ? std::nullopt : std::optional(True(found->second));
-    };
-    if (run == nullptr) {
-      if (holds("_failureIf").value_or(false)) return After(Status::kFailure);
-      if (holds("_successIf").value_or(false)) return After(Status::kSuccess);
-      if (holds("_skipIf").value_or(false) || !holds("_while").value_or(true)) {
-        return Status::kSkipped;
-      }
-      run = Start();
-    } else if (!holds("_while").value_or(true)) {
+    const bool ran = run != nullptr;
+    try {
+      if (const auto instead = Before()) return *instead;
+    } catch (const Broken& broken) {
       Halt();
-      return Status::kSkipped;
+      Fail(broken);
     }
-    const Status status = run->Tick();
+    if (!ran) run = Start();
+    Status status = Status::kIdle;
+    try {
+      status = run->Tick();
+    } catch (const Broken& broken) {
+      // A leaf is halted, but not one that throws in its first tick; what has children is halted
+      // with them, from the root.
+      if (children.empty() && ran) Halt();
+      if (children.empty()) run = nullptr;
+      Fail(broken);
+    }
     if (status == Status::kRunning) return status;
     HaltChildren();
     run = nullptr;
-    return After(status);
+    try {
+      After(status);
+    } catch (const Broken& broken) {
+      Fail(broken);
+    }
+    return status;
   }
-  // Nothing where it does not run.
+  // Nothing where it does not run. What it throws is noted.
   void Halt() {
     if (run == nullptr) return;
     const std::unique_ptr<Run> ended = std::move(run);
-    ended->Halt();
-    HaltChildren();
-    Assign("_onHalted");
+    try {
+      ended->Halt();
+      HaltChildren();
+      Assign("_onHalted");
+    } catch (const Broken& broken) {
+      if (!world.failed_halt) world.failed_halt = Failure{number, broken.what()};
+    }
+  }
+  void HaltAll() {
+    Halt();
+    for (const auto& child : children) child->HaltAll();
   }
   void HaltChildren() {
     for (const auto& child : children) child->Halt();
   }
 
+  const BoardEntry& Entry(const std::string& key) const { return world.board.at(entries.at(key)); }
+  std::string Value(const std::string& key) const {
+    if (!Entry(key).value) throw Broken("no value of");
+    return *Entry(key).value;
+  }
+  void Set(const std::string& key, const std::string& value) const {
+    world.Set(entries.at(key), value);
+  }
   bool True(const Comparison& comparison) const {
-    const int value = world.board.at(entries.at(comparison.entry));
+    const std::string text = Value(comparison.entry);
+    if (comparison.text) return text == *comparison.text;
+    const int value = std::stoi(text);
     if (comparison.by == "<") return value < comparison.number;
     if (comparison.by == ">") return value > comparison.number;
     return value == comparison.number;
   }
   int TimeMs(const std::string& port) const {
     const std::string& value = model.ports.at(port);
-    return value == "{z}" ? world.board.at(entries.at("z")) : std::stoi(value);
+    return std::stoi(value == "{z}" ? Value("z") : value);
   }
   void Assign(const Assignment& assignment) const {
-    int& value = world.board.at(entries.at(assignment.entry));
-    value = assignment.by == "+=" ? value + assignment.number : assignment.number;
+    if (assignment.text) return Set(assignment.entry, *assignment.text);
+    const int before = assignment.by == "+=" ? std::stoi(Value(assignment.entry)) : 0;
+    Set(assignment.entry, std::to_string(before + assignment.number));
   }
   void Running(std::vector<bool>& all) const {
     all.push_back(run != nullptr);
@@ -148,19 +204,42 @@ class Node {
 
   const Model& model;
   Interpreter& world;
+  const std::size_t number;
   const Entries entries;
   std::vector<std::unique_ptr<Node>> children;
   std::unique_ptr<Run> run;  // null: it does not run
 
   // What outlasts a run: how often a leaf was ticked, the place of a SequenceWithMemory, the rounds
-  // of a Repeat whose child was skipped, the result of a RunOnce.
+  // of a Repeat whose child was skipped, the result of a RunOnce, how often the entry was set that
+  // a node looks at, the last child that was selected.
   std::size_t ticks = 0;
   std::size_t place = 0;
   int rounds = 0;
   std::optional<Status> result;
+  int sets = 0;
+  Node* selected = nullptr;
 
  private:
   std::unique_ptr<Run> Start();
+  std::unique_ptr<Run> StartControl();
+  std::unique_ptr<Run> StartDecorator();
+  [[noreturn]] void Fail(const Broken& why) const { throw Failed{{number, why.what()}}; }
+  // The result in place of a tick.
+  std::optional<Status> Before() {
+    const auto holds = [this](const char* when) {
+      const auto found = model.before.find(when);
+      return found == model.before.end() ? std::nullopt : std::optional(True(found->second));
+    };
+    if (run != nullptr) {
+      if (holds("_while").value_or(true)) return std::nullopt;
+      Halt();
+      return Status::kSkipped;
+    }
+    if (holds("_failureIf").value_or(false)) return After(Status::kFailure);
+    if (holds("_successIf").value_or(false)) return After(Status::kSuccess);
+    if (holds("_skipIf").value_or(false)) return Status::kSkipped;
+    return holds("_while").value_or(true) ? std::nullopt : std::optional(Status::kSkipped);
+  }
   Status After(Status status) const {
     if (status == Status::kSuccess) Assign("_onSuccess");
     if (status == Status::kFailure) Assign("_onFailure");
@@ -183,24 +262,31 @@ Status StatusOf(const std::string& text) {
 
 // --- leaves ---
 
+// Say, Act and Look.
 class SayRun : public Run {
  public:
   explicit SayRun(Node& node) : node_(node) {}
   Status Tick() override {
-    node_.world.log += node_.model.name + (std::exchange(first_, false) ? "^ " : " ");
+    const bool begins = std::exchange(first_, false) && node_.model.kind == "Say";
+    node_.world.log += node_.model.name + (begins ? "^ " : " ");
     const std::string& does = node_.model.does;
-    switch (does.at(node_.ticks++ % does.size())) {
-      case 'S':
-        return Status::kSuccess;
-      case 'F':
-        return Status::kFailure;
-      case 'R':
-        return Status::kRunning;
-      default:
-        return Status::kSkipped;
-    }
+    const char letter = does.at(node_.ticks++ % does.size());
+    if (letter == '!') throw Broken("it broke");
+    if (letter == '*') throw Broken("an unknown exception");
+    if (letter == '?') throw Broken("its tick returned no status");
+    if (letter == 'I') throw Broken("its tick returned IDLE");
+    if (letter == 'S') return Status::kSuccess;
+    if (letter == 'F') return Status::kFailure;
+    if (letter == '-') return Status::kSkipped;
+    if (node_.model.kind == "Act") throw Broken("an action must not return RUNNING");
+    if (letter == 'w' && node_.model.kind == "Say") node_.world.WakeUp();
+    return Status::kRunning;
   }
-  void Halt() override { node_.world.log += node_.model.name + "! "; }
+  void Halt() override {
+    if (node_.model.kind != "Say") return;
+    node_.world.log += node_.model.name + "! ";
+    if (node_.model.ports.contains("halts")) throw Broken("its halt broke");
+  }
 
  private:
   Node& node_;
@@ -209,14 +295,15 @@ class SayRun : public Run {
 
 class SleepRun : public Run {
  public:
-  explicit SleepRun(Node& node) : node_(node), until_ms_(node.world.now_ms + node.TimeMs("msec")) {}
+  explicit SleepRun(Node& node) : node_(node) {}
   Status Tick() override {
-    return node_.world.now_ms < until_ms_ ? Status::kRunning : Status::kSuccess;
+    if (!until_ms_) until_ms_ = node_.world.now_ms + node_.TimeMs("msec");
+    return node_.world.now_ms < *until_ms_ ? Status::kRunning : Status::kSuccess;
   }
 
  private:
   Node& node_;
-  const std::int64_t until_ms_;
+  std::optional<std::int64_t> until_ms_;
 };
 
 // A leaf that ends in its first tick.
@@ -253,6 +340,7 @@ class InOrderRun : public Run {
       if (status == Status::kSkipped) {
         ++skipped_;
       } else if (kind_.yields && !ran && place_ < node_.children.size()) {
+        node_.world.again = true;
         return Status::kRunning;
       }
     }
@@ -392,17 +480,21 @@ class WhileDoElseRun : public Run {
   Node& node_;
 };
 
-// Its variable is x, its cases are numbers.
+// Its variable is x, with numbers as cases, or s, with texts.
 class SwitchRun : public Run {
  public:
   explicit SwitchRun(Node& node) : node_(node) {}
   Status Tick() override {
-    const int value = node_.world.board.at(node_.entries.at("x"));
+    const auto& ports = node_.model.ports;
+    const auto variable = ports.find("variable");
+    std::optional<std::string> value;
+    if (variable != ports.end()) value = node_.Entry(variable->second.substr(1, 1)).value;
+    const auto is_case = [&](std::size_t child) {
+      const auto found = ports.find("case_" + std::to_string(child + 1));
+      return value && found != ports.end() && found->second == *value;
+    };
     std::size_t chosen = 0;
-    while (chosen + 1 < node_.children.size() &&
-           node_.model.Number("case_" + std::to_string(chosen + 1)) != value) {
-      ++chosen;
-    }
+    while (chosen + 1 < node_.children.size() && !is_case(chosen)) ++chosen;
     for (std::size_t i = 0; i < node_.children.size(); ++i) {
       if (i != chosen) node_.children[i]->Halt();
     }
@@ -413,9 +505,48 @@ class SwitchRun : public Run {
   Node& node_;
 };
 
+// The child whose name stands in s, to its end.
+class ManualSelectorRun : public Run {
+ public:
+  explicit ManualSelectorRun(Node& node) : node_(node) {}
+  Status Tick() override {
+    if (chosen_ == nullptr) {
+      const std::string wanted = node_.Entry("s").value.value_or("");
+      if (wanted == "SUCCESS" || wanted == "FAILURE") {
+        node_.Set("s", "");
+        return StatusOf(wanted);
+      }
+      chosen_ = Named(wanted);
+      if (chosen_ != nullptr) node_.Set("s", "");
+      const bool repeats = node_.model.ports.at("repeat_last_selection") == "true";
+      if (wanted.empty() && repeats) chosen_ = node_.selected;
+      if (chosen_ == nullptr) return Status::kRunning;
+      node_.selected = chosen_;
+    }
+    return chosen_->Tick();
+  }
+
+ private:
+  Node* Named(const std::string& name) const {
+    for (const auto& child : node_.children) {
+      if (name == (child->model.name.empty() ? child->model.kind : child->model.name)) {
+        return child.get();
+      }
+    }
+    return nullptr;
+  }
+  Node& node_;
+  Node* chosen_ = nullptr;
+};
+
 // One tick, to bring things in order in a halt.
 void CleanUp(Node& child) {
-  child.Tick();
+  try {
+    child.Tick();
+  } catch (const Failed& failed) {
+    child.Halt();
+    throw Broken(failed.failure.why);
+  }
   child.Halt();
 }
 
@@ -458,18 +589,20 @@ class FinallyRun : public Run {
       if (status == Status::kRunning) return status;
       result_ = status;
     }
+    cleaned_up_ = true;  // also where it fails
     const Status cleanup = node_.children[1]->Tick();
-    if (cleanup == Status::kRunning || cleanup == Status::kFailure) return cleanup;
-    return *result_;
+    cleaned_up_ = cleanup != Status::kRunning;
+    return cleaned_up_ && cleanup != Status::kFailure ? *result_ : cleanup;
   }
   void Halt() override {
     node_.children[0]->Halt();
-    CleanUp(*node_.children[1]);
+    if (!cleaned_up_) CleanUp(*node_.children[1]);
   }
 
  private:
   Node& node_;
   std::optional<Status> result_;
+  bool cleaned_up_ = false;
 };
 
 // --- decorators ---
@@ -499,7 +632,9 @@ class AgainRun : public Run {
       if (status != again_) return End(status);
       ++node_.rounds;
       const bool last = limit_ != -1 && node_.rounds >= limit_;
-      if (!ran && !last) return Status::kRunning;
+      if (ran || last) continue;
+      node_.world.again = true;
+      return Status::kRunning;
     }
     return End(again_);
   }
@@ -517,29 +652,29 @@ class AgainRun : public Run {
 
 class DelayRun : public Run {
  public:
-  explicit DelayRun(Node& node)
-      : node_(node), until_ms_(node.world.now_ms + node.TimeMs("delay_msec")) {}
+  explicit DelayRun(Node& node) : node_(node) {}
   Status Tick() override {
-    return node_.world.now_ms < until_ms_ ? Status::kRunning : node_.children[0]->Tick();
+    if (!until_ms_) until_ms_ = node_.world.now_ms + node_.TimeMs("delay_msec");
+    return node_.world.now_ms < *until_ms_ ? Status::kRunning : node_.children[0]->Tick();
   }
 
  private:
   Node& node_;
-  const std::int64_t until_ms_;
+  std::optional<std::int64_t> until_ms_;
 };
 
 class TimeoutRun : public Run {
  public:
-  explicit TimeoutRun(Node& node)
-      : node_(node), limit_ms_(node.TimeMs("msec")), begun_ms_(node.world.now_ms) {}
+  explicit TimeoutRun(Node& node) : node_(node), begun_ms_(node.world.now_ms) {}
   Status Tick() override {
-    const bool over = limit_ms_ > 0 && node_.world.now_ms - begun_ms_ >= limit_ms_;
+    if (!limit_ms_) limit_ms_ = node_.TimeMs("msec");
+    const bool over = *limit_ms_ > 0 && node_.world.now_ms - begun_ms_ >= *limit_ms_;
     return over ? Status::kFailure : node_.children[0]->Tick();
   }
 
  private:
   Node& node_;
-  const int limit_ms_;
+  std::optional<int> limit_ms_;
   const std::int64_t begun_ms_;
 };
 
@@ -581,15 +716,44 @@ class LoopRun : public Run {
     Node& child = *node_.children[0];
     if (child.run == nullptr) {
       if (round_ == node_.model.queue.size()) return StatusOf(node_.model.ports.at("if_empty"));
-      node_.Assign({"x", ":=", node_.model.queue[round_++]});
+      node_.Set(node_.model.value, NumberOf(node_.model.queue[round_++]));
     }
     return child.Tick() == Status::kFailure ? Status::kFailure : Status::kRunning;
   }
 
  private:
+  static std::string NumberOf(const std::string& value) {
+    return value == "true" ? "1" : value == "false" ? "0" : value;
+  }
   Node& node_;
   std::size_t round_ = 0;
 };
+
+// Whether the entry was set since the last look of this node at it.
+bool WasSet(Node& node) {
+  const int sets = node.Entry(node.model.ports.at("entry").substr(1, 1)).sets;
+  return std::exchange(node.sets, sets) != sets;
+}
+
+// SkipUnlessUpdated and WaitValueUpdate.
+class WhenUpdatedRun : public Run {
+ public:
+  WhenUpdatedRun(Node& node, Status otherwise) : node_(node), otherwise_(otherwise) {}
+  Status Tick() override {
+    Node& child = *node_.children[0];
+    return child.run != nullptr || WasSet(node_) ? child.Tick() : otherwise_;
+  }
+
+ private:
+  Node& node_;
+  const Status otherwise_;
+};
+
+void SetBlackboard(const Node& node) {
+  const std::string& value = node.model.value;
+  node.Set(node.model.ports.at("output_key"),
+           value.starts_with('{') ? node.Value(value.substr(1, 1)) : value);
+}
 
 Status Inverted(Status status) {
   if (status == Status::kSuccess) return Status::kFailure;
@@ -600,7 +764,7 @@ Status Inverted(Status status) {
 
 std::unique_ptr<Run> Node::Start() {
   const std::string& kind = model.kind;
-  if (kind == "Say") return std::make_unique<SayRun>(*this);
+  if (kind == "Say" || kind == "Act" || kind == "Look") return std::make_unique<SayRun>(*this);
   if (kind == "Sleep") return std::make_unique<SleepRun>(*this);
   if (kind == "AlwaysSuccess") return std::make_unique<AtOnceRun>([] { return Status::kSuccess; });
   if (kind == "AlwaysFailure") return std::make_unique<AtOnceRun>([] { return Status::kFailure; });
@@ -614,6 +778,30 @@ std::unique_ptr<Run> Node::Start() {
     return std::make_unique<AtOnceRun>(
         [this] { return True(*model.compares) ? Status::kSuccess : Status::kFailure; });
   }
+  if (kind == "SetBlackboard") {
+    return std::make_unique<AtOnceRun>([this] {
+      SetBlackboard(*this);
+      return Status::kSuccess;
+    });
+  }
+  if (kind == "UnsetBlackboard") {
+    return std::make_unique<AtOnceRun>([this] {
+      const auto entry = entries.find(model.ports.at("key"));
+      if (entry != entries.end()) world.board.at(entry->second).value.reset();
+      return Status::kSuccess;
+    });
+  }
+  if (kind == "WasEntryUpdated" || kind == "EntryUpdated") {
+    return std::make_unique<AtOnceRun>(
+        [this] { return WasSet(*this) ? Status::kSuccess : Status::kFailure; });
+  }
+  auto control = StartControl();
+  return control != nullptr ? std::move(control) : StartDecorator();
+}
+
+// Null: it is none.
+std::unique_ptr<Run> Node::StartControl() {
+  const std::string& kind = model.kind;
   using InOrder = InOrderRun::Kind;
   const std::map<std::string, InOrder> in_order = {
       {"Sequence", {}},
@@ -631,6 +819,12 @@ std::unique_ptr<Run> Node::Start() {
   if (kind.starts_with("Switch")) return std::make_unique<SwitchRun>(*this);
   if (kind == "TryCatch") return std::make_unique<TryCatchRun>(*this);
   if (kind == "Finally") return std::make_unique<FinallyRun>(*this);
+  if (kind == "ManualSelector") return std::make_unique<ManualSelectorRun>(*this);
+  return nullptr;
+}
+
+std::unique_ptr<Run> Node::StartDecorator() {
+  const std::string& kind = model.kind;
   if (kind == "Repeat") {
     return std::make_unique<AgainRun>(*this, Status::kSuccess, model.Number("num_cycles"));
   }
@@ -641,7 +835,11 @@ std::unique_ptr<Run> Node::Start() {
   if (kind == "Timeout") return std::make_unique<TimeoutRun>(*this);
   if (kind == "RunOnce") return std::make_unique<RunOnceRun>(*this);
   if (kind == "Precondition") return std::make_unique<PreconditionRun>(*this);
-  if (kind == "LoopInt") return std::make_unique<LoopRun>(*this);
+  if (IsLoop(kind)) return std::make_unique<LoopRun>(*this);
+  if (kind == "SkipUnlessUpdated" || kind == "WaitValueUpdate") {
+    const bool waits = kind == "WaitValueUpdate";
+    return std::make_unique<WhenUpdatedRun>(*this, waits ? Status::kRunning : Status::kSkipped);
+  }
   const std::map<std::string, std::function<Status(Status)>> results = {
       {"SubTree", [](Status status) { return status; }},
       {"Inverter", Inverted},
@@ -654,20 +852,67 @@ std::unique_ptr<Run> Node::Start() {
   return std::make_unique<ResultRun>(*this, results.at(kind));
 }
 
-Interpreter::Interpreter(const Model& main)
-    : root_(
-          std::make_unique<Node>(main, *this, Node::Entries{{"x", "x"}, {"y", "y"}, {"z", "z"}})) {}
+Interpreter::Interpreter(const Model& main) {
+  Node::Entries own;
+  for (const auto& [entry, value] : kEntries) {
+    own[entry] = entry;
+    Set(entry, value);
+  }
+  root_ = std::make_unique<Node>(main, *this, own);
+}
 
 Interpreter::~Interpreter() = default;
 
-Status Interpreter::Tick(std::int64_t at_ms) {
+// Where a node fails, also in its halt, every running node is halted once.
+Outcome Interpreter::Tick(std::int64_t at_ms) {
   now_ms = at_ms;
-  return root_->Tick();
+  again = called_ = false;
+  in_tick_ = true;
+  failed_halt.reset();
+  Outcome outcome;
+  try {
+    outcome.status = root_->Tick();
+    outcome.failure = failed_halt;
+  } catch (const Failed& failed) {
+    outcome.failure = failed.failure;
+  }
+  if (outcome.failure) HaltAll();
+  in_tick_ = false;
+  return outcome;
 }
 
-void Interpreter::Halt(std::int64_t at_ms) {
+Outcome Interpreter::TickOnce(std::int64_t at_ms) {
+  Outcome outcome = Tick(at_ms);
+  for (int i = 1; i < 100 && again && !outcome.failure; ++i) {
+    if (outcome.status != Status::kRunning) break;
+    outcome = Tick(at_ms);
+  }
+  return outcome;
+}
+
+Outcome Interpreter::Halt(std::int64_t at_ms) {
   now_ms = at_ms;
+  failed_halt.reset();
+  HaltAll();
+  return {Status::kIdle, failed_halt};
+}
+
+void Interpreter::HaltAll() {
   root_->Halt();
+  root_->HaltAll();
+}
+
+void Interpreter::WakeUp() {
+  if (in_tick_) {
+    again = true;
+  } else if (!std::exchange(called_, true)) {
+    log += "~ ";
+  }
+}
+
+void Interpreter::Set(const std::string& entry, const std::string& value) {
+  board[entry].value = value;
+  ++board[entry].sets;
 }
 
 std::vector<bool> Interpreter::Running() const {
