@@ -15,6 +15,7 @@
 #include "musher/lifecycle/machine/machine.hpp"
 #include "musher/ota/disk.hpp"
 #include "musher/ota/slots.hpp"
+#include "musher/ota/trial_boot.hpp"
 #include "musher/transport/disk_writer.hpp"
 #include "musher/transport/event_loop.hpp"
 
