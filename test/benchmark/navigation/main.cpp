@@ -281,7 +281,6 @@ void MeasureNavigations(int runs, std::uint64_t seed, bool yield) {
       hits_of_movers);
 }
 
-// All parts, or one.
 // 20 s of commands of a source that knows nothing, on random maps; and what a check costs.
 void MeasureGate(int runs, std::uint64_t seed) {
   std::printf("\n%d bodies of 0.2 m radius for 20 s of any commands\n\n", runs);
@@ -304,12 +303,19 @@ void MeasureGate(int runs, std::uint64_t seed) {
   Scan scan{0, M_PI / 180, 0.05, 8, std::vector<float>(360, 1.2F)};
   Time now{};
   gate.OnScan(0, scan, {}, now);
-  std::vector<double> us;
+  // What the gate adds between a command, or a scan, and what is published.
+  std::vector<double> check_us, scan_us;
   for (int i = 0; i < 1000; ++i) {
-    us.push_back(1e3 * MsOf([&] { gate.Check({1.5, 0, 0, 0.5}, now); }));
+    check_us.push_back(1e3 * MsOf([&] { gate.Check({1.5, 0, 0, 0.5}, now); }));
+    now += Milliseconds(100);
+    scan_us.push_back(1e3 * MsOf([&] {
+                        gate.OnScan(0, scan, now.time_since_epoch(), now);
+                        gate.Check({1.5, 0, 0, 0.5}, now);
+                      }));
   }
   Head("The gate, a scan of 360 points 1.2 m around a body at 1.5 m/s");
-  Row("a check", us, "us");
+  Row("a check, of each command", check_us, "us");
+  Row("a scan, and the check after it", scan_us, "us");
 }
 
 // What the only scanner of a body sees of a disc.
@@ -390,6 +396,7 @@ void MeasureAppearances(int runs, std::uint64_t seed) {
               left_m.empty() ? 0 : *std::min_element(left_m.begin(), left_m.end()));
 }
 
+// All parts, or one.
 void Run(int runs, std::uint64_t seed, const std::string& part) {
   const auto wanted = [&](const char* name) { return part.empty() || part == name; };
   if (wanted("planner")) MeasurePlanner(runs, seed);
