@@ -8,12 +8,16 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "musher/test/application/groot2_client.hpp"
 #include "musher/test/application/tree_course.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
 
 namespace musher::groot2_test {
 
+using groot2::Header;
+using groot2::HookJson;
 using groot2::Parts;
+using groot2::Receive;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -76,10 +80,6 @@ class Watched : public TreeActuator {
   testing::CourseData data_;
 };
 
-std::string Header(char type) {
-  return {2, type, 'a', 'b', 'c', 'd'};
-}
-
 class AGroot2Client : public ::testing::Test {
  protected:
   explicit AGroot2Client(bool hooks = false, Duration silence = std::chrono::seconds(60))
@@ -105,25 +105,7 @@ class AGroot2Client : public ::testing::Test {
     zmq_connect(breakpoints_, ("tcp://127.0.0.1:" + std::to_string(kPort + 1)).c_str());
   }
   Parts Ask(const Parts& request) { return Ask(socket_, request); }
-  static Parts Ask(void* socket, const Parts& request) {
-    for (std::size_t i = 0; i < request.size(); ++i) {
-      zmq_send(socket, request[i].data(), request[i].size(),
-               i + 1 < request.size() ? ZMQ_SNDMORE : 0);
-    }
-    return Receive(socket);
-  }
-  static Parts Receive(void* socket) {
-    Parts reply;
-    for (int more = 1; more != 0;) {
-      zmq_msg_t part;
-      zmq_msg_init(&part);
-      if (zmq_msg_recv(&part, socket, 0) < 0) return reply;
-      reply.emplace_back(static_cast<const char*>(zmq_msg_data(&part)), zmq_msg_size(&part));
-      more = zmq_msg_more(&part);
-      zmq_msg_close(&part);
-    }
-    return reply;
-  }
+  static Parts Ask(void* socket, const Parts& request) { return groot2::Ask(socket, request); }
   // Of each node, in the order of its id: what follows its uid.
   std::vector<int> Statuses() {
     const Parts reply = Ask({Header('S')});
@@ -147,13 +129,6 @@ class AGroot2Client : public ::testing::Test {
 };
 
 constexpr int kFirstUid = 2;  // of the node `first`
-
-std::string HookJson(int uid, int mode, const std::string& status, bool once = false,
-                     int position = 0) {
-  return nlohmann::json{{"enabled", true}, {"uid", uid},           {"mode", mode},
-                        {"once", once},    {"position", position}, {"desired_status", status}}
-      .dump();
-}
 
 std::string ReleaseJson(int uid, const std::string& status, bool remove, int position = 0) {
   return nlohmann::json{{"uid", uid},

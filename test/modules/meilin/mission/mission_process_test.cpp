@@ -1,6 +1,7 @@
 // musher-meilin as a planner and the robot's action servers use it: the real program over DDS.
 
 #include <gmock/gmock.h>
+#include <zmq.h>
 
 #include <algorithm>
 #include <chrono>
@@ -23,7 +24,9 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/meilin/plan/action_sequence.hpp"
+#include "musher/test/application/groot2_client.hpp"
 #include "musher/test/modules/module_process.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/transport/action.hpp"
 
@@ -339,6 +342,42 @@ TEST_F(MissionProcess, LeavingActiveCancelsAndTheHaltedSegmentIsTheNext) {
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
   ASSERT_EQ(moves_.goals.size(), 4U);
   EXPECT_EQ(moves_.goals[0], moves_.goals[1]);
+}
+
+// A client of Groot2's protocol that has set a breakpoint and is lost: from then on it is silent.
+void SetABreakpointAndBeLost(int port) {
+  void* const context = zmq_ctx_new();
+  void* const socket = zmq_socket(context, ZMQ_REQ);
+  const int linger = 0;
+  const int timeout_ms = 20'000;
+  zmq_setsockopt(socket, ZMQ_LINGER, &linger, sizeof linger);
+  zmq_setsockopt(socket, ZMQ_RCVTIMEO, &timeout_ms, sizeof timeout_ms);
+  zmq_connect(socket, ("tcp://127.0.0.1:" + std::to_string(port)).c_str());
+  const groot2::Parts reply =
+      groot2::Ask(socket, {groot2::Header('I'), groot2::HookJson(1, 0, "SKIPPED")});
+  EXPECT_EQ(reply.size(), 1U) << "a second part would be an error";
+  zmq_close(socket);
+  zmq_ctx_term(context);
+}
+
+TEST_F(MissionProcess, ThatLosesItsDebuggerCancelsItsGoalAndStandsUntilItsStart) {
+  const int port = 25'000 + 2 * transport::TestDomain();
+  moves_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(
+      StartMatch(StageFile(), "groot2_port = " + std::to_string(port) + "\ngroot2_hooks = true\n"));
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
+  SetABreakpointAndBeLost(port);
+  EXPECT_TRUE(peer_.Until([this] { return moves_.cancelled == 1; })) << peer_.Output();
+  ASSERT_NO_FATAL_FAILURE(Await("WAITING_START"));
+  ASSERT_TRUE(AwaitOutput("Groot2 is lost, and it had hooks: halted until musher-meilin start"))
+      << peer_.Output();
+  EXPECT_EQ(moves_.goals.size(), 1U);
+  moves_.silent = false;
+  EXPECT_EQ(Begin(""), "goes on with plan mf_action_seq_1 at segment 1 of 3, move (0, 1)");
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  ASSERT_EQ(moves_.goals.size(), 4U);
+  EXPECT_EQ(moves_.goals[0], moves_.goals[1]) << "the move that was halted is not done";
 }
 
 TEST_F(MissionProcess, ThatIsKilledStandsAndGoesOnOnlyOnCommand) {
