@@ -66,6 +66,15 @@ bool EstopReport::found() const {
                                    [](const Actuator& actuator) { return actuator.found; });
 }
 
+std::string EstopReport::WhyNotHeld() const {
+  if (held || (controller && !controller_latched)) return "";
+  if (earlier) {
+    return "an earlier stop holds the machine, and this one has not arrived: the release of that "
+           "one would let the machine go";
+  }
+  return controller ? "the controller has not received it yet" : "";
+}
+
 bool EstopReport::settled() const {
   return controller == controller_latched && held &&
          std::all_of(actuators.begin(), actuators.end(), [](const Actuator& actuator) {
@@ -361,18 +370,21 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
 
 // The controller may have learned of the stop from an actuator first. The program that engaged it
 // must not exit before the controller has received the stop from the program itself. Of an earlier
-// stop the controller may have lost the origin.
+// stop the controller may have lost the origin. A controller that lists another stop of the same
+// person instead has taken that for this one, which the actuators still have.
 bool StopLatch::IsHeld(const EstopReport& report,
                        const std::optional<msg::MachineStatus>& controller) const {
   if (withdrawn()) return true;
-  if (!controller) {
-    return std::ranges::all_of(report.actuators, [this](const EstopReport::Actuator& actuator) {
-      return !actuator.stopped || received_.at(actuator.name).has_it;
-    });
+  const std::string id = transport::StopIdText(StopId(stop_.id));
+  if (controller && std::ranges::count(controller->stop_ids, id) != 0) {
+    const bool before = std::ranges::any_of(report.actuators, &EstopReport::Actuator::before);
+    return before || !controller->emergency_stop_by.empty();
   }
-  const bool before = std::ranges::any_of(report.actuators, &EstopReport::Actuator::before);
-  return std::ranges::count(controller->stop_ids, transport::StopIdText(StopId(stop_.id))) != 0 &&
-         (before || !controller->emergency_stop_by.empty());
+  const auto stopped = std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped);
+  return (!controller || stopped > 0) &&
+         std::ranges::all_of(report.actuators, [this](const EstopReport::Actuator& actuator) {
+           return !actuator.stopped || received_.at(actuator.name).has_it;
+         });
 }
 
 // A controller reports which actuators belong to the machine. Without one those count whose

@@ -380,6 +380,27 @@ TEST_F(Stop, BesideAnEarlierOneIsNotConfirmedBeforeItHasArrivedItself) {
   EXPECT_TRUE(AfterASecond(controller).complete());
 }
 
+// A person types it twice: the controller keeps the newer one. The first command waited in vain and
+// ended with an empty sentence.
+TEST_F(Stop, ThatANewerOneOfTheSamePersonHasReplacedIsConfirmedByItsActuators) {
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.stop_ids = {"0000000000000009"};
+  for (auto* one : {&*legs_, &*eyes_}) one->Latch(9);
+  EXPECT_TRUE(AfterASecond(controller).complete());
+}
+
+TEST_F(Stop, IsNotConfirmedBesideAControllerWithoutActuatorsThatDoesNotListIt) {
+  legs_.reset();
+  eyes_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators.clear();
+  controller.stop_ids = {"0000000000000003"};
+  EXPECT_FALSE(AfterASecond(controller).complete());
+  EXPECT_NE(EstopError(AfterASecond(controller)), "");
+}
+
 TEST_F(Stop, WithoutAControllerIsConfirmedByActuatorsThatLatchItBesideAnEarlierOne) {
   for (auto* one : {&*legs_, &*eyes_}) one->Latch(3);
   Engage();
