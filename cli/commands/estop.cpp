@@ -423,9 +423,10 @@ class Attempt {
         complete ? ExitCode::kDone : NotComplete(report, link, latch, publishers, console);
     if (report.not_on_disk.empty()) return exit;
     stays_published_ = complete && !led;
-    console.PrintError("not on disk: " + report.not_on_disk + "; the stop is lost if the " +
-                       (led ? "controller and the " : "") + "actuators end" +
-                       (stays_published_ ? StaysPublished(publishers) : ""));
+    const char* lost = led ? "; the stop is lost if the controller and the actuators end"
+                           : "; the stop is lost if the actuators end";
+    const std::string kept = stays_published_ ? StaysPublished(publishers) : "";
+    console.PrintError("not on disk: " + report.not_on_disk + lost + kept);
     return exit;
   }
 
