@@ -236,7 +236,7 @@ std::string StopLatch::NoteOf(const Found& found) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Whether the program had narrowed it.
+// Whether the program had narrowed it. One that was given an id goes on as it was given.
 bool StopLatch::ContinueFrom(const DetachedPublisher::Notes& notes) {
   for (const std::string& note : notes) {
     const auto info = msg::Decode<msg::MachineInfo>(std::as_bytes(std::span(note)));
@@ -244,7 +244,7 @@ bool StopLatch::ContinueFrom(const DetachedPublisher::Notes& notes) {
     found_.push_back({{info->machine, info->machine_id}, info->host});
     Address(found_.back().machine);
   }
-  return stops_by_id_ != nullptr;
+  return stop_.machine_id.empty() && stops_by_id_ != nullptr;
 }
 
 void StopLatch::ContinueWith(DetachedPublisher& publisher) {
@@ -369,16 +369,16 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
 }
 
 // The controller may have learned of the stop from an actuator first. The program that engaged it
-// must not exit before the controller has received the stop from the program itself. Of an earlier
-// stop the controller may have lost the origin. A controller that lists another stop of the same
+// must not exit before the controller has received the stop from the program itself: with its
+// origin, which the status has of the first one. A controller that lists another stop of the same
 // person instead has taken that for this one, which the actuators still have.
 bool StopLatch::IsHeld(const EstopReport& report,
                        const std::optional<msg::MachineStatus>& controller) const {
   if (withdrawn()) return true;
   const std::string id = transport::StopIdText(StopId(stop_.id));
   if (controller && std::ranges::count(controller->stop_ids, id) != 0) {
-    const bool before = std::ranges::any_of(report.actuators, &EstopReport::Actuator::before);
-    return before || !controller->emergency_stop_by.empty();
+    const bool first = controller->stop_ids.front() == id;
+    return !first || !controller->emergency_stop_by.empty();
   }
   const auto stopped = std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped);
   return (!controller || stopped > 0) &&

@@ -355,6 +355,7 @@ TEST_F(Stop, IsSettledThoughTheOriginOfAnEarlierStopIsUnknown) {
   Engage();
   msg::MachineStatus controller = Controller();
   controller.emergency_stop_by = "";
+  controller.stop_ids = {"0000000000000003", "0000000000000007"};
   EXPECT_TRUE(AfterASecond(controller).settled());
 }
 
