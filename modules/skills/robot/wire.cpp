@@ -266,7 +266,6 @@ void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
   if (!frame) return refused.Set(frame.error().message, Now());
   const navigation::Pose here = navigation::PlacedAt(frame.value(), *pose);
   motion.Set({here, ToMapFrame(message.twist.twist, here.yaw_rad)}, Now());
-  travelled.Add(here);
 }
 
 void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {

@@ -28,7 +28,6 @@
 #include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
 #include "musher/navigation/frames/frame_tree.hpp"
-#include "musher/navigation/travelled_path.hpp"
 
 namespace musher::skills {
 
@@ -101,7 +100,6 @@ struct RosRobot::Wire {
   const std::string name_space;
   RecentValue<Motion> odometry;         // in its own frame
   RecentValue<Motion> motion;           // the same in the map
-  navigation::TravelledPath travelled;  // in the map
   RecentValue<std::string> refused;     // why odometry has no place in the map
   std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
