@@ -476,7 +476,8 @@ void Controller::Begin() {
   begin.supervised = options_.supervised;
   begin.stops = LoadStops();
   begin.policy = LoadPolicy();
-  begin.stop_intent = StateStore::StopIntentIn(config_.state_dir);
+  begin.stop_intent =
+      store_ ? store_->LoadStopIntent() : StateStore::StopIntentIn(config_.state_dir);
   begin.remote = StateStore::RemoteActuatorsIn(config_.state_dir, HostId());
   shell_->Begin(std::move(begin), children);
   if (!store_) return shell_->OnJournalWritten(NoFolder());

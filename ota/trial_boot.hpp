@@ -13,7 +13,7 @@ namespace musher::ota {
 // What an emergency stop has caused in a trial boot, which says nothing of the version.
 struct UnderStop {
   bool start_refused = false;
-  std::set<ActuatorIndex> faults;  // begun under a stop, and not mended since
+  std::set<ActuatorIndex> faults;  // of these, seen under a stop, and not mended since
 
   // With what the machine shows now.
   void Note(const Machine& machine);
@@ -22,8 +22,8 @@ struct UnderStop {
 // Ok: every stage is up and every critical actuator is well. An Error: why that is no longer
 // possible. nullopt: undecided, or the machine is being taken down.
 //
-// What a stop has caused leaves it undecided: until the machine is up after all, or a critical
-// actuator has another fault.
+// What a stop may have caused leaves it undecided: until the machine is up after all, or another
+// critical actuator has a fault.
 //
 // An actuator that is not critical may fail; it is listed as degraded, as in any start.
 std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine,

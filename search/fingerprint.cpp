@@ -66,7 +66,8 @@ inline constexpr std::tuple kIgnored<Switch> = {&Switch::legs, &Switch::others, 
 template <>
 inline constexpr std::tuple kIgnored<WaitingSwitch> = {&WaitingSwitch::cause, &WaitingSwitch::by};
 template <>
-inline constexpr std::tuple kIgnored<Stopping> = {&Stopping::begun};
+inline constexpr std::tuple kIgnored<Stopping> = {&Stopping::begun, &Stopping::cause,
+                                                  &Stopping::by};
 template <>
 inline constexpr std::tuple kIgnored<Keep> = {&Keep::seconds};
 template <>

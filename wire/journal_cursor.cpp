@@ -49,16 +49,22 @@ std::optional<msg::GetHistory::Response> JournalCursor::Take(
     limit_ = most_;
     return std::nullopt;
   }
+  const bool none_known = first_known == entries.size();
+  // What stands before the first known one is older than all that the reader had, once it has
+  // begun.
+  const std::size_t begin = none_known || !begun_ ? 0 : first_known;
+  // A long journal of which nothing is known is another one, with a past of its own.
+  const bool other = begun_ && none_known && entries.size() >= std::min(kFewEntries, most_);
+  const std::int64_t after_ns = other ? newest_ns_ : since_ns_;
   limit_ = std::min(kFewEntries, most_);
-  // What stands before the first known one is older than all that the reader had.
-  const std::size_t begin = first_known == entries.size() ? 0 : first_known;
   for (std::size_t i = begin; i < entries.size(); ++i) {
-    const bool is_after = begun_ || entries[i].wall_ns > since_ns_;
+    const bool is_after = (begun_ && !other) || entries[i].wall_ns > after_ns;
     if (!Remember(IdOf(entries[i])) || !is_after) continue;
     fresh.entries.push_back(entries[i]);
     fresh.events.push_back(i < answer.events.size() ? answer.events[i] : "");
   }
-  begun_ = true;
+  if (!entries.empty()) newest_ns_ = entries.back().wall_ns;
+  begun_ |= answer.error.empty();  // else what is on disk may follow
   return fresh;
 }
 

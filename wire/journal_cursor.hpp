@@ -49,7 +49,8 @@ class JournalCursor {
   const std::int64_t since_ns_;
   const std::uint32_t most_;
   std::uint32_t limit_;
-  bool begun_ = false;  // an answer was taken
+  bool begun_ = false;          // a whole answer was taken
+  std::int64_t newest_ns_ = 0;  // of the last answer with entries
   // The newest entries of the answers so far: one answer may lack some of those before, while a
   // disk is slow.
   std::set<Id> known_;

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <map>
 
 #include "musher/base/host.hpp"
 #include "musher/base/user.hpp"
@@ -25,7 +24,6 @@
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/controller/storage/machines_here.hpp"
-#include "musher/controller/storage/other_starts.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -293,29 +291,6 @@ Found SearchMeanwhile(Stop& stop, const GlobalOptions& global) {
   return found;
 }
 
-// Leaves a stop that no controller has to the next start of its machine: the actuators lose it with
-// their processes. Returns why a start does not find it; empty: it does.
-std::string LeaveToNextStart(const Stop& stop, const Found& found, const GlobalOptions& global) {
-  const int domain = transport::DomainId({}).value();
-  const auto here = NameLock::HeldBelow(NameLock::NameOf(domain, global.name_space, ""));
-  const EmergencyStop left{StopId(stop.message.id), stop.message.by, stop.message.reason};
-  std::map<std::string, std::string> why;  // by the name of the machine; empty: it is saved
-  for (const MachineHere& one : found.machines) {
-    const bool meant =
-        found.machine.name.empty() ? one.HasOneOf(here) : SameMachine(one.identity, found.machine);
-    if (!meant || one.state_dir.empty()) continue;
-    const auto saved =
-        LeaveStop(one.state_dir, {one.identity.name, global.name_space, domain, one.file}, left);
-    std::string& known = why.try_emplace(one.identity.name, "unknown").first->second;
-    if (!known.empty()) known = saved ? "" : saved.error().message;
-  }
-  if (why.empty()) return "no state folder of the machine is found on this host";
-  for (const auto& [name, not_saved] : why) {
-    if (!not_saved.empty()) return not_saved;
-  }
-  return "";
-}
-
 // How many have confirmed the stop, the controller included.
 std::ptrdiff_t Confirmed(const EstopReport& report) {
   return std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped) +
@@ -410,7 +385,7 @@ class Attempt {
     }
     const bool led = report.controller || !report.silent_controller.empty();
     if (report.found() && !led && !latch.withdrawn()) {
-      report.not_on_disk = LeaveToNextStart(stop_, found_, global_);
+      report.not_on_disk = "no controller leads that saves it";
     }
     if (report.found()) {
       console.Print(console.mode().json ? EstopJson(report)
@@ -423,9 +398,10 @@ class Attempt {
         complete ? ExitCode::kDone : NotComplete(report, link, latch, publishers, console);
     if (report.not_on_disk.empty()) return exit;
     stays_published_ = complete && !led;
-    console.PrintError("not on disk: " + report.not_on_disk + "; the stop is lost if the " +
-                       (led ? "controller and the " : "") + "actuators end" +
-                       (stays_published_ ? StaysPublished(publishers) : ""));
+    const char* lost = led ? "; the stop is lost if the controller and the actuators end"
+                           : "; the stop is lost if the actuators end";
+    const std::string kept = stays_published_ ? StaysPublished(publishers) : "";
+    console.PrintError("not on disk: " + report.not_on_disk + lost + kept);
     return exit;
   }
 

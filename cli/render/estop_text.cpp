@@ -73,10 +73,8 @@ std::string EstopError(const EstopReport& report) {
     error += std::string(error.empty() ? "" : "; ") +
              "the controller has not latched the stop: actuators that start now do not receive it";
   }
-  if (report.earlier && !report.held) {
-    error += std::string(error.empty() ? "" : "; ") +
-             "an earlier stop holds the machine, and this one has not arrived: the release of that "
-             "one would let the machine go";
+  if (const std::string lost = report.WhyNotHeld(); !lost.empty()) {
+    error += (error.empty() ? "" : "; ") + lost;
   }
   const std::string why = report.silent_controller.empty()
                               ? report.unknown

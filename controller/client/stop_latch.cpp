@@ -66,6 +66,15 @@ bool EstopReport::found() const {
                                    [](const Actuator& actuator) { return actuator.found; });
 }
 
+std::string EstopReport::WhyNotHeld() const {
+  if (held || (controller && !controller_latched)) return "";
+  if (earlier) {
+    return "an earlier stop holds the machine, and this one has not arrived: the release of that "
+           "one would let the machine go";
+  }
+  return controller ? "the controller has not received it yet" : "";
+}
+
 bool EstopReport::settled() const {
   return controller == controller_latched && held &&
          std::all_of(actuators.begin(), actuators.end(), [](const Actuator& actuator) {
@@ -227,7 +236,7 @@ std::string StopLatch::NoteOf(const Found& found) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Whether the program had narrowed it.
+// Whether the program had narrowed it. One that was given an id goes on as it was given.
 bool StopLatch::ContinueFrom(const DetachedPublisher::Notes& notes) {
   for (const std::string& note : notes) {
     const auto info = msg::Decode<msg::MachineInfo>(std::as_bytes(std::span(note)));
@@ -235,7 +244,7 @@ bool StopLatch::ContinueFrom(const DetachedPublisher::Notes& notes) {
     found_.push_back({{info->machine, info->machine_id}, info->host});
     Address(found_.back().machine);
   }
-  return stops_by_id_ != nullptr;
+  return stop_.machine_id.empty() && stops_by_id_ != nullptr;
 }
 
 void StopLatch::ContinueWith(DetachedPublisher& publisher) {
@@ -360,19 +369,22 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
 }
 
 // The controller may have learned of the stop from an actuator first. The program that engaged it
-// must not exit before the controller has received the stop from the program itself. Of an earlier
-// stop the controller may have lost the origin.
+// must not exit before the controller has received the stop from the program itself: with its
+// origin, which the status has of the first one. A controller that lists another stop of the same
+// person instead has taken that for this one, which the actuators still have.
 bool StopLatch::IsHeld(const EstopReport& report,
                        const std::optional<msg::MachineStatus>& controller) const {
   if (withdrawn()) return true;
-  if (!controller) {
-    return std::ranges::all_of(report.actuators, [this](const EstopReport::Actuator& actuator) {
-      return !actuator.stopped || received_.at(actuator.name).has_it;
-    });
+  const std::string id = transport::StopIdText(StopId(stop_.id));
+  if (controller && std::ranges::count(controller->stop_ids, id) != 0) {
+    const bool first = controller->stop_ids.front() == id;
+    return !first || !controller->emergency_stop_by.empty();
   }
-  const bool before = std::ranges::any_of(report.actuators, &EstopReport::Actuator::before);
-  return std::ranges::count(controller->stop_ids, transport::StopIdText(StopId(stop_.id))) != 0 &&
-         (before || !controller->emergency_stop_by.empty());
+  const auto stopped = std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped);
+  return (!controller || stopped > 0) &&
+         std::ranges::all_of(report.actuators, [this](const EstopReport::Actuator& actuator) {
+           return !actuator.stopped || received_.at(actuator.name).has_it;
+         });
 }
 
 // A controller reports which actuators belong to the machine. Without one those count whose

@@ -62,7 +62,7 @@ struct EstopReport {
   std::string reason;
   bool controller = false;          // a controller leads …
   bool controller_latched = false;  // … has latched the stop and publishes it to later actuators …
-  // This stop itself is engaged, with its origin and reason, by the controller; without one by each
+  // This stop itself is engaged: with its origin and reason in the controller's list, or by each
   // actuator that is stopped. Else an earlier stop may be all that holds the machine, and its
   // release would let it go. Also once a controller has said that this one is over.
   bool held = false;
@@ -73,11 +73,13 @@ struct EstopReport {
   std::string unknown;  // why the machine may have more actuators than these; empty: it has not
 
   std::vector<std::string> Missing() const;  // the actuators that are not stopped
+  // Why this stop itself is not known to be engaged, as a sentence; empty: it is.
+  std::string WhyNotHeld() const;
   // There is something to stop.
   bool found() const;
   // Every actuator that can latch the stop has: no need to wait longer.
   bool settled() const;
-  // Every actuator of the machine has latched it.
+  // Every actuator of the machine is stopped, and this stop holds it.
   bool complete() const {
     return Missing().empty() && controller == controller_latched && held && unknown.empty();
   }

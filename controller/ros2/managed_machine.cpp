@@ -81,7 +81,8 @@ std::optional<Error> ManagedMachine::WhyRefusedToManager(const Ros2Transition& t
 
 bool ManagedMachine::Postpone(const Ros2Transition& transition, transport::ParticipantId caller,
                               std::function<void()> again) const {
-  if (!NodeOf(caller).empty() || !WhyRefusedToManager(transition)) return false;
+  const bool decided = shell_.machine().current || !WhyRefusedToManager(transition);
+  if (decided || !NodeOf(caller).empty()) return false;
   return ros_nodes_.WhenKnown(ChangeStateOf(shell_.config()), caller, std::move(again));
 }
 

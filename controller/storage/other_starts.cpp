@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "musher/base/checksum.hpp"
@@ -56,6 +57,31 @@ std::vector<fs::path> HomesOf(const std::string& users) {
     if (const fs::path home = field; home.is_absolute()) homes.push_back(home);
   }
   return homes;
+}
+
+// Whether a path is below a file system of other hosts, or one that is mounted on demand: a start
+// at boot may wait for it. By text alone, which waits for nothing. `mounts`: as in
+// /proc/self/mountinfo.
+bool IsOnNetwork(const fs::path& path, const std::string& mounts) {
+  constexpr std::array<std::string_view, 8> kTypes = {"nfs",    "nfs4", "cifs", "smb3",
+                                                      "autofs", "ceph", "9p",   "afs"};
+  std::istringstream lines(mounts);
+  std::size_t longest = 0;
+  bool on_network = false;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);  // id parent device root PLACE options... - TYPE source
+    std::string field;
+    fs::path place;
+    for (int i = 0; i < 5 && fields >> field; ++i) place = field;
+    while (fields >> field && field != "-") continue;
+    fields >> field;
+    const fs::path below = path.lexically_relative(place);
+    const bool covers = !below.empty() && *below.begin() != "..";
+    if (!covers || place.native().size() < longest) continue;
+    longest = place.native().size();  // of two at one place the later one
+    on_network = std::ranges::count(kTypes, field) != 0 || field.starts_with("fuse");
+  }
+  return on_network;
 }
 
 // Why a file cannot be read, as errno; 0: it can, or there is none.
@@ -110,13 +136,15 @@ bool IsOfOneUser(const struct stat& place) {
   return (place.st_mode & (S_IXGRP | S_IXOTH)) == 0;
 }
 
-// Whether something of it cannot be read; `owner`: of the folder, who may.
-bool IsUnread(const std::string& folder, std::string& owner) {
-  const std::string stops = StateStore::EmergencyStopFileIn(folder);
+enum class Readable : std::uint8_t { kYes, kToOthers, kToNone };
+
+Readable ReadableIn(const std::string& folder) {
+  const int stops = WhyUnreadable(StateStore::EmergencyStopFileIn(folder));
   const int policy = WhyUnreadable(StateStore::PolicyFileIn(folder));
-  const bool closed = IsClosed(OriginFile(folder)) || IsClosed(stops) || policy == EACCES;
-  if (!closed) owner.clear();  // its disk fails: that one cannot read it either
-  return closed || policy != 0;
+  if (IsClosed(OriginFile(folder)) || stops == EACCES || policy == EACCES) {
+    return Readable::kToOthers;
+  }
+  return stops == 0 && policy == 0 ? Readable::kYes : Readable::kToNone;  // its disk fails
 }
 
 // nullopt: it can be read, or belongs to another machine, or nothing is seen of a folder.
@@ -128,8 +156,9 @@ std::optional<SeenFolder> UnreadIn(const std::string& folder, const MachineOrigi
   if (stat(folder.c_str(), &info) == 0) {
     const auto origin = LoadOrigin(folder);
     if (origin && !origin->IsOf(machine, true)) return std::nullopt;
-    unread.owner = UserOf(info.st_uid).name;
-    if (!IsUnread(folder, unread.owner)) return std::nullopt;
+    const Readable readable = ReadableIn(folder);
+    if (readable == Readable::kYes) return std::nullopt;
+    if (readable == Readable::kToOthers) unread.owner = UserOf(info.st_uid).name;
     stamp = StampOf(StateStore::EmergencyStopFileIn(folder));
   } else if (errno == EACCES) {
     unread.folder = fs::path(folder).parent_path();
@@ -146,7 +175,8 @@ std::optional<SeenFolder> UnreadIn(const std::string& folder, const MachineOrigi
 
 }  // namespace
 
-std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine, const std::string& users) {
+std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine, const std::string& users,
+                                          const std::string& mounts_file) {
   const fs::path by_user = config_toml::DefaultStateDir(machine.name, machine.name_space);
   const fs::path name = by_user.filename();
   std::vector<std::string> folders{by_user, fs::path(kServicePlace) / name};
@@ -156,11 +186,13 @@ std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine, const st
   const fs::path in_home = fs::path(".local/state/musher") / name;
   if (const fs::path home = HomeOfOwner(machine.file); home.is_absolute()) add(home / in_home);
   if (geteuid() != 0) return folders;
+  const std::string mounts = ReadFile(mounts_file);
   for (const fs::path& home : HomesOf(users)) {
+    if (IsOnNetwork(home, mounts)) continue;
     struct stat info {};
-    const bool missing =
-        lstat((home / in_home).c_str(), &info) != 0 && (errno == ENOENT || errno == ENOTDIR);
-    if (!missing) add(home / in_home);
+    const bool seen = lstat((home / in_home).c_str(), &info) == 0;
+    const bool counts = seen ? S_ISDIR(info.st_mode) : errno != ENOENT && errno != ENOTDIR;
+    if (counts) add(home / in_home);
   }
   return folders;
 }
@@ -168,16 +200,6 @@ std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine, const st
 StoredStops OpenStopsIn(const std::string& folder) {
   if (IsClosed(StateStore::EmergencyStopFileIn(folder))) return {};
   return StateStore::EmergencyStopsIn(folder);
-}
-
-Result<> LeaveStop(const std::string& state_dir, const MachineOrigin& machine,
-                   const EmergencyStop& stop) {
-  auto store = StateStore::Open(state_dir, machine);
-  if (!store) return store.error();
-  StoredStops stops = store.value().LoadEmergencyStops();
-  AddStop(stops, stop);
-  stops.awaits_request = true;
-  return store.value().SaveEmergencyStops(stops);
 }
 
 std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,

@@ -25,19 +25,15 @@ namespace musher {
 inline constexpr const char* kServicePlace = "/var/lib/musher";
 
 // Where the machine has its state folder when it is started otherwise: by this user, by systemd, by
-// the owner of its config file; root finds those of every user in the file `users`, too. Folders of
-// other users only where there is one.
+// the owner of its config file; root finds those of every user in the file `users`, too, whose home
+// is on a disk of this host by the file `mounts`. Folders of other users only where there is one.
 std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine,
-                                          const std::string& users = "/etc/passwd");
+                                          const std::string& users = "/etc/passwd",
+                                          const std::string& mounts = "/proc/self/mountinfo");
 
 // The stops in a folder of this machine. None where this user may not read them: that is known by
 // FindUnreadFolders(). A file that cannot be read for another reason is a stop, kUnknownStop.
 StoredStops OpenStopsIn(const std::string& folder);
-
-// Saves an emergency stop in the state folder of a machine that no controller leads, for its next
-// start. Fails where StateStore::Open() does, also where a controller has the folder.
-Result<> LeaveStop(const std::string& state_dir, const MachineOrigin& machine,
-                   const EmergencyStop& stop);
 
 // The emergency stops in another state folder of the machine.
 struct StopsElsewhere {

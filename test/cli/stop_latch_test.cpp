@@ -355,6 +355,7 @@ TEST_F(Stop, IsSettledThoughTheOriginOfAnEarlierStopIsUnknown) {
   Engage();
   msg::MachineStatus controller = Controller();
   controller.emergency_stop_by = "";
+  controller.stop_ids = {"0000000000000003", "0000000000000007"};
   EXPECT_TRUE(AfterASecond(controller).settled());
 }
 
@@ -378,6 +379,27 @@ TEST_F(Stop, BesideAnEarlierOneIsNotConfirmedBeforeItHasArrivedItself) {
   controller.stop_ids.emplace_back("0000000000000007");
   EXPECT_TRUE(AfterASecond(controller).settled());
   EXPECT_TRUE(AfterASecond(controller).complete());
+}
+
+// A person types it twice: the controller keeps the newer one. The first command waited in vain and
+// ended with an empty sentence.
+TEST_F(Stop, ThatANewerOneOfTheSamePersonHasReplacedIsConfirmedByItsActuators) {
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.stop_ids = {"0000000000000009"};
+  for (auto* one : {&*legs_, &*eyes_}) one->Latch(9);
+  EXPECT_TRUE(AfterASecond(controller).complete());
+}
+
+TEST_F(Stop, IsNotConfirmedBesideAControllerWithoutActuatorsThatDoesNotListIt) {
+  legs_.reset();
+  eyes_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators.clear();
+  controller.stop_ids = {"0000000000000003"};
+  EXPECT_FALSE(AfterASecond(controller).complete());
+  EXPECT_NE(EstopError(AfterASecond(controller)), "");
 }
 
 TEST_F(Stop, WithoutAControllerIsConfirmedByActuatorsThatLatchItBesideAnEarlierOne) {

@@ -163,18 +163,6 @@ TEST_F(OtherStart, LeavesItsLowBatteryToTheNextOneOnce) {
   EXPECT_THAT(found(), IsEmpty());
 }
 
-// As `musher estop` does where no controller leads: the actuators lost the stop with the power.
-TEST_F(OtherStart, HasAStopThatWasEngagedWhileNoControllerLed) {
-  StopIn(by_user_, robot_, {{}, {3}});
-  ASSERT_TRUE(LeaveStop(by_user_, robot_, {9, "alice", "smoke"}));
-  const StoredStops left = StateStore::EmergencyStopsIn(by_user_);
-  EXPECT_EQ(left.engaged, (std::vector<EmergencyStop>{{9, "alice", "smoke"}}));
-  EXPECT_TRUE(left.awaits_request);
-  const auto led = StateStore::Open(by_user_, robot_);
-  ASSERT_TRUE(led);
-  EXPECT_FALSE(LeaveStop(by_user_, robot_, {10, "alice", "smoke"})) << "the controller has it";
-}
-
 // A start by systemd, as root, and later one by a person who may not read its files. The stop was
 // passed over, and the robot went to Active.
 class ClosedStart : public OtherStart {
@@ -365,6 +353,14 @@ TEST(DefaultStateDirs, OfRootAreThoseOfEveryUserWhoHasStartedTheMachine) {
   EXPECT_THAT(found(), Not(Contains(state))) << "the person has not started it";
   fs::create_directories(state);
   EXPECT_THAT(found(), Contains(state));
+  std::ofstream(folder / "mounts")
+      << "22 1 8:1 / / rw - ext4 /dev/sda1 rw\n"
+      << "23 22 0:40 / " << (folder / "home") << " rw,relatime shared:7 - nfs4 server:/home rw\n";
+  EXPECT_THAT(DefaultStateDirs(robot, folder / "passwd", folder / "mounts"), Not(Contains(state)))
+      << "a start at boot would wait for the server";
+  fs::remove_all(state);
+  fs::create_directory_symlink("/net", state);
+  EXPECT_THAT(found(), Not(Contains(state))) << "a link leads anywhere";
 }
 
 }  // namespace musher::other_starts_test

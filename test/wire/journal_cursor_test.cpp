@@ -132,6 +132,31 @@ TEST(JournalCursor, AJournalThatIsBegunAgainIsAllNew) {
   EXPECT_THAT(Take(cursor, next), ElementsAre(1, 2));
 }
 
+// A reader that goes over to a machine of another host, or to another state folder: each old
+// trouble of that one was new.
+TEST(JournalCursor, OfAnotherLongJournalTakesWhatIsLaterThanAllThatItHad) {
+  Journal journal;
+  JournalCursor cursor(0, kMost);
+  journal.Append(1, 1000);
+  EXPECT_THAT(Take(cursor, journal), ElementsAre(1));
+  Journal other;
+  for (std::uint64_t id = 1; id <= 300; ++id) other.Append(id + 7, 500);
+  other.Append(2, 1001);
+  EXPECT_THAT(Take(cursor, other), ElementsAre(2));
+}
+
+TEST(JournalCursor, TakesWhatIsOnADiskThatAnswersLater) {
+  Journal disk;
+  JournalCursor cursor(0, kMost);
+  disk.Append(1, 10);
+  disk.Append(2, 20);
+  disk.Append(3, 30);
+  auto unwritten = disk.Newest(1);
+  unwritten.error = "the disk does not answer";
+  EXPECT_THAT(cursor.Take(unwritten)->entries, SizeIs(1));
+  EXPECT_THAT(Take(cursor, disk), ElementsAre(1, 2));
+}
+
 TEST(JournalCursor, AJournalThatCannotBeReadIsNotAnEmptyOne) {
   JournalCursor cursor(100, kMost);
   EXPECT_THAT(cursor.Take({"the disk is full", {}})->entries, IsEmpty());

@@ -44,6 +44,7 @@ std::string NotStopped(const EstopReport& report, bool searched) {
     sentence += (sentence.empty() ? "" : "; ") + more;
   };
   if (report.controller && !report.controller_latched) add("the controller has not latched it");
+  if (const std::string lost = report.WhyNotHeld(); !lost.empty()) add(lost);
   if (!report.unknown.empty()) add(report.unknown);
   // The list of a controller needs no search.
   if (!report.controller && !searched) add("this host is still being searched for its actuators");

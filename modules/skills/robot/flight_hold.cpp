@@ -19,7 +19,7 @@ constexpr double kSurelyInTheAirM = 0.3;
 
 void FlightHold::Use() {
   armed_ = true;
-  landed_ = arms_ = stands_ = carried_ = false;
+  landed_ = arms_ = stands_ = false;
   braking_ = still_ = {};
   place_.reset();
   hold_.Reset();
@@ -73,8 +73,8 @@ std::optional<navigation::Velocity> FlightHold::Command(const std::optional<navi
   }
   if (low_) place_->at.z_m = pose->at.z_m;
   if (navigation::Distance(pose->at, place_->at) > kLostM) {
-    carried_ = true;
-    place_ = pose;
+    armed_ = false;
+    return std::nullopt;
   }
   if (low_) return Descend(*pose, step);
   return hold_.Command(*place_, *pose, PositionHold::SecondsOf(step));

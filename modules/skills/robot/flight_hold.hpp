@@ -7,11 +7,7 @@
 //
 //   not needed ── used, low ──▶ armed ── not used, in the air, braked ──▶ holding, or descending
 //        ▲                                                             │
-//        └───────────────────────────── landed ◀────────────────────────┘
-//
-// It is never released in the air: one that is carried farther than kLostM, by a wind that is
-// stronger than its commands or by a jump of its pose, is held where it is then, and does not fly
-// back.
+//        └── landed, or carried farther than kLostM: another process moves it ◀┘
 //
 // Metres; the frame of the odometry, with its zero on the ground. Pure; one thread.
 
@@ -29,7 +25,7 @@ class FlightHold {
   static constexpr double kDescentMps = 0.5;
   static constexpr double kLastDescentMps = 0.2;  // near the ground, and without a height
 
-  // A skill, a drive or another program moves it.
+  // A skill or a drive moves it.
   void Use();
   // It stands on the ground: it is not held there.
   void Land();
@@ -41,10 +37,6 @@ class FlightHold {
   void NoteStopped();
   // It descends and comes no lower, far above the ground.
   bool StandsHigh() const;
-  // A skill or a drive has moved it, and it has not landed since.
-  bool armed() const { return armed_; }
-  // It was carried away from a place since Use().
-  bool carried() const { return carried_; }
 
   // The command, in the frame of the body, `step` after the last one; nullopt: none is needed.
   // Without a pose it is 0, and with a low battery down, unless it stood on the ground.
@@ -59,7 +51,6 @@ class FlightHold {
   bool armed_ = false;
   bool landed_ = false;  // and no skill or drive has moved it since then
   bool low_ = false;
-  bool carried_ = false;
   bool arms_ = false;    // if the next pose is in the air
   bool stands_ = false;  // on the ground, by the last pose, and has not flown since Use()
   Duration braking_{};

@@ -84,11 +84,6 @@ navigation::Velocity RosRobot::velocity() const {
   return motion == nullptr ? navigation::Velocity{} : motion->velocity;
 }
 
-navigation::Path RosRobot::travelled() const {
-  const auto wire = wire_.lock();
-  return wire ? wire->travelled.Back() : navigation::Path{};
-}
-
 void RosRobot::SetVelocity(const navigation::Velocity& command) {
   if (const auto wire = wire_.lock()) wire->SetVelocity(command);
 }

@@ -75,9 +75,7 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   Subscribe(endpoints);
   SubscribeScans(endpoints);
   SubscribeDrives(endpoints);
-  if (!config.flies) return;
-  SubscribeCommandsOfOthers(endpoints);
-  holds_ = clock.Every(kHoldPeriod, [this] { HoldPlace(); });
+  if (config.flies) holds_ = clock.Every(kHoldPeriod, [this] { HoldPlace(); });
 }
 
 std::optional<navigation::Pose> RosRobot::Wire::PoseNow() const {
@@ -146,17 +144,6 @@ void RosRobot::Wire::SubscribeDrives(transport::Endpoints& endpoints) {
       },
       [this](transport::EndpointId controller) { driving_.erase(controller); },
       transport::kLatchedQos);
-}
-
-// For example a person's own teleop: the hold leaves the base to it.
-void RosRobot::Wire::SubscribeCommandsOfOthers(transport::Endpoints& endpoints) {
-  endpoints.SubscribeWithInfo<msg::Twist>(
-      config.names.velocity,
-      [this](const msg::Twist& twist, const transport::SampleInfo& info) {
-        if (info.participant == node.participant() || twist == msg::Twist{}) return;
-        moved_by_other_.Set(twist, Now());
-      },
-      {});
 }
 
 bool RosRobot::Wire::Drives() const {
@@ -240,11 +227,9 @@ void RosRobot::Wire::RefuseBattery(const msg::BatteryState& battery) {
 // By its odometry alone: a flyer holds its place also while it has none in the map.
 void RosRobot::Wire::HoldPlace() {
   if (!low_battery_.empty() && Drives()) navigator->CancelEarlierDrives();  // of other clients, too
-  const bool others = moved_by_other_.At(Now()) != nullptr && low_battery_.empty() && hold.armed();
-  if (Drives() || others || (velocity->sending() && !holding_)) {
+  if (Drives() || (velocity->sending() && !holding_)) {
     if (holding_) StopMotion();
     hold.Use();
-    was_carried_ = false;
     return;
   }
   const Motion* now = odometry.At(Now());
@@ -259,12 +244,6 @@ void RosRobot::Wire::HoldPlace() {
   holding_ = true;
   const bool sinks = velocity->passed().z_m_s < kSinkingMS;
   if (command->z_m_s < kSinkingMS && !sinks) hold.NoteStopped();
-  if (hold.carried() && !std::exchange(was_carried_, true)) {
-    Log(LogLevel::kWarning, config.robot +
-                                " is carried away from the place where it is held: the wind is "
-                                "stronger than 0.5 m/s, or its pose jumps; it is held where it is "
-                                "then");
-  }
   const bool stands_high = hold.StandsHigh();
   if (stands_high && !std::exchange(stood_high_, stands_high)) {
     Log(LogLevel::kWarning,
@@ -287,7 +266,6 @@ void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
   if (!frame) return refused.Set(frame.error().message, Now());
   const navigation::Pose here = navigation::PlacedAt(frame.value(), *pose);
   motion.Set({here, ToMapFrame(message.twist.twist, here.yaw_rad)}, Now());
-  travelled.Add(here);
 }
 
 void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {

@@ -28,7 +28,6 @@
 #include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
 #include "musher/navigation/frames/frame_tree.hpp"
-#include "musher/navigation/travelled_path.hpp"
 
 namespace musher::skills {
 
@@ -101,7 +100,6 @@ struct RosRobot::Wire {
   const std::string name_space;
   RecentValue<Motion> odometry;         // in its own frame
   RecentValue<Motion> motion;           // the same in the map
-  navigation::TravelledPath travelled;  // in the map
   RecentValue<std::string> refused;     // why odometry has no place in the map
   std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
@@ -129,7 +127,6 @@ struct RosRobot::Wire {
   void SubscribeFrames(transport::Endpoints& endpoints);
   void SubscribeScans(transport::Endpoints& endpoints);
   void SubscribeDrives(transport::Endpoints& endpoints);
-  void SubscribeCommandsOfOthers(transport::Endpoints& endpoints);
   void OnOdometry(const msg::Odometry& message);
   void OnTeleop(const msg::Twist& twist);
   void OnBattery(const msg::BatteryState& battery);
@@ -141,11 +138,9 @@ struct RosRobot::Wire {
 
   const RosRobot::WriteLine log_;
   navigation::FrameTree frames_;
-  std::string body_frame_;                  // of the twist of the odometry
-  bool holding_ = false;                    // the last command is that of `hold`
-  RecentValue<msg::Twist> moved_by_other_;  // a command of another program, that moves the body
-  bool was_carried_ = false;                // while it was held; logged once
-  bool stood_high_ = false;                 // with a low battery; logged once
+  std::string body_frame_;   // of the twist of the odometry
+  bool holding_ = false;     // the last command is that of `hold`
+  bool stood_high_ = false;  // with a low battery; logged once
   std::string low_battery_;
   std::optional<Time> battery_differs_since_;  // from low_battery_, in all samples
   bool battery_refused_ = false;               // logged once

@@ -27,13 +27,6 @@ class ARecovery : public ::testing::Test, public SkillsOnARobot {
     for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
     EXPECT_TRUE(robot.Rests()) << name;
   }
-  // For so long, and then to a stand.
-  void MoveBy(const navigation::Velocity& command, double seconds) {
-    robot.SetVelocity(command);
-    for (double at_s = 0; at_s < seconds; at_s += 0.1) robot.Advance(Milliseconds(100));
-    robot.StopMotion();
-    for (int i = 0; i < 10; ++i) robot.Advance(Milliseconds(100));
-  }
   void ExpectFailure(const std::string& name, const std::string& why) {
     Run(name);
     EXPECT_EQ(feedback().status, Status::kFailed) << name;
@@ -82,55 +75,6 @@ TEST_F(ARecovery, BacksUpByWhatItSaysAndSpinsOnce) {
   Run("spin");
   EXPECT_EQ(feedback().message, "Recovered: spin");
   EXPECT_NEAR(robot.travelled_m, 0.42, 0.05) << "it stays where it is";
-}
-
-// It went straight back, where it had never been.
-TEST_F(ARecovery, BacksUpAlongThePathThatItHasCome) {
-  MoveBy({.x_m_s = 0.5}, 1);
-  MoveBy({.yaw_rad_s = 1}, M_PI / 2);
-  MoveBy({.x_m_s = 0.5}, 0.4);
-  const navigation::Pose corner = robot.at;
-  double off_path_m = 0;
-  EachStep([&] {
-    const navigation::Point& at = robot.at.at;
-    const double off_m = std::min(std::abs(at.y_m), std::abs(at.x_m - corner.at.x_m));
-    off_path_m = std::max(off_path_m, off_m);
-  });
-  Run("back_up");
-  EXPECT_EQ(feedback().message, "Recovered: back_up");
-  EXPECT_LT(off_path_m, 0.1);
-  EXPECT_LT(robot.at.at.y_m, 0.1);
-  EXPECT_NEAR(corner.at.x_m - robot.at.at.x_m, 0.4 - corner.at.y_m, 0.1);
-  EXPECT_NEAR(robot.at.yaw_rad, 0, 0.4) << "it goes on backwards";
-}
-
-TEST_F(ARecovery, BacksUpOnceMoreFromWhereItHasBackedUpTo) {
-  MoveBy({.x_m_s = 0.5}, 3);
-  const double begin_m = robot.at.at.x_m;
-  Run("back_up");
-  Run("back_up");
-  EXPECT_EQ(feedback().message, "Recovered: back_up");
-  EXPECT_NEAR(robot.at.at.x_m, begin_m - 0.8, 0.1) << "and not to and fro";
-}
-
-// It has come backwards, for example led by a person out of a corner.
-TEST_F(ARecovery, GoesAheadWhereItHasComeBackwards) {
-  robot.at.yaw_rad = 2;
-  MoveBy({.x_m_s = -0.5}, 2);
-  const navigation::Pose begin = robot.at;
-  Run("back_up");
-  EXPECT_EQ(feedback().message, "Recovered: back_up");
-  const double x_m = robot.at.at.x_m - begin.at.x_m, y_m = robot.at.at.y_m - begin.at.y_m;
-  EXPECT_NEAR(x_m * std::cos(2) + y_m * std::sin(2), 0.4, 0.06);
-}
-
-TEST_F(ARecovery, DoesNotGoBackOnAPathThatNoScanCovers) {
-  MoveBy({.x_m_s = 0.5}, 2);
-  MoveBy({.yaw_rad_s = 1}, M_PI / 2);
-  robot.scan_covers_rad = M_PI / 2;
-  const navigation::Point begin = robot.at.at;
-  ExpectFailure("back_up", "it does not go backwards: no scan covers what is behind it");
-  EXPECT_LT(navigation::Distance(robot.at.at, begin), 0.01) << "it has only turned";
 }
 
 TEST_F(ARecovery, TakesNoiseOfItsHeadingForNoTurn) {

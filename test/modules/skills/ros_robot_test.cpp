@@ -1,7 +1,5 @@
 // A robot behind its topics.
 
-#include <algorithm>
-
 #include "musher/messages/nav_msgs/occupancy_grid.hpp"
 #include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/messages/yaw.hpp"
@@ -26,17 +24,6 @@ TEST_F(ARosRobot, KnowsItsPoseAsLongAsItsOdometryIsRecent) {
   Run(600);
   EXPECT_FALSE(robot_.pose());
   EXPECT_EQ(robot_.velocity(), navigation::Velocity{});
-}
-
-TEST_F(ARosRobot, KnowsThePathThatItHasComeUntilItsPoseJumps) {
-  EXPECT_THAT(robot_.travelled(), IsEmpty());
-  for (int i = 0; i <= 10; ++i) Stand(0.1 * i, 0);
-  const navigation::Path back = robot_.travelled();
-  ASSERT_THAT(back, SizeIs(11));
-  EXPECT_NEAR(back.front().at.x_m, 1, 1e-9);
-  EXPECT_NEAR(back.back().at.x_m, 0, 1e-9);
-  Stand(4, 0);
-  EXPECT_THAT(robot_.travelled(), SizeIs(1));
 }
 
 TEST_F(ARosRobot, PublishesItsVelocityTwentyTimesASecondUntilItStops) {
@@ -550,33 +537,6 @@ TEST_F(ARosFlyer, IsNotHeldAgainstADriveOfAnotherClient) {
   const double place_m = Fly(2);
   EXPECT_FALSE(robot_.Drives());
   EXPECT_NEAR(Fly(20), place_m, 0.2) << "held at its new place";
-}
-
-// A program that is none of Musher's, such as a person's own teleop.
-TEST_F(ARosFlyer, IsNotHeldAgainstCommandsOfAnotherProgramUntilTheyEnd) {
-  auto* others = peers_->endpoints.Advertise<msg::Twist>("r/cmd_vel");
-  robot_.SetVelocity({0.5, 0, 0, 0});
-  Fly(1);
-  robot_.StopMotion();
-  Fly(2);
-  Run(500);
-  msg::Twist twist;
-  twist.linear.x = -0.8;
-  const auto ours = [&] {
-    return std::ranges::count_if(peers_->commands,
-                                 [&](const msg::Twist& one) { return one != twist; });
-  };
-  EXPECT_TRUE(others->Publish(twist));
-  Fly(0.2);
-  const auto before = ours();
-  for (int i = 0; i < 20; ++i) {
-    EXPECT_TRUE(others->Publish(twist));
-    Fly(0.1);
-  }
-  EXPECT_LE(ours(), before + 1);
-  EXPECT_TRUE(others->Publish(msg::Twist{}));
-  const double place_m = Fly(3);
-  EXPECT_NEAR(Fly(20), place_m, 0.2) << "held where they have left it";
 }
 
 TEST_F(ARosFlyer, LandsInEveryStateWhenItsBatteryIsLow) {

@@ -382,9 +382,28 @@ TEST_F(RequestsOfAPage, ReportAnActuatorThatHasNoEmergencyStop) {
   dog.last.emergency_stop_by = "alice";
   dog.Publish();
   Stop();
+  network_.RunFor(std::chrono::seconds(3));
   EXPECT_THAT(bodies_,
               ElementsAre(AllOf(HasSubstr(R"(200 {"code":101,)"),
                                 HasSubstr("not stopped: lidar (emergency stop not supported"))));
+}
+
+// The button said that the robot is stopped, which an earlier stop held, and the new one was lost.
+TEST_F(RequestsOfAPage, ReportAStopThatHasNotArrivedBesideAnEarlierOne) {
+  Open();
+  auto dog = Lead("dog", "uuid-a");
+  dog.last.actuators.clear();
+  dog.last.emergency_stop = true;
+  dog.last.emergency_stop_by = "bob";
+  dog.last.stop_ids = {"0000000000000003"};
+  dog.Publish();
+  Stop();
+  for (int i = 0; i < 6; ++i) {
+    dog.Publish();
+    network_.RunFor(Milliseconds(500));
+  }
+  EXPECT_THAT(bodies_, ElementsAre(AllOf(HasSubstr(R"(200 {"code":101,)"),
+                                         HasSubstr("this one has not arrived"))));
 }
 
 TEST_F(RequestsOfAPage, StopWithoutWaitingForASearchOfThisHostThatHangs) {
