@@ -17,6 +17,8 @@ constexpr std::array kDances = {140, 176, 177, 178};
 
 constexpr std::size_t kMostMotions = 1000;  // of one request
 
+constexpr const char* kWasStopped = "the body was stopped";
+
 std::string NameOf(const Motion& motion) {
   return std::to_string(motion.id) + " (" + motion.name + ")";
 }
@@ -271,6 +273,7 @@ bool Decision::IsStopped() const {
 // earlier process. A lie-down of the machine goes on: a body that lies needs no more.
 void Decision::LatchEmergencyStop() {
   if (std::exchange(core_.emergency_stop, true)) return;
+  Interrupt(Key::kEstop, kWasStopped);
   const std::int32_t status = CodeOfStatus(core_.body->switch_status);
   const std::int32_t code = MotionCode(Key::kEstop);
   const std::string text =
@@ -611,6 +614,8 @@ void Decision::Take(const motion_event::ServoArrived& event) {
   if (command.type == ServoCommand::kEnd) return EndServo(command);
   if (IsLifted()) {
     Interrupt(Key::kLifted, "the body was lifted");
+  } else if (core_.emergency_stop) {
+    Interrupt(Key::kEstop, kWasStopped);
   } else if (interrupted && now_ - interrupted->last_frame < kServoWatchdog) {
     core_.interrupted_stream = {now_, interrupted->code, interrupted->why};
   }
@@ -799,6 +804,7 @@ void Decision::RefuseServo(const ServoCommand& command, const Error& error) {
 void Decision::BeginEmergencyStop(RequestToken token) {
   const std::int32_t code = MotionCode(Key::kEstop);
   const bool was_set = std::exchange(core_.emergency_stop, true);
+  Interrupt(Key::kEstop, kWasStopped);
   if (core_.job) DropJob(code, "interrupted by emergency stop");
   if (core_.servo) {
     core_.servo.reset();

@@ -27,8 +27,9 @@
 //     during a dance; the machine's own lie-down always.
 //   - The capability of a motion is checked when a command arrives and again when its motion
 //     begins: the state may have changed in between.
-//   - A servo motion ends when the body lies, by a rule of its board, or is lifted: it neither
-//     stands up again nor walks on, once it is put down, for a stream that only goes on.
+//   - A servo motion ends when the body lies, by a rule of its board, is lifted or is stopped: it
+//     neither stands up again nor walks on, once it is put down or has stood up by recovery stand,
+//     for a stream that only goes on.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>

@@ -329,6 +329,31 @@ TEST(MotionEmergencyStop, HoldsWhereTheBoardHasNotTakenRecoveryStand) {
   EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
 }
 
+// Also one that has begun since then.
+TEST(MotionEmergencyStop, EndsAStreamThatHasToPauseOnceTheBodyStandsAgain) {
+  for (const std::string stop : {"own", "of the board", "before the stream"}) {
+    SCOPED_TRACE(stop);
+    Harness harness;
+    if (stop != "before the stream") harness.Stream(303, Milliseconds(500));
+    if (stop == "of the board") {
+      harness.board = Board();
+      harness.Body(kEmergencyStop);
+    } else {
+      harness.RequestMotion(kEmergencyStop);
+    }
+    harness.RunFor(stop == "before the stream" ? Milliseconds(1000) : Milliseconds(40));
+    harness.Stream(303, Milliseconds(1000));
+    const auto stands = harness.RequestMotion(kRecoveryStand);
+    harness.Stream(303, Milliseconds(3000));
+    EXPECT_EQ(harness.CodeOf(stands), kCodeOk);
+    EXPECT_EQ(harness.Commanded().back(), kRecoveryStand) << "it does not walk at once";
+    EXPECT_EQ(harness.ServoCode(), 3040);
+    harness.RunFor(kServoWatchdog);
+    harness.Stream(303, Milliseconds(500));
+    EXPECT_EQ(harness.Commanded().back(), 303);
+  }
+}
+
 TEST(MotionEmergencyStop, AtTheBoardLetsTheMachineLieDown) {
   Harness harness;
   const auto lies = harness.LieDown(kGetDown, 3);
