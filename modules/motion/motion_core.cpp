@@ -372,6 +372,7 @@ void Decision::Take(const motion_event::WorldRestarted&) {
   if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world was restarted");
   core_.servo.reset();
   core_.logged.clear();
+  core_.stop_sent_at = {};  // the time may have gone back
   ForgetBody();
   if (walk) Stand(*walk);
 }
@@ -815,6 +816,7 @@ void Decision::BeginEmergencyStop(RequestToken token) {
     actions_.emplace_back(motion_action::Log{"emergency stop"});
     ReportEmergencyStop();
   }
+  core_.stop_sent_at = now_;
   Job job;
   job.token = token;
   job.motion_id = kEmergencyStop;
@@ -1064,7 +1066,11 @@ std::string StopTrouble(const MotionRules& rules, const MotionCore& core) {
   if (core.BoardSilent())
     return "the motion board is silent: it may not have taken the stop" + held;
   const bool stopped = core.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
-  if (stopped || PresentMotion(rules, core) == kEmergencyStop) return "";
+  if (stopped || PresentMotion(rules, core) == kEmergencyStop) {
+    const bool taken = core.body->life_count == core.link.command.life_count;
+    if (taken || core.body_reported_at > core.stop_sent_at) return "";
+    return "the motion board has not reported since the stop" + held;
+  }
   return "the motion board has not taken the stop: it reports mode " +
          std::to_string(core.body->mode) + ", gait " + std::to_string(core.body->gait) + held;
 }

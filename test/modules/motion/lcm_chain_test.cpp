@@ -170,6 +170,18 @@ TEST_F(LcmChain, SaysWhyAnEmergencyStopHasNotStoppedTheBody) {
   EXPECT_EQ(StopTrouble(Rules(), core_), "") << "it is no longer set";
 }
 
+// The body was off before it was commanded to stand up.
+TEST_F(LcmChain, ConfirmsNoEmergencyStopByAReportFromBeforeIt) {
+  RunFor(Milliseconds(500));
+  board_.Become(0, 0);
+  RunFor(Milliseconds(500));
+  Request(kRecoveryStand);
+  Do(motion_event::EmergencyStop{});
+  EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("has not reported since the stop"));
+  RunFor(Milliseconds(300));
+  EXPECT_EQ(StopTrouble(Rules(), core_), "");
+}
+
 TEST_F(LcmChain, DoesNotWalkOnAfterARestartOfTheBoardBeforeTheStreamHasPaused) {
   RunFor(Milliseconds(500));
   Stream(Milliseconds(1000));
