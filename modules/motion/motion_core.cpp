@@ -107,6 +107,8 @@ class Decision {
   void HaltBody(const JobMotion& motion);
   bool Lies() const;
   bool IsDown() const;
+  void WaitToLie();
+  bool MayLieDown() const;
 
   // The board.
   void WatchBoard();
@@ -118,6 +120,7 @@ class Decision {
   void Stand(const BodyCommand& last);
   bool StandIsRefused() const;
   void Quiet();
+  bool RepeatsStop() const;
   void Transmit();
   void TransmitIfDue();
 
@@ -270,7 +273,7 @@ bool Decision::IsStopped() const {
 }
 
 // The body was stopped by another commander, such as remote control, by the board itself, or by an
-// earlier process. A lie-down of the machine goes on: a body that lies needs no more.
+// earlier process. A lie-down of the machine goes on, without a command: the body lies soon.
 void Decision::LatchEmergencyStop() {
   if (std::exchange(core_.emergency_stop, true)) return;
   Interrupt(Key::kEstop, kWasStopped);
@@ -286,7 +289,7 @@ void Decision::LatchEmergencyStop() {
     actions_.emplace_back(
         motion_action::ServoResponse{kNoMotion, core_.servo_commands, 0, 0, false, code});
   }
-  if (core_.job && core_.job->own) return;
+  if (core_.job && core_.job->own) return WaitToLie();
   if (core_.job) DropJob(status != kCodeOk ? status : code, text);
   Quiet();
 }
@@ -329,19 +332,23 @@ void Decision::Take(const motion_event::PlayArrived& event) {
 
 void Decision::Take(const motion_event::LieDown& event) {
   if (core_.servo) StopServo("the body lies down");
-  if (core_.job) DropJob(MotionCode(KeyCode::kStateInvalid), "interrupted: the body lies down");
-  if (Lies()) return Answer(event.token, event.id, kCodeOk, "");
-  if (core_.emergency_stop) {
-    const std::int32_t code = MotionCode(Key::kEstop);
-    return Answer(event.token, event.id, code, MotionCodeText(code));
+  const bool stops = core_.job && core_.job->motion_id == kEmergencyStop;
+  const std::string why = "interrupted: the body lies down";
+  if (stops) {
+    EndJob(MotionCode(KeyCode::kStateInvalid), why);  // it is sent on
+  } else if (core_.job) {
+    DropJob(MotionCode(KeyCode::kStateInvalid), why);
   }
+  if (Lies()) return Answer(event.token, event.id, kCodeOk, "");
   Job job;
   job.token = event.token;
   job.motion_id = event.id;
   job.own = true;
   job.tries = event.tries;
   job.todo.push_back(MotionOf(*rules_.table.Find(event.id), {}));
-  BeginJob(std::move(job));
+  if (!core_.emergency_stop) return BeginJob(std::move(job));
+  core_.job = std::move(job);
+  WaitToLie();
 }
 
 void Decision::Take(const motion_event::Cancelled& event) {
@@ -353,10 +360,10 @@ void Decision::Take(const motion_event::Closed& event) {
   core_.closed = event.state;
   const std::string why = "the machine goes to " + std::string(event.state);
   if (core_.servo) StopServo(why);
-  if (!core_.job) return;
+  if (!core_.job || core_.job->motion_id == kEmergencyStop) return;
   const JobMotion motion = core_.job->todo.front();
   DropJob(MotionCode(KeyCode::kStateInvalid), why);
-  if (motion.command.id != kEmergencyStop) HaltBody(motion);
+  HaltBody(motion);
 }
 
 void Decision::Take(const motion_event::Opened&) {
@@ -375,6 +382,7 @@ void Decision::Take(const motion_event::WorldRestarted&) {
   core_.stop_sent_at = {};  // the time may have gone back
   ForgetBody();
   if (walk) Stand(*walk);
+  if (core_.emergency_stop) BeginEmergencyStop(0);  // the board may not have taken it
 }
 
 // The command of the walk in progress.
@@ -529,6 +537,10 @@ void Decision::Quiet() {
   core_.link.active = false;
   core_.link.sent.reset();
   core_.link.until.reset();
+}
+
+bool Decision::RepeatsStop() const {
+  return core_.link.active && core_.link.command.id == kEmergencyStop;
 }
 
 void Decision::Transmit() {
@@ -900,6 +912,10 @@ bool Decision::AdvanceWait(bool time_passed) {
     if (!over) return false;
     if (Lies()) {
       EndJob(kCodeOk, "");
+    } else if (core_.emergency_stop && IsDown() && !core_.BoardSilent()) {
+      WaitToLie();
+    } else if (core_.emergency_stop && !MayLieDown()) {
+      return fail(MotionCode(Key::kEstop));
     } else {
       BeginMotion();
     }
@@ -946,11 +962,25 @@ void Decision::FailMotion(std::int32_t code, const std::string& message) {
   if (!job.tries || *job.tries == 1) return EndJob(code, what);
   Log(code, what + "; retrying");
   if (*job.tries > 1) --*job.tries;
+  WaitToLie();
+}
+
+// Nothing is commanded meanwhile; an emergency stop is sent on.
+void Decision::WaitToLie() {
+  Job& job = *core_.job;
   job.todo.erase(job.todo.begin(), std::prev(job.todo.end()));
   job.todo.front().prepared = false;
   job.wait = Job::Wait::kRetry;
   job.wait_end = now_ + kLieDownPause;
-  Quiet();
+  if (!RepeatsStop()) Quiet();
+}
+
+// Under the latch: from a normal motion, without recovery stand.
+bool Decision::MayLieDown() const {
+  const Motion* present = Present();
+  const Motion& down = *rules_.table.Find(core_.job->todo.back().command.id);
+  if (present == nullptr || core_.BoardSilent() || IsStopped()) return false;
+  return !RepeatsStop() && present->MayGoTo(down.mode);
 }
 
 void Decision::EndJob(std::int32_t code, const std::string& message) {
@@ -966,7 +996,7 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
     // It may go on, and WALK_STAND may not follow it.
     Command(MotionOf(*rules_.table.Find(kRecoveryStand), {}).command, true);
     core_.link.until = now_ + kStopRepeat;
-  } else {
+  } else if (last.id == kEmergencyStop || !RepeatsStop()) {
     Quiet();
   }
   if (code != kCodeOk) Log(code, message);
@@ -983,7 +1013,7 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
 void Decision::DropJob(std::int32_t code, const std::string& message) {
   const Job job = *std::exchange(core_.job, std::nullopt);
   KeepStop();
-  Quiet();
+  if (job.motion_id == kEmergencyStop || !RepeatsStop()) Quiet();
   Answer(job.token, job.motion_id, code, message);
 }
 

@@ -30,6 +30,8 @@
 //   - A servo motion ends when the body lies, by a rule of its board, is lifted or is stopped: it
 //     neither stands up again nor walks on, once it is put down or has stood up by recovery stand,
 //     for a stream that only goes on.
+//   - The machine's own lie-down stands no body up that is stopped: it waits until the body lies,
+//     and commands it from a normal motion only.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
