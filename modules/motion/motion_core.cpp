@@ -1101,6 +1101,8 @@ std::string StopTrouble(const MotionRules& rules, const MotionCore& core) {
     if (taken || core.body_reported_at > core.stop_sent_at) return "";
     return "the motion board has not reported since the stop" + held;
   }
+  if (core.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEdamp))
+    return "the motion board damps the body, which is not yet off" + held;
   return "the motion board has not taken the stop: it reports mode " +
          std::to_string(core.body->mode) + ", gait " + std::to_string(core.body->gait) + held;
 }

@@ -159,6 +159,11 @@ TEST_F(LcmChain, SaysWhyAnEmergencyStopHasNotStoppedTheBody) {
   RunFor(Milliseconds(1000));
   EXPECT_THAT(StopTrouble(Rules(), core_),
               HasSubstr("the motion board has not taken the stop: it reports mode 11, gait 27"));
+  board_.Become(7, 1);
+  board_.board.deaf = true;
+  board_.board.report.switch_status = 3;
+  RunFor(Milliseconds(100));
+  EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("damps the body, which is not yet off"));
   loss_of_responses_ = 1;
   RunFor(Milliseconds(600));
   EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("the motion board is silent"));
