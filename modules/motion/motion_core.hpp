@@ -18,7 +18,8 @@
 //   - Emergency stop (motion 0) is taken in every state, at once, from every source. It is a
 //     latch: until recovery stand (111) is taken, no other motion is. A body that is stopped, off
 //     or in damping, and was not before, sets it as well: by remote control, by its board, or by an
-//     earlier process. The body would stand up by the recovery stand put before the next motion.
+//     earlier process. Otherwise the body would stand up by the recovery stand put before the next
+//     motion.
 //   - A servo frame is taken from a source with the same or a higher priority than the source that
 //     controls the body.
 //   - A servo frame that differs from the last one is sent at once, 500 a second at most, of which
