@@ -13,7 +13,7 @@ namespace musher::ota {
 // What an emergency stop has caused in a trial boot, which says nothing of the version.
 struct UnderStop {
   bool start_refused = false;
-  std::set<ActuatorIndex> faults;  // of these, seen under a stop, and not mended since
+  std::set<ActuatorIndex> faults;  // of these, seen under a stop, and there since
 
   // With what the machine shows now.
   void Note(const Machine& machine);

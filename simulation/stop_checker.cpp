@@ -98,9 +98,16 @@ bool StopChecker::IsStopped(const std::string& name, std::size_t host,
 }
 
 // Whether anything but the program that engaged it has the stop: an earlier one may be all that
-// holds the machine.
+// holds the machine. The writes of a second machine's controllers are not seen here.
 bool StopChecker::HasArrived(StopId id) const {
   if (accepted_stops_.contains(id) || released_.contains(id)) return true;
+  for (const std::size_t which : {0, 1}) {
+    const SimulatedController* controller = robot_.controller(which);
+    if (controller == nullptr) continue;
+    const EmergencyStopState& known = controller->shell().machine().emergency;
+    const bool beside = std::ranges::count(known.others, id, &EmergencyStop::id) != 0;
+    if ((known.stop && known.stop->id == id) || beside) return true;
+  }
   for (const ActuatorIndex i : config_.actuators.Indices()) {
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(config_.actuators[i].name, host);

@@ -51,12 +51,12 @@ std::vector<std::pair<std::string, in_addr>> Addresses() {
   return addresses;
 }
 
-// The interface that has this address; "?": none.
+// The interface that has this address; empty: none.
 std::string InterfaceOf(const in_addr& address) {
   for (const auto& [name, its] : Addresses()) {
     if (its.s_addr == address.s_addr) return name;
   }
-  return "?";
+  return "";
 }
 
 // The first address of this interface; zero: none.
@@ -131,7 +131,8 @@ Result<> LcmSocket::OpenSender(const LcmOptions& options) {
   getsockname(out_.get(), reinterpret_cast<sockaddr*>(&own), &size);
   sender_ = SenderText(own);
   const std::string& chosen = options.network_interface;
-  name_ = ToText(url_) + " by " + (chosen.empty() ? InterfaceOf(own.sin_addr) : chosen) + " (" +
+  network_interface_ = chosen.empty() ? InterfaceOf(own.sin_addr) : chosen;
+  name_ = ToText(url_) + " by " + (network_interface_.empty() ? "?" : network_interface_) + " (" +
           HostText(own) + ")";
   return Ok();
 }

@@ -46,6 +46,8 @@ class LcmSocket {
   const std::string& sender() const { return sender_; }
   // "udpm://239.255.76.67:7670 by eth0 (192.168.44.1)".
   const std::string& name() const { return name_; }
+  // The network interface by which it sends; empty: none has its address any longer.
+  const std::string& network_interface() const { return network_interface_; }
 
  private:
   LcmSocket(LcmUrl url, OnSample on_sample)
@@ -59,6 +61,7 @@ class LcmSocket {
   const OnSample on_sample_;
   std::string sender_;
   std::string name_;
+  std::string network_interface_;
   std::uint32_t sequence_ = 0;
   std::vector<std::byte> buffer_;
   UniqueFd out_;

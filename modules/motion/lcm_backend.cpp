@@ -35,19 +35,21 @@ LcmBackend::LcmBackend(transport::EventLoop& loop, const transport::Clock& clock
   reopen_timer_ = loop_.Every(kReopenPeriod, [this] { Reopen(); });
 }
 
-// All sockets, or none.
+// All sockets, or none. Those of a board that has responded stay on their interfaces: when the
+// cable to it fails, the route to the groups may be that to another robot.
 Result<> LcmBackend::Open() {
-  const auto open = [&](const std::string& url,
+  const auto open = [&](const std::string& url, const std::unique_ptr<LcmSocket>& before,
                         void (LcmBackend::*on_sample)(const LcmSample&)) -> OpenedSocket {
     const auto parsed = transport::ReadLcmUrl(url);
     if (!parsed) return parsed.error();
-    return LcmSocket::Open(loop_,
-                           LcmOptions{parsed.value(), config_.network_interface, config_.ttl},
+    const std::string& interface =
+        before && link_.HasResponded() ? before->network_interface() : config_.network_interface;
+    return LcmSocket::Open(loop_, LcmOptions{parsed.value(), interface, config_.ttl},
                            [this, on_sample](const LcmSample& s) { (this->*on_sample)(s); });
   };
-  auto commands = open(config_.command_url, &LcmBackend::OnCommandGroup);
-  auto responses = open(config_.response_url, &LcmBackend::OnResponseGroup);
-  auto locations = open(config_.localization_url, &LcmBackend::OnLocationGroup);
+  auto commands = open(config_.command_url, commands_, &LcmBackend::OnCommandGroup);
+  auto responses = open(config_.response_url, responses_, &LcmBackend::OnResponseGroup);
+  auto locations = open(config_.localization_url, locations_, &LcmBackend::OnLocationGroup);
   for (const OpenedSocket* socket : {&commands, &responses, &locations}) {
     if (!*socket) return Error{MotionCode(KeyCode::kNetError), socket->error().message};
   }

@@ -3,8 +3,9 @@
 // [board] kind = "lcm". The decisions are in lcm_link.hpp; here are its sockets and its timer.
 //
 // While no route leads to the board, or the board is silent, the sockets are opened again each
-// second: an interface that comes later, or comes back, has left the groups, and one that has
-// another address sends by the old one.
+// second: those of an interface that was away are no longer in the groups, and where it has got
+// another address they send from the old one. Once the board has responded they stay on their
+// interfaces.
 //
 // Threads: the loop's only. A loop that hangs sends no frame, and the board lets the body lie down.
 

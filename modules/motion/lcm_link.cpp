@@ -180,11 +180,13 @@ void LcmLink::Hold(Time now, LinkOutput& output) {
 
 // --- the board ---
 
-// Positions and temperatures are those of the board whose responses are believed.
+// Positions and temperatures are those of the board whose responses are believed. A restart changes
+// its port, not its host.
 bool LcmLink::IsBoard(const Stream& stream, const Sender& sender) const {
   const std::string_view host = HostOf(sender.name);
   if (!options_.board.empty()) return host == options_.board;
-  return &stream == &responses_ || host == HostOf(responses_.sender);
+  const bool first = &stream == &responses_ && responses_.sender.empty();
+  return first || host == HostOf(responses_.sender);
 }
 
 bool LcmLink::IsHostOfBoard(const std::string& sender) const {

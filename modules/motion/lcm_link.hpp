@@ -47,10 +47,10 @@
 //     or stands.
 //   - A frame that moves the motors directly has precedence over all commands, stops too, until the
 //     board is switched off and on: nothing begins until it has restarted, and stops are sent.
-//   - The board is the host that LinkOptions.board names, else the first one that responds.
-//     Messages of other hosts are dropped.
+//   - The board is the host that LinkOptions.board names, else the first one that responds, for
+//     good. Messages of other hosts are dropped.
 //   - A datagram that is older than the newest of its sender is dropped. A board that answers from
-//     another address, or counts from the beginning, after 200 ms of silence has restarted: nothing
+//     another port, or counts from the beginning, after 200 ms of silence has restarted: nothing
 //     that was commanded before holds.
 //
 // Threads: any; a plain value.
@@ -157,6 +157,7 @@ class LcmLink {
   // Whether that sender is on the host of the board.
   bool IsHostOfBoard(const std::string& sender) const;
 
+  bool HasResponded() const { return responses_.at.has_value(); }
   // Whether the board has sent no response for 500 ms.
   bool Silent(Time now) const { return !responses_.at || now - *responses_.at >= kNoResponse; }
   bool looking() const { return looking_; }

@@ -17,6 +17,8 @@ constexpr std::array kDances = {140, 176, 177, 178};
 
 constexpr std::size_t kMostMotions = 1000;  // of one request
 
+constexpr const char* kWasStopped = "the body was stopped";
+
 std::string NameOf(const Motion& motion) {
   return std::to_string(motion.id) + " (" + motion.name + ")";
 }
@@ -105,6 +107,8 @@ class Decision {
   void HaltBody(const JobMotion& motion);
   bool Lies() const;
   bool IsDown() const;
+  void WaitToLie();
+  bool MayLieDown() const;
 
   // The board.
   void WatchBoard();
@@ -116,6 +120,7 @@ class Decision {
   void Stand(const BodyCommand& last);
   bool StandIsRefused() const;
   void Quiet();
+  bool RepeatsStop() const;
   void Transmit();
   void TransmitIfDue();
 
@@ -268,9 +273,10 @@ bool Decision::IsStopped() const {
 }
 
 // The body was stopped by another commander, such as remote control, by the board itself, or by an
-// earlier process. A lie-down of the machine goes on: a body that lies needs no more.
+// earlier process. A lie-down of the machine goes on, without a command: the body lies soon.
 void Decision::LatchEmergencyStop() {
   if (std::exchange(core_.emergency_stop, true)) return;
+  Interrupt(Key::kEstop, kWasStopped);
   const std::int32_t status = CodeOfStatus(core_.body->switch_status);
   const std::int32_t code = MotionCode(Key::kEstop);
   const std::string text =
@@ -283,7 +289,7 @@ void Decision::LatchEmergencyStop() {
     actions_.emplace_back(
         motion_action::ServoResponse{kNoMotion, core_.servo_commands, 0, 0, false, code});
   }
-  if (core_.job && core_.job->own) return;
+  if (core_.job && core_.job->own) return WaitToLie();
   if (core_.job) DropJob(status != kCodeOk ? status : code, text);
   Quiet();
 }
@@ -326,19 +332,23 @@ void Decision::Take(const motion_event::PlayArrived& event) {
 
 void Decision::Take(const motion_event::LieDown& event) {
   if (core_.servo) StopServo("the body lies down");
-  if (core_.job) DropJob(MotionCode(KeyCode::kStateInvalid), "interrupted: the body lies down");
-  if (Lies()) return Answer(event.token, event.id, kCodeOk, "");
-  if (core_.emergency_stop) {
-    const std::int32_t code = MotionCode(Key::kEstop);
-    return Answer(event.token, event.id, code, MotionCodeText(code));
+  const bool stops = core_.job && core_.job->motion_id == kEmergencyStop;
+  const std::string why = "interrupted: the body lies down";
+  if (stops) {
+    EndJob(MotionCode(KeyCode::kStateInvalid), why);  // it is sent on
+  } else if (core_.job) {
+    DropJob(MotionCode(KeyCode::kStateInvalid), why);
   }
+  if (Lies()) return Answer(event.token, event.id, kCodeOk, "");
   Job job;
   job.token = event.token;
   job.motion_id = event.id;
   job.own = true;
   job.tries = event.tries;
   job.todo.push_back(MotionOf(*rules_.table.Find(event.id), {}));
-  BeginJob(std::move(job));
+  if (!core_.emergency_stop) return BeginJob(std::move(job));
+  core_.job = std::move(job);
+  WaitToLie();
 }
 
 void Decision::Take(const motion_event::Cancelled& event) {
@@ -350,10 +360,10 @@ void Decision::Take(const motion_event::Closed& event) {
   core_.closed = event.state;
   const std::string why = "the machine goes to " + std::string(event.state);
   if (core_.servo) StopServo(why);
-  if (!core_.job) return;
+  if (!core_.job || core_.job->motion_id == kEmergencyStop) return;
   const JobMotion motion = core_.job->todo.front();
   DropJob(MotionCode(KeyCode::kStateInvalid), why);
-  if (motion.command.id != kEmergencyStop) HaltBody(motion);
+  HaltBody(motion);
 }
 
 void Decision::Take(const motion_event::Opened&) {
@@ -369,8 +379,10 @@ void Decision::Take(const motion_event::WorldRestarted&) {
   if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world was restarted");
   core_.servo.reset();
   core_.logged.clear();
+  core_.stop_sent_at = {};  // the time may have gone back
   ForgetBody();
   if (walk) Stand(*walk);
+  if (core_.emergency_stop) BeginEmergencyStop(0);  // the board may not have taken it
 }
 
 // The command of the walk in progress.
@@ -527,6 +539,10 @@ void Decision::Quiet() {
   core_.link.until.reset();
 }
 
+bool Decision::RepeatsStop() const {
+  return core_.link.active && core_.link.command.id == kEmergencyStop;
+}
+
 void Decision::Transmit() {
   BoardLink& link = core_.link;
   if (link.IsChanged()) {
@@ -611,6 +627,8 @@ void Decision::Take(const motion_event::ServoArrived& event) {
   if (command.type == ServoCommand::kEnd) return EndServo(command);
   if (IsLifted()) {
     Interrupt(Key::kLifted, "the body was lifted");
+  } else if (core_.emergency_stop) {
+    Interrupt(Key::kEstop, kWasStopped);
   } else if (interrupted && now_ - interrupted->last_frame < kServoWatchdog) {
     core_.interrupted_stream = {now_, interrupted->code, interrupted->why};
   }
@@ -799,6 +817,7 @@ void Decision::RefuseServo(const ServoCommand& command, const Error& error) {
 void Decision::BeginEmergencyStop(RequestToken token) {
   const std::int32_t code = MotionCode(Key::kEstop);
   const bool was_set = std::exchange(core_.emergency_stop, true);
+  Interrupt(Key::kEstop, kWasStopped);
   if (core_.job) DropJob(code, "interrupted by emergency stop");
   if (core_.servo) {
     core_.servo.reset();
@@ -809,6 +828,7 @@ void Decision::BeginEmergencyStop(RequestToken token) {
     actions_.emplace_back(motion_action::Log{"emergency stop"});
     ReportEmergencyStop();
   }
+  core_.stop_sent_at = now_;
   Job job;
   job.token = token;
   job.motion_id = kEmergencyStop;
@@ -892,6 +912,10 @@ bool Decision::AdvanceWait(bool time_passed) {
     if (!over) return false;
     if (Lies()) {
       EndJob(kCodeOk, "");
+    } else if (core_.emergency_stop && IsDown() && !core_.BoardSilent()) {
+      WaitToLie();
+    } else if (core_.emergency_stop && !MayLieDown()) {
+      return fail(MotionCode(Key::kEstop));
     } else {
       BeginMotion();
     }
@@ -938,11 +962,25 @@ void Decision::FailMotion(std::int32_t code, const std::string& message) {
   if (!job.tries || *job.tries == 1) return EndJob(code, what);
   Log(code, what + "; retrying");
   if (*job.tries > 1) --*job.tries;
+  WaitToLie();
+}
+
+// Nothing is commanded meanwhile; an emergency stop is sent on.
+void Decision::WaitToLie() {
+  Job& job = *core_.job;
   job.todo.erase(job.todo.begin(), std::prev(job.todo.end()));
   job.todo.front().prepared = false;
   job.wait = Job::Wait::kRetry;
   job.wait_end = now_ + kLieDownPause;
-  Quiet();
+  if (!RepeatsStop()) Quiet();
+}
+
+// Under the latch: from a normal motion, without recovery stand.
+bool Decision::MayLieDown() const {
+  const Motion* present = Present();
+  const Motion& down = *rules_.table.Find(core_.job->todo.back().command.id);
+  if (present == nullptr || core_.BoardSilent() || IsStopped()) return false;
+  return !RepeatsStop() && present->MayGoTo(down.mode);
 }
 
 void Decision::EndJob(std::int32_t code, const std::string& message) {
@@ -958,7 +996,7 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
     // It may go on, and WALK_STAND may not follow it.
     Command(MotionOf(*rules_.table.Find(kRecoveryStand), {}).command, true);
     core_.link.until = now_ + kStopRepeat;
-  } else {
+  } else if (last.id == kEmergencyStop || !RepeatsStop()) {
     Quiet();
   }
   if (code != kCodeOk) Log(code, message);
@@ -975,7 +1013,7 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
 void Decision::DropJob(std::int32_t code, const std::string& message) {
   const Job job = *std::exchange(core_.job, std::nullopt);
   KeepStop();
-  Quiet();
+  if (job.motion_id == kEmergencyStop || !RepeatsStop()) Quiet();
   Answer(job.token, job.motion_id, code, message);
 }
 
@@ -1058,7 +1096,13 @@ std::string StopTrouble(const MotionRules& rules, const MotionCore& core) {
   if (core.BoardSilent())
     return "the motion board is silent: it may not have taken the stop" + held;
   const bool stopped = core.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
-  if (stopped || PresentMotion(rules, core) == kEmergencyStop) return "";
+  if (stopped || PresentMotion(rules, core) == kEmergencyStop) {
+    const bool taken = core.body->life_count == core.link.command.life_count;
+    if (taken || core.body_reported_at > core.stop_sent_at) return "";
+    return "the motion board has not reported since the stop" + held;
+  }
+  if (core.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEdamp))
+    return "the motion board damps the body, which is not yet off" + held;
   return "the motion board has not taken the stop: it reports mode " +
          std::to_string(core.body->mode) + ", gait " + std::to_string(core.body->gait) + held;
 }

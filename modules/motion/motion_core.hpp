@@ -18,7 +18,8 @@
 //   - Emergency stop (motion 0) is taken in every state, at once, from every source. It is a
 //     latch: until recovery stand (111) is taken, no other motion is. A body that is stopped, off
 //     or in damping, and was not before, sets it as well: by remote control, by its board, or by an
-//     earlier process. The body would stand up by the recovery stand put before the next motion.
+//     earlier process. Otherwise the body would stand up by the recovery stand put before the next
+//     motion.
 //   - A servo frame is taken from a source with the same or a higher priority than the source that
 //     controls the body.
 //   - A servo frame that differs from the last one is sent at once, 500 a second at most, of which
@@ -27,8 +28,11 @@
 //     during a dance; the machine's own lie-down always.
 //   - The capability of a motion is checked when a command arrives and again when its motion
 //     begins: the state may have changed in between.
-//   - A servo motion ends when the body lies, by a rule of its board, or is lifted: it neither
-//     stands up again nor walks on, once it is put down, for a stream that only goes on.
+//   - A servo motion ends when the body lies, by a rule of its board, is lifted or is stopped: it
+//     neither stands up again nor walks on, once it is put down or has stood up by recovery stand,
+//     for a stream that only goes on.
+//   - The machine's own lie-down stands no body up that is stopped: it waits until the body lies,
+//     and commands it from a normal motion only.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
@@ -266,6 +270,7 @@ struct MotionCore {
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted
   bool emergency_stop = false;                          // the latch
+  Time stop_sent_at{};                                  // of the last stop that is not of the board
   std::optional<Job> job;
   std::optional<Servo> servo;
   BoardLink link;

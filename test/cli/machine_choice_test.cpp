@@ -96,7 +96,8 @@ TEST_F(AMachine, IsNotSoughtAtAParticipantThatRepeatsItsAnnouncement) {
   const FarController bridge{name_space_, "dog", kDog, 12345};
   const Ran ran = Command({"set", "Active", "--machine", "dog"});
   EXPECT_EQ(ran.exit, 3);
-  EXPECT_THAT(ran.err, HasSubstr("no controller in namespace '" + name_space_ + "'"));
+  EXPECT_THAT(ran.err,
+              HasSubstr("no controller of machine dog in namespace '" + name_space_ + "'"));
 }
 
 // The controller of a machine on this host, as far as a command looks: its name, its state folder,

@@ -128,7 +128,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"octomap/", {"navigation/planner/octree_map.cpp"}},
       {"dlib/", {"navigation/controller/axis_control.cpp"}},
       {"pybind11/", {"python/"}},
-      {"zmq.h", {"application/groot2/", "test/application/"}},
+      {"zmq.h", {"application/groot2/", "test/application/", "test/modules/meilin/"}},
   };
   return table;
 }

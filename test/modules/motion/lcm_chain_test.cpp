@@ -159,6 +159,11 @@ TEST_F(LcmChain, SaysWhyAnEmergencyStopHasNotStoppedTheBody) {
   RunFor(Milliseconds(1000));
   EXPECT_THAT(StopTrouble(Rules(), core_),
               HasSubstr("the motion board has not taken the stop: it reports mode 11, gait 27"));
+  board_.Become(7, 1);
+  board_.board.deaf = true;
+  board_.board.report.switch_status = 3;
+  RunFor(Milliseconds(100));
+  EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("damps the body, which is not yet off"));
   loss_of_responses_ = 1;
   RunFor(Milliseconds(600));
   EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("the motion board is silent"));
@@ -168,6 +173,18 @@ TEST_F(LcmChain, SaysWhyAnEmergencyStopHasNotStoppedTheBody) {
   EXPECT_EQ(StopTrouble(Rules(), core_), "") << "it reports that it is off";
   EXPECT_EQ(AnswerOf(Request(kRecoveryStand)).code, kCodeOk);
   EXPECT_EQ(StopTrouble(Rules(), core_), "") << "it is no longer set";
+}
+
+// The body was off before it was commanded to stand up.
+TEST_F(LcmChain, ConfirmsNoEmergencyStopByAReportFromBeforeIt) {
+  RunFor(Milliseconds(500));
+  board_.Become(0, 0);
+  RunFor(Milliseconds(500));
+  Request(kRecoveryStand);
+  Do(motion_event::EmergencyStop{});
+  EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("has not reported since the stop"));
+  RunFor(Milliseconds(300));
+  EXPECT_EQ(StopTrouble(Rules(), core_), "");
 }
 
 TEST_F(LcmChain, DoesNotWalkOnAfterARestartOfTheBoardBeforeTheStreamHasPaused) {

@@ -622,6 +622,19 @@ TEST_F(LcmLinkTest, ForgetsItsCommandWhenTheBoardAnswersFromAnotherAddress) {
   EXPECT_FALSE(link_.frame());
 }
 
+// As that of another robot, by another network.
+TEST_F(LcmLinkTest, DoesNotTakeTheBoardOfAnotherHostForItsOwnOneThatIsSilent) {
+  Stand();
+  now_ += std::chrono::seconds(1);
+  BodyReport other;
+  other.mode = 12;
+  EXPECT_FALSE(Keep(link_.OnResponse({"192.168.1.5:1", 1}, other, now_)).body);
+  EXPECT_FALSE(restarted_);
+  EXPECT_THAT(held_by_, HasSubstr("192.168.1.5:1"));
+  EXPECT_TRUE(Keep(link_.OnResponse({"192.168.44.233:51111", 1}, other, now_)).body);
+  EXPECT_TRUE(restarted_) << "its own one is found again";
+}
+
 TEST_F(LcmLinkTest, SendsACommandAfterARestartOfTheBoardThatHasTheCountOfTheOneBefore) {
   Stand();
   sequence_ = 100'000;

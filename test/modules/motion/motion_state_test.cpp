@@ -329,6 +329,119 @@ TEST(MotionEmergencyStop, HoldsWhereTheBoardHasNotTakenRecoveryStand) {
   EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
 }
 
+// Also one that has begun since then.
+TEST(MotionEmergencyStop, EndsAStreamThatHasToPauseOnceTheBodyStandsAgain) {
+  for (const std::string stop : {"own", "of the board", "before the stream"}) {
+    SCOPED_TRACE(stop);
+    Harness harness;
+    if (stop != "before the stream") harness.Stream(303, Milliseconds(500));
+    if (stop == "of the board") {
+      harness.board = Board();
+      harness.Body(kEmergencyStop);
+    } else {
+      harness.RequestMotion(kEmergencyStop);
+    }
+    harness.RunFor(stop == "before the stream" ? Milliseconds(1000) : Milliseconds(40));
+    harness.Stream(303, Milliseconds(1000));
+    const auto stands = harness.RequestMotion(kRecoveryStand);
+    harness.Stream(303, Milliseconds(3000));
+    EXPECT_EQ(harness.CodeOf(stands), kCodeOk);
+    EXPECT_EQ(harness.Commanded().back(), kRecoveryStand) << "it does not walk at once";
+    EXPECT_EQ(harness.ServoCode(), 3040);
+    harness.RunFor(kServoWatchdog);
+    harness.Stream(303, Milliseconds(500));
+    EXPECT_EQ(harness.Commanded().back(), 303);
+  }
+}
+
+// Within the 200 ms in which its caller waits.
+TEST(MotionEmergencyStop, IsRepeatedUntilItIsTakenWhateverTheMachineDoesMeanwhile) {
+  const std::vector<std::vector<MotionEvent>> cases = {
+      {motion_event::Closed{State(kError)}},
+      {motion_event::Closed{State(kLowPower)}, motion_event::LieDown{99, kGetDown, 3}},
+      {motion_event::LieDown{99, kPassiveGetDown, 0}},
+      {motion_event::WorldRestarted{}}};
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    SCOPED_TRACE(i);
+    Harness harness;
+    harness.board.deaf = true;
+    harness.RequestMotion(kEmergencyStop);
+    harness.RunFor(Milliseconds(50));
+    for (const MotionEvent& event : cases[i]) harness.Do(event);
+    harness.RunFor(Milliseconds(1000));
+    harness.board.deaf = false;
+    harness.RunFor(Milliseconds(200));
+    EXPECT_EQ(harness.board.report.mode, 0);
+    EXPECT_THAT(harness.Commanded(), ElementsAre(kEmergencyStop));
+    if (i == 1 || i == 2) {
+      EXPECT_EQ(harness.CodeOf(99), kCodeOk) << "the body lies by the stop";
+    }
+    harness.RunFor(Milliseconds(1000));
+    EXPECT_TRUE(harness.core.Idle());
+    EXPECT_FALSE(harness.core.link.active);
+  }
+}
+
+// The board gives up before the body lies.
+TEST(MotionEmergencyStop, IsRepeatedAlsoAfterALieDownThatHasFailed) {
+  Harness harness;
+  harness.board.deaf = true;
+  harness.RequestMotion(kEmergencyStop);
+  EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), 3040);
+  harness.RunFor(Milliseconds(1000));
+  harness.board.deaf = false;
+  harness.RunFor(Milliseconds(200));
+  EXPECT_EQ(harness.board.report.mode, 0);
+}
+
+// In its damping it is on its way down.
+TEST(MotionEmergencyStop, OfABodyInDampingLetsTheMachineLieDown) {
+  for (const int tries : {3, 0}) {
+    Harness harness;
+    harness.board = Board();
+    harness.board.report.mode = 7;
+    harness.board.report.gait = 1;
+    harness.board.report.bar = 30;
+    harness.board.report.switch_status = 3;
+    harness.RunFor(Milliseconds(20));
+    const auto lies = harness.LieDown(kGetDown, tries);
+    harness.RunFor(Milliseconds(3000));
+    EXPECT_THAT(harness.answers, IsEmpty());
+    harness.board.report.bar = 100;
+    EXPECT_EQ(harness.CodeOf(lies), kCodeOk);
+    EXPECT_THAT(harness.sent, IsEmpty());
+  }
+}
+
+// The lie-down was in progress; the board reports no motion of the table.
+TEST(MotionEmergencyStop, AtTheBoardStandsNoBodyUpThatIsToLieDown) {
+  Harness harness;
+  harness.Body(140);  // recovery stand comes first
+  const auto lies = harness.LieDown(kGetDown, 0);
+  harness.RunFor(Milliseconds(50));
+  const std::size_t before = harness.sent.size();
+  harness.board = Board();
+  harness.board.report.mode = 7;
+  harness.board.report.gait = 99;
+  harness.board.report.switch_status = 3;
+  harness.RunFor(Milliseconds(3000));
+  EXPECT_EQ(harness.sent.size(), before) << "neither repeated nor sent once more";
+  EXPECT_THAT(harness.answers, IsEmpty());
+  harness.board.report.gait = 1;
+  harness.board.report.bar = 100;
+  EXPECT_EQ(harness.CodeOf(lies), kCodeOk);
+}
+
+// As by remote control, or by a recovery stand whose answer a state change has dropped.
+TEST(MotionEmergencyStop, LetsTheMachineLieDownFromANormalStand) {
+  Harness harness;
+  ASSERT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk);
+  harness.board = Board();
+  harness.Body(kRecoveryStand);
+  EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), kCodeOk);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kEmergencyStop, kGetDown));
+}
+
 TEST(MotionEmergencyStop, AtTheBoardLetsTheMachineLieDown) {
   Harness harness;
   const auto lies = harness.LieDown(kGetDown, 3);

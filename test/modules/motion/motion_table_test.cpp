@@ -219,8 +219,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& param) { return param.param.name; });
 
 TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
-  const Parsed<MotionConfig> reading =
-      ReadMotionConfigFile(SourceDir() + "/config/motion/motion_manager.toml");
+  const auto reading = ReadMotionConfigFile(SourceDir() + "/config/motion/motion_manager.toml");
   ASSERT_TRUE(reading.config);
   MotionConfig defaults;
   defaults.motions = SourceDir() + "/config/motion/motions.toml";
@@ -229,7 +228,7 @@ TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
 }
 
 TEST(MotionConfigFile, TakesAllItsKeys) {
-  const Parsed<MotionConfig> reading = ReadMotionConfigText(
+  const auto reading = ReadMotionConfigText(
       "motions = \"/t.toml\"\n[priority]\nalgo = -3\n[board]\nwait_ms = 1\n"
       "silent_ms = 2\nfeedback_ms = 3\n",
       "/a/m.toml");
@@ -242,7 +241,7 @@ TEST(MotionConfigFile, TakesAllItsKeys) {
 }
 
 TEST(MotionConfigFile, TakesTheKeysOfABoardOnLcm) {
-  const Parsed<MotionConfig> reading = ReadMotionConfigText(
+  const auto reading = ReadMotionConfigText(
       "[board]\nkind = \"lcm\"\ncommand_url = \"udpm://239.1.2.3:1\"\n"
       "response_url = \"udpm://239.1.2.3:2?ttl=0\"\nlocalization_url = \"udpm://239.1.2.3:3\"\n"
       "interface = \"eth0\"\nttl = 255\nboard = \"192.168.44.233\"\n",
@@ -254,7 +253,7 @@ TEST(MotionConfigFile, TakesTheKeysOfABoardOnLcm) {
 }
 
 TEST(MotionConfigFile, TakesTheFramesAndTheirMounts) {
-  const Parsed<MotionConfig> reading = ReadMotionConfigText(
+  const auto reading = ReadMotionConfigText(
       "[tf]\npublish = true\nodom = \"dog1/odom\"\nbase = \"dog1/base_link\"\n"
       "[[tf.mount]]\nframe = \"dog1/laser\"\nxyz_m = [0.1, 0, 0.2]\nrpy_deg = [0, 0, 180]\n"
       "[[tf.mount]]\nframe = \"dog1/beam\"\nparent = \"dog1/laser\"\n",
@@ -270,7 +269,7 @@ TEST(MotionConfigFile, TakesTheFramesAndTheirMounts) {
 }
 
 TEST(MotionConfigFile, RefusesAFrameWithTwoPlacesOrNone) {
-  const Parsed<MotionConfig> reading = ReadMotionConfigText(
+  const auto reading = ReadMotionConfigText(
       "[tf]\nbase = \"odom\"\n"
       "[[tf.mount]]\nxyz_m = [1, 2]\n"
       "[[tf.mount]]\nframe = \"laser\"\n"
@@ -284,8 +283,7 @@ TEST(MotionConfigFile, RefusesAFrameWithTwoPlacesOrNone) {
 }
 
 TEST(MotionConfigFile, OfTheCyberDog2TakesItsBoardOnly) {
-  const Parsed<MotionConfig> reading =
-      ReadMotionConfigFile(SourceDir() + "/config/motion/cyberdog2.toml");
+  const auto reading = ReadMotionConfigFile(SourceDir() + "/config/motion/cyberdog2.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_EQ(reading.config->lcm.board, "192.168.44.233");
   EXPECT_TRUE(reading.config->tf.publish);
@@ -305,7 +303,7 @@ TEST(MotionConfigFile, WarnsOfTheTopicClockWhereARobotMayBe) {
 }
 
 TEST(MotionConfigFile, RefusesAWrongKindUrlAndAddressWithItsPlace) {
-  const Parsed<MotionConfig> reading = ReadMotionConfigText(
+  const auto reading = ReadMotionConfigText(
       "[board]\nkind = \"lmc\"\ncommand_url = \"udpm://192.168.44.233:7671\"\nttl = 256\n"
       "board = \"192.168.44\"\n",
       "m.toml");
@@ -316,7 +314,7 @@ TEST(MotionConfigFile, RefusesAWrongKindUrlAndAddressWithItsPlace) {
 }
 
 TEST(MotionConfigFile, IsReportedWithErrorAndPlace) {
-  const Parsed<MotionConfig> reading = ReadMotionConfigText(
+  const auto reading = ReadMotionConfigText(
       "clock = \"topic\"\nboard.wait_ms = 0\n[priority]\nap = 1\nvis = 101\n", "m.toml");
   EXPECT_FALSE(reading.config);
   std::vector<int> lines;

@@ -146,6 +146,7 @@ class RequestsOfAPage : public ::testing::Test {
   // What a node of another process gets of stops: "machine id" of each.
   struct Receiver {
     std::vector<std::string> stops;
+    std::vector<std::uint64_t> ids;  // of them
     std::set<transport::EndpointId> writers;
     std::unique_ptr<transport::Subscription> subscription;
   };
@@ -161,6 +162,7 @@ class RequestsOfAPage : public ::testing::Test {
                                                        const transport::SampleInfo& info) {
                                    to->writers.insert(info.writer);
                                    to->stops.push_back(stop.machine + " " + stop.machine_id);
+                                   to->ids.push_back(stop.id);
                                  },
                                  transport::kLatchedFromManyQos, std::move(events))
                                  .value();
@@ -338,7 +340,8 @@ TEST_F(RequestsOfAPage, ActOnNoOtherMachineThanTheOneThatAPersonSees) {
   EXPECT_THAT(done_, IsEmpty());
   const auto received = Receive(*cat.node);
   Stop({"dog", "uuid-a"});
-  EXPECT_THAT(received->stops, UnorderedElementsAre("cat uuid-b", "dog uuid-a"));
+  const std::set<std::string> stopped(received->stops.begin(), received->stops.end());
+  EXPECT_THAT(stopped, ElementsAre("cat uuid-b", "dog uuid-a"));
   Act({"cat", "uuid-b"});
   EXPECT_EQ(done_.size(), 3U);
 }
@@ -382,7 +385,10 @@ TEST_F(RequestsOfAPage, ReportAnActuatorThatHasNoEmergencyStop) {
   dog.last.emergency_stop_by = "alice";
   dog.Publish();
   Stop();
-  network_.RunFor(std::chrono::seconds(3));
+  for (int i = 0; i < 6; ++i) {
+    dog.Publish();
+    network_.RunFor(Milliseconds(500));
+  }
   EXPECT_THAT(bodies_,
               ElementsAre(AllOf(HasSubstr(R"(200 {"code":101,)"),
                                 HasSubstr("not stopped: lidar (emergency stop not supported"))));
@@ -429,6 +435,9 @@ TEST_F(RequestsOfAPage, StopWithoutWaitingForASearchOfThisHostThatHangs) {
   Find({});  // that of the beginning, which says nothing of later
   Stop();
   network_.RunFor(seconds(2));
+  status.other_stops = received->ids;
+  ASSERT_TRUE(legs->Publish(status).ok());
+  network_.RunFor(Milliseconds(100));
   EXPECT_THAT(bodies_, IsEmpty());
   Find({});
   Find({});
