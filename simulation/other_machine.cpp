@@ -126,9 +126,11 @@ void OtherMachine::EngageStop() {
   const MachineIdentity meant = robot_.EngageByProgram(id, host_, {}, false);
   checker_.OnStopEngaged(kFirstStop + stops_, id);
   robot_.on_stop_program = [this](StopId stop, bool confirmed) {
-    if (confirmed) checker_.OnStopConfirmed(stop);
+    // One by the name may reach and confirm the other machine only.
+    if (confirmed && !stops_by_name_.contains(stop)) checker_.OnStopConfirmed(stop);
   };
   robot_.on_stop_withdrawn = [this](StopId stop) { checker_.OnStopWithdrawn(stop); };
+  if (meant.id.empty()) stops_by_name_.insert(id);
   if (!meant.id.empty()) return beside_checker_.OnStopOfOther(id);
   beside_checker_.OnStopEngaged(kFirstStop + stops_, id);
   beside_checker_.OnStopWithdrawn(id);  // it may be out of range

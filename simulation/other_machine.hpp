@@ -6,6 +6,7 @@
 // Threads: the one of the network.
 
 #include <functional>
+#include <set>
 #include <string>
 
 #include "musher/simulation/checker.hpp"
@@ -45,6 +46,7 @@ class OtherMachine {
   transport::sim::Random random_;
   bool in_range_ = true;
   std::uint64_t stops_ = 0;
+  std::set<StopId> stops_by_name_;
   SimRobot robot_;
   Checker checker_;
 };

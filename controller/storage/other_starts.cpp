@@ -63,8 +63,9 @@ std::vector<fs::path> HomesOf(const std::string& users) {
 // at boot may wait for it. By text alone, which waits for nothing. `mounts`: as in
 // /proc/self/mountinfo.
 bool IsOnNetwork(const fs::path& path, const std::string& mounts) {
-  constexpr std::array<std::string_view, 8> kTypes = {"nfs",    "nfs4", "cifs", "smb3",
-                                                      "autofs", "ceph", "9p",   "afs"};
+  constexpr std::array<std::string_view, 14> kTypes = {
+      "nfs", "nfs4",       "cifs",           "smb3",      "autofs",      "ceph",      "afs",
+      "9p",  "fuse.sshfs", "fuse.glusterfs", "fuse.ceph", "fuse.rclone", "fuse.s3fs", "fuse.davfs"};
   std::istringstream lines(mounts);
   std::size_t longest = 0;
   bool on_network = false;
@@ -79,7 +80,7 @@ bool IsOnNetwork(const fs::path& path, const std::string& mounts) {
     const bool covers = !below.empty() && *below.begin() != "..";
     if (!covers || place.native().size() < longest) continue;
     longest = place.native().size();  // of two at one place the later one
-    on_network = std::ranges::count(kTypes, field) != 0 || field.starts_with("fuse");
+    on_network = place != "/" && std::ranges::count(kTypes, field) != 0;
   }
   return on_network;
 }
@@ -191,7 +192,11 @@ std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine, const st
     if (IsOnNetwork(home, mounts)) continue;
     struct stat info {};
     const bool seen = lstat((home / in_home).c_str(), &info) == 0;
-    const bool counts = seen ? S_ISDIR(info.st_mode) : errno != ENOENT && errno != ENOTDIR;
+    bool counts = seen || (errno != ENOENT && errno != ENOTDIR);
+    if (seen && S_ISLNK(info.st_mode)) {
+      std::error_code error;
+      counts = !IsOnNetwork(fs::read_symlink(home / in_home, error), mounts);
+    }
     if (counts) add(home / in_home);
   }
   return folders;

@@ -259,7 +259,8 @@ void Decision::WatchLifted() {
 }
 
 void Decision::Interrupt(Key code, const std::string& why) {
-  core_.interrupted_stream = {now_, MotionCode(code), why};
+  const std::int32_t source = core_.servo ? core_.servo->source : core_.last_source;
+  core_.interrupted_stream = {now_, MotionCode(code), why, source};
 }
 
 // After it only recovery stand may follow.
@@ -622,15 +623,21 @@ void Decision::ReportEmergencyStop() {
 
 void Decision::Take(const motion_event::ServoArrived& event) {
   const ServoCommand& command = event.command;
-  // Whichever source it is of: the body has one stream at a time.
-  const auto interrupted = std::exchange(core_.interrupted_stream, std::nullopt);
-  if (command.type == ServoCommand::kEnd) return EndServo(command);
+  // The body has one stream at a time: what interrupts one holds for all, until that one ends or no
+  // frame has come for a while. The end of another source's stream frees nothing.
+  const auto interrupted = core_.interrupted_stream;
+  if (command.type == ServoCommand::kEnd) {
+    if (interrupted && interrupted->source == command.source) core_.interrupted_stream.reset();
+    return EndServo(command);
+  }
+  core_.last_source = command.source;
+  core_.interrupted_stream.reset();
   if (IsLifted()) {
     Interrupt(Key::kLifted, "the body was lifted");
   } else if (core_.emergency_stop) {
     Interrupt(Key::kEstop, kWasStopped);
   } else if (interrupted && now_ - interrupted->last_frame < kServoWatchdog) {
-    core_.interrupted_stream = {now_, interrupted->code, interrupted->why};
+    core_.interrupted_stream = {now_, interrupted->code, interrupted->why, command.source};
   }
   if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
   FollowServo(command, *rules_.table.Find(command.requested.id));
@@ -662,7 +669,7 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
                  "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
   }
   if (core_.interrupted_stream) {
-    const auto& [last_frame, code, why] = *core_.interrupted_stream;
+    const auto& [last_frame, code, why, source] = *core_.interrupted_stream;
     return Error{code, why + "; end the stream, or pause it for 200 ms"};
   }
   return core_.servo ? Ok() : CheckBoard();

@@ -238,6 +238,7 @@ struct Interruption {
   Time last_frame{};
   std::int32_t code = 0;
   std::string why;
+  std::int32_t source = 0;  // of the stream, whose end ends it; another one's does not
 
   friend bool operator==(const Interruption&, const Interruption&) = default;
 };
@@ -267,6 +268,7 @@ struct MotionCore {
   bool board_silent = false;  // since its last report
   std::string board_held;     // why only stops may be sent to it; "": free
   std::optional<Interruption> interrupted_stream;
+  std::int32_t last_source = 0;     // of the last frame
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted
   bool emergency_stop = false;                          // the latch

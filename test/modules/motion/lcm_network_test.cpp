@@ -48,7 +48,7 @@ struct Cable {
   std::string own, own_address, theirs, their_address;
 };
 const Cable kToBoard = {"dog0", "10.77.0.1", "board0", "10.77.0.233"};
-const Cable kToStranger = {"wifi0", "10.88.0.1", "other0", "10.88.0.233"};
+const Cable kToOther = {"wifi0", "10.88.0.1", "other0", "10.88.0.233"};
 
 // This computer, and what is at the other ends of its cables.
 class Networks {
@@ -166,7 +166,7 @@ TEST(LcmNetwork, IsUsedOnceItComesAndWhenItComesBackWithAnotherAddress) {
 // Once the board has responded. Else a robot in the same wireless network would be taken for it.
 TEST(LcmNetwork, IsNotExchangedForAnotherOneWhenTheCableToTheBoardFails) {
   WithNetworks([](const Networks& networks) -> std::string {
-    if (!networks.PlugIn(kToStranger)) return kNoVeth;
+    if (!networks.PlugIn(kToOther)) return kNoVeth;
     EXPECT_TRUE(Ip("route add default dev wifi0"));
     Robot robot(networks, "");
     EXPECT_TRUE(robot.Reachable()) << "by the default route";
@@ -174,7 +174,7 @@ TEST(LcmNetwork, IsNotExchangedForAnotherOneWhenTheCableToTheBoardFails) {
     EXPECT_TRUE(Ip("route add 239.255.76.67/32 dev dog0"));
     EXPECT_TRUE(robot.AwaitBody(kToBoard)) << "nothing has responded before";
     EXPECT_TRUE(Ip("link delete dog0"));
-    EXPECT_FALSE(robot.AwaitBodyOrLoss(kToStranger)) << robot.log();
+    EXPECT_FALSE(robot.AwaitBodyOrLoss(kToOther)) << robot.log();
     EXPECT_FALSE(robot.Reachable());
     EXPECT_TRUE(networks.PlugIn(kToBoard));
     EXPECT_TRUE(robot.AwaitBody(kToBoard)) << "its own board is found again";

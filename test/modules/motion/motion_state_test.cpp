@@ -329,6 +329,22 @@ TEST(MotionEmergencyStop, HoldsWhereTheBoardHasNotTakenRecoveryStand) {
   EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
 }
 
+// A stick that is let go, an app that is closed: the stream that went on was taken, and the body
+// walked.
+TEST(MotionEmergencyStop, IsNotEndedForAStreamByTheEndOfAnotherSourcesStream) {
+  constexpr std::int32_t kOther = 4;
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.RequestMotion(kEmergencyStop);
+  harness.RunFor(Milliseconds(40));
+  harness.Stream(303, Milliseconds(1000));
+  harness.RequestMotion(kRecoveryStand);
+  harness.Stream(303, Milliseconds(500));
+  harness.Servo(303, kOther, {}, ServoCommand::kEnd);
+  harness.Stream(303, Milliseconds(2500));
+  EXPECT_EQ(harness.Commanded().back(), kRecoveryStand);
+}
+
 // Also one that has begun since then.
 TEST(MotionEmergencyStop, EndsAStreamThatHasToPauseOnceTheBodyStandsAgain) {
   for (const std::string stop : {"own", "of the board", "before the stream"}) {
