@@ -98,9 +98,9 @@ struct RosRobot::Wire {
   transport::Node& node;
   transport::Clock& clock;
   const std::string name_space;
-  RecentValue<Motion> odometry;         // in its own frame
-  RecentValue<Motion> motion;           // the same in the map
-  RecentValue<std::string> refused;     // why odometry has no place in the map
+  RecentValue<Motion> odometry;      // in its own frame
+  RecentValue<Motion> motion;        // the same in the map
+  RecentValue<std::string> refused;  // why odometry has no place in the map
   std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
   RecentValue<std::string> refused_objects;  // why they have no place in the map

@@ -329,7 +329,7 @@ TEST(MotionEmergencyStop, HoldsWhereTheBoardHasNotTakenRecoveryStand) {
   EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
 }
 
-// A stick that is let go, an app that is closed: the stream that went on was taken, and the body
+// A stick that is released, an app that is closed: the stream that went on was taken, and the body
 // walked.
 TEST(MotionEmergencyStop, IsNotEndedForAStreamByTheEndOfAnotherSourcesStream) {
   constexpr std::int32_t kOther = 4;
