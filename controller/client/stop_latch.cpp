@@ -381,7 +381,9 @@ bool StopLatch::IsHeld(const EstopReport& report,
     return !first || !controller->emergency_stop_by.empty();
   }
   const auto stopped = std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped);
-  const bool replaced = controller && controller->emergency_stop_by == stop_.by && stopped > 0;
+  const bool is_of_person = controller && controller->emergency_stop_by == stop_.by;
+  const bool waited = loop_.Now() - begun_ >= kDiscovery;
+  const bool replaced = controller && stopped > 0 && (is_of_person || waited);
   return (!controller || replaced) &&
          std::ranges::all_of(report.actuators, [this](const EstopReport::Actuator& actuator) {
            return !actuator.stopped || received_.at(actuator.name).has_it;
