@@ -59,6 +59,12 @@ bool IsClosed(const fs::path& folder) {
   return access(folder.c_str(), R_OK | X_OK) != 0 && errno == EACCES;
 }
 
+// Also one whose machine is not known: its file has another owner, or the disk fails.
+bool IsUnread(const fs::path& folder) {
+  if (IsClosed(folder)) return true;
+  return !OpenRegular(OriginFile(folder)).valid() && errno != ENOENT;
+}
+
 class Search {
  public:
   Search(int domain_id, const std::string& name_space)
@@ -141,7 +147,7 @@ class Search {
     for (const fs::path& folder : EntriesOf(place)) {
       std::error_code hidden;
       if (!fs::is_directory(folder, hidden)) continue;
-      if (!IsClosed(folder)) {
+      if (!IsUnread(folder)) {
         InFolder(folder);
         continue;
       }

@@ -264,7 +264,8 @@ class Stop : public OnLoop<EngagedStop> {
   }
 
   // Which actuators are stopped: (there is nothing to wait for any more, a controller leads,
-  // [(name, stopped, after_s, trouble)], why there may be more of them, else "").
+  // [(name, stopped, after_s, trouble)], why there may be more of them or this stop does not hold
+  // them, else "").
   using Actuators = std::vector<std::tuple<std::string, bool, double, std::string>>;
   std::tuple<bool, bool, Actuators, std::string> Report() {
     if (auto found = search_ ? search_->found() : std::nullopt) {
@@ -284,6 +285,7 @@ class Stop : public OnLoop<EngagedStop> {
       over = false;
       report.unknown = "this host is still being searched";
     }
+    if (report.unknown.empty()) report.unknown = report.WhyNotHeld();
     Actuators actuators;
     if (!report.found()) return {over, report.controller, {}, report.unknown};
     for (const EstopReport::Actuator& one : report.actuators) {

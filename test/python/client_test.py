@@ -1,6 +1,7 @@
 """The client of docs/python.md; the commands of that page are typed by test/docs."""
 
 import contextlib
+import copy
 import os
 import select
 import shutil
@@ -61,11 +62,11 @@ class Client(unittest.TestCase):
         self.addCleanup(self.musher, "down")
         with musher.Machine() as machine:
             robot = machine.status()
-        copy = musher.Node()
-        self.addCleanup(copy.close)
+        repeated = musher.Node()
+        self.addCleanup(repeated.close)
         status = MachineStatus(machine=robot.machine, machine_id="d0910000-0000-4000-8000-000000000003",
                                host="another boot/1", pid=7, phase="running", state="Active")
-        copy.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
+        repeated.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
         with musher.Machine(machine=robot.machine) as machine:
             self.assertEqual(machine.status().machine_id, robot.machine_id)
             machine.set("LowPower")
@@ -354,6 +355,41 @@ machine.close()
 """
 
 
+def publish_dog(node, namespace, machine_id, latched, host="another boot/1", pid=7, stop_ids=(), receives=True):
+    """The statuses of dog's controller and of its only actuator, which is stopped, and latches further stops if it
+    `receives` them; so does the controller, if it is `latched`."""
+    legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
+    status = MachineStatus(machine="dog", machine_id=machine_id, name_space=namespace, host=host, pid=pid,
+                           phase="running", state="Active", actuators=[legs], emergency_stop=latched,
+                           emergency_stop_by="anna" if latched else "", stop_ids=list(stop_ids))
+    statuses = node.publisher("musher/machine_status", MachineStatus, latched=True)
+    statuses.publish(status)
+    shown = copy.deepcopy(status)
+
+    def list_stop(stop):
+        if latched:
+            shown.stop_ids.append(f"{stop.id:016x}")
+            statuses.publish(shown)
+
+    publish_legs(node, machine_id, list_stop, receives)
+    return status
+
+
+def publish_legs(node, machine_id, on_stop=lambda stop: None, receives=True):
+    legs = ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=machine_id)
+    statuses = node.publisher("musher/actuator_status", ActuatorStatus, latched=True)
+    statuses.publish(legs)
+
+    def latch(stop):
+        meant = stop.machine in ("", "dog") and stop.machine_id in ("", machine_id)
+        if receives and meant and stop.id not in legs.other_stops:
+            legs.other_stops.append(stop.id)
+            statuses.publish(legs)
+            on_stop(stop)
+
+    node.subscribe("musher/emergency_stop", EmergencyStop, latch, latched=True)
+
+
 class StopsOfEndedPrograms(unittest.TestCase):
     """A stop that not all have confirmed is published for a minute after the end of its program."""
 
@@ -403,13 +439,7 @@ class StopsOfEndedPrograms(unittest.TestCase):
         namespace = "python_confirmed"
         node = musher.Node(namespace=namespace)
         self.addCleanup(node.close)
-        legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
-        node.publisher("musher/machine_status", MachineStatus, latched=True).publish(
-            MachineStatus(machine="dog", machine_id=DOG, name_space=namespace, host="another boot/1", pid=7,
-                          phase="running", state="Active", actuators=[legs], emergency_stop=True,
-                          emergency_stop_by="anna"))
-        node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
-            ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=DOG))
+        publish_dog(node, namespace, DOG, latched=True)
         with musher.Machine(namespace=namespace, machine="dog") as dog:
             pids = []
             confirm = _machine._native.Stop.confirm
@@ -526,16 +556,8 @@ class Stops(unittest.TestCase):
         self.addCleanup(node.close)
         return node
 
-    def publish(self, node, machine_id, latched, host="another boot/1", pid=7, stop_ids=()):
-        """The statuses of dog's controller and of its only actuator, which is stopped."""
-        legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
-        status = MachineStatus(machine="dog", machine_id=machine_id, name_space=self.NAMESPACE, host=host, pid=pid,
-                               phase="running", state="Active", actuators=[legs], emergency_stop=latched,
-                               emergency_stop_by="anna" if latched else "", stop_ids=list(stop_ids))
-        node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
-        node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
-            ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=machine_id))
-        return status
+    def publish(self, node, machine_id, latched, **more):
+        return publish_dog(node, self.NAMESPACE, machine_id, latched, **more)
 
     # A stop that another person had just engaged was released, too.
     def test_a_release_covers_the_stops_that_were_seen(self):
@@ -559,7 +581,7 @@ class Stops(unittest.TestCase):
     # A stop that another machine may not have received yet was not published any more.
     def test_a_release_ends_only_the_own_stops_that_it_covers(self):
         node = self.node()
-        self.publish(node, DOG, latched=True, stop_ids=["00000000000000a1"])
+        self.publish(node, DOG, latched=True, stop_ids=["00000000000000a1"], receives=False)
         node.serve("musher/release_emergency_stop", ReleaseEmergencyStop, lambda _: ReleaseEmergencyStop.Response())
         received = node.subscribe("musher/emergency_stop", EmergencyStop, latched=True)
         dog = self.dog()
@@ -585,6 +607,14 @@ class Stops(unittest.TestCase):
         self.assertEqual(failed.exception.code, 107)  # timeout
         self.assertEqual(failed.exception.reason,
                          "the emergency stop is engaged, but not confirmed by the controller")
+
+    # It was: the release of the earlier one let the machine go.
+    def test_a_stop_that_has_not_arrived_beside_an_earlier_one_is_not_confirmed(self):
+        node = self.node()
+        publish_dog(node, self.NAMESPACE, DOG, latched=True, stop_ids=["0" * 15 + "1"], receives=False)
+        with self.assertRaises(musher.Failure) as failed:
+            self.dog().estop("smoke", timeout_s=2.0)
+        self.assertIn("an earlier stop holds the machine, and this one has not arrived", failed.exception.reason)
 
     def test_a_stop_that_all_have_latched_is_confirmed_before_its_time_is_over(self):
         self.publish(self.node(), DOG, latched=True)
@@ -626,27 +656,45 @@ class Stops(unittest.TestCase):
             by_id = stops.take(DEADLINE_S)
             self.assertEqual((by_id.machine, by_id.machine_id), ("dog", SECOND_DOG))
 
-    def test_a_stop_ends_in_time_while_a_file_of_this_host_does_not_open(self):
+    def held_file(self, of_machine):
+        """Of the state folder of dog, which no other process can open; or its config."""
         folder = tempfile.mkdtemp(prefix="musher-python-")
         self.addCleanup(shutil.rmtree, folder)
-        state = os.path.join(folder, "musher", f"dog@{self.NAMESPACE}")
+        state = os.path.join(folder, "musher", f"dog@{self.NAMESPACE}.domain{os.environ['ROS_DOMAIN_ID']}")
         os.makedirs(state)
         origin = os.path.join(state, "machine")
+        config = os.path.join(folder, "dog.toml")
         with open(origin, "w", encoding="utf-8") as file:
-            file.write("name dog\n")
-        holder = subprocess.Popen([sys.executable, "-c", HOLD_FILE, origin], text=True, stdin=subprocess.PIPE,
+            file.write(f"name dog\nnamespace {self.NAMESPACE}\ndomain {os.environ['ROS_DOMAIN_ID']}\nfile {config}\n")
+        with open(config, "w", encoding="utf-8"):
+            pass
+        held = origin if of_machine else config
+        holder = subprocess.Popen([sys.executable, "-c", HOLD_FILE, held], text=True, stdin=subprocess.PIPE,
                                   stdout=subprocess.PIPE)
         self.addCleanup(holder.communicate)
         self.assertEqual(holder.stdout.readline(), "held\n")
-        node = self.node()
-        node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
-            ActuatorStatus(name="legs", state="Active", emergency_stop=1, machine="dog", machine_id=DOG))
+        patch = mock.patch.dict(os.environ, {"XDG_STATE_HOME": folder})
+        patch.start()
+        self.addCleanup(patch.stop)
+        return held
+
+    def test_a_stop_ends_in_time_while_a_config_of_this_host_does_not_open(self):
+        self.held_file(of_machine=False)
+        publish_legs(self.node(), DOG)
         begin = time.monotonic()
-        with mock.patch.dict(os.environ, {"XDG_STATE_HOME": folder}), self.assertRaises(musher.Failure) as failed:
+        with self.assertRaises(musher.Failure) as failed:
             self.dog().estop("smoke", timeout_s=1.0)
         self.assertLess(time.monotonic() - begin, 10.0)
         self.assertEqual(failed.exception.reason,
                          "the emergency stop is engaged, but this host is still being searched")
+
+    # It was confirmed: the folder counted as that of no machine.
+    def test_a_stop_is_not_confirmed_while_the_state_folder_of_the_machine_cannot_be_read(self):
+        folder = os.path.dirname(self.held_file(of_machine=True))
+        publish_legs(self.node(), DOG)
+        with self.assertRaises(musher.Failure) as failed:
+            self.dog().estop("smoke", timeout_s=3.0)
+        self.assertIn(f"no controller answers, and {folder} is not read", failed.exception.reason)
 
 
 if __name__ == "__main__":
