@@ -1,7 +1,9 @@
 #include "musher/simulation/module_under_test.hpp"
 
 #include <bit>
+#include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -28,6 +30,17 @@ bool HandsOver(std::uint64_t poll) {
 
 thread_local const void* current_callback = nullptr;  // whose callback runs on this thread
 
+// `limit` is waited in steps, each of which counts as its length however late it ends: where the
+// computer has no time for this process, what it waits for has had none either.
+bool WaitInSteps(std::chrono::milliseconds limit,
+                 const std::function<bool(std::chrono::milliseconds)>& ready_within) {
+  constexpr auto kStep = std::chrono::milliseconds(1);
+  for (auto waited = kStep; waited <= limit; waited += kStep) {
+    if (ready_within(kStep)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 struct ModuleUnderTest::CallbackThread {
@@ -51,7 +64,10 @@ struct ModuleUnderTest::CallbackThread {
     std::unique_lock lock(mutex);
     running = true;
     handed_over.notify_all();
-    if (!handed_over.wait_for(lock, limit, [this] { return !running; })) return Turn::kStuck;
+    const bool done = WaitInSteps(limit, [&](std::chrono::milliseconds step) {
+      return handed_over.wait_for(lock, step, [this] { return !running; });
+    });
+    if (!done) return Turn::kStuck;
     return ended ? Turn::kEnded : Turn::kPolled;
   }
 
@@ -261,7 +277,11 @@ void ModuleUnderTest::OnEmergencyStop() {
   std::thread thread([callback = callback_, promise = std::move(promise)]() mutable {
     promise.set_value(callback->harness->EmergencyStop());
   });
-  if (done.wait_for(setup_.real_time_limit) != std::future_status::ready) {
+  const bool returned =
+      WaitInSteps(setup_.real_time_limit, [&done](std::chrono::milliseconds step) {
+        return done.wait_for(step) == std::future_status::ready;
+      });
+  if (!returned) {
     stop_ = std::move(thread);
     stop_done_ = std::move(done);
     return GiveUp("its OnEmergencyStop() does not return during a callback of " + state_);

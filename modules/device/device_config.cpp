@@ -88,15 +88,27 @@ Rows BatteryRows(BatteryConfig& battery, std::optional<BatterySource>& source,
   };
 }
 
+Row SourceOfKeys(KeySource& source) {
+  return row::Required("source", "\"world\", \"input\" or \"none\"",
+                       row::Choice("source", source,
+                                   {{"world", KeySource::kWorld},
+                                    {"input", KeySource::kInput},
+                                    {"none", KeySource::kNone}}));
+}
+
+// Of keys that only a source "input" uses.
+void WarnOfInput(TableReader& reader, std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    if (!reader.Has(name)) continue;
+    reader.Warn(reader.At(name), name, "has no effect: only a source \"input\" uses it");
+  }
+}
+
 // What only a source "input" uses.
 void CheckInput(TableReader& reader, const PowerKeyConfig& key) {
   const bool is_input = key.source == KeySource::kInput;
   if (is_input) reader.Require("device", "the file of an input device, \"/dev/input/event0\"");
-  for (const std::string_view name : {"device", "key_code"}) {
-    if (!is_input && reader.Has(name)) {
-      reader.Warn(reader.At(name), name, "has no effect: only a source \"input\" uses it");
-    }
-  }
+  if (!is_input) WarnOfInput(reader, {"device", "key_code"});
 }
 
 // The same of a touch pad.
@@ -109,11 +121,7 @@ void CheckTouch(TableReader& reader, const TouchConfig& touch) {
   } else if (is_input && !reader.Has("device_name")) {
     reader.Require("device", "the file of an input device, \"/dev/input/event0\", or device_name");
   }
-  for (const std::string_view name : {"device", "device_name", "codes"}) {
-    if (!is_input && reader.Has(name)) {
-      reader.Warn(reader.At(name), name, "has no effect: only a source \"input\" uses it");
-    }
-  }
+  if (!is_input) WarnOfInput(reader, {"device", "device_name", "codes"});
   if (touch.codes == TouchCodes{}) {
     reader.Fault(reader.At("codes"), "codes",
                  "expected the number of a key for tap, single, double or hold");
@@ -125,11 +133,7 @@ constexpr std::int64_t kHighestCode = 767;  // KEY_MAX of the kernel
 Rows TouchRows(TouchConfig& touch, const std::filesystem::path& folder) {
   TouchCodes& codes = touch.codes;
   return {
-      row::Required("source", "\"world\", \"input\" or \"none\"",
-                    row::Choice("source", touch.source,
-                                {{"world", KeySource::kWorld},
-                                 {"input", KeySource::kInput},
-                                 {"none", KeySource::kNone}})),
+      SourceOfKeys(touch.source),
       row::File("device", touch.input.file, folder),
       row::Text("device_name", touch.input.name),
       [&codes](TableReader& reader) {
@@ -145,11 +149,7 @@ Rows TouchRows(TouchConfig& touch, const std::filesystem::path& folder) {
 
 Rows PowerKeyRows(PowerKeyConfig& key, const std::filesystem::path& folder) {
   return {
-      row::Required("source", "\"world\", \"input\" or \"none\"",
-                    row::Choice("source", key.source,
-                                {{"world", KeySource::kWorld},
-                                 {"input", KeySource::kInput},
-                                 {"none", KeySource::kNone}})),
+      SourceOfKeys(key.source),
       row::File("device", key.device, folder),
       row::Integer("key_code", key.code, 1, kHighestCode),
       row::Time("hold_ms", key.hold, kLeastPeriodMs),

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <climits>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <utility>
 
@@ -29,20 +30,6 @@ UniqueFd OpenFile(const std::string& file) {
   return UniqueFd(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
 }
 
-// The device of that name; not valid: none.
-UniqueFd OpenByName(const std::string& name) {
-  for (const std::filesystem::path& entry : EntriesOf("/dev/input")) {
-    if (!entry.filename().string().starts_with("event")) continue;
-    UniqueFd fd = OpenFile(entry);
-    std::array<char, 256> its_name{};
-    const bool named =
-        fd.valid() && ioctl(fd.get(), EVIOCGNAME(its_name.size() - 1), its_name.data()) >= 0;
-    if (named && name == its_name.data()) return fd;
-  }
-  errno = ENODEV;
-  return UniqueFd();
-}
-
 // Why these keys cannot be read from the file; "": they can. A pipe may have the events of a
 // device.
 std::string FaultOf(int fd, const std::vector<std::uint16_t>& codes) {
@@ -59,6 +46,26 @@ std::string FaultOf(int fd, const std::vector<std::uint16_t>& codes) {
   return "";
 }
 
+// The device of that name, the one with these keys if several have it; not valid: none. Its name is
+// read without opening it: each opened device takes milliseconds to close.
+UniqueFd OpenByName(const std::string& name, const std::vector<std::uint16_t>& codes) {
+  UniqueFd found;
+  int why_not = ENODEV;
+  for (const std::filesystem::path& entry : EntriesOf("/sys/class/input")) {
+    const std::string device = entry.filename();
+    if (!device.starts_with("event") || ReadFile(entry / "device/name") != name + "\n") continue;
+    UniqueFd fd = OpenFile("/dev/input/" + device);
+    if (!fd.valid()) {
+      why_not = errno;  // as without permission
+      continue;
+    }
+    found = std::move(fd);
+    if (FaultOf(found.get(), codes).empty()) return found;
+  }
+  errno = why_not;
+  return found;
+}
+
 }  // namespace
 
 InputDevice::InputDevice(transport::EventLoop& loop, InputSource source,
@@ -71,9 +78,11 @@ InputDevice::InputDevice(transport::EventLoop& loop, InputSource source,
 }
 
 void InputDevice::Open() {
-  fd_ = source_.file.empty() ? OpenByName(source_.name) : OpenFile(source_.file);
+  fd_ = source_.file.empty() ? OpenByName(source_.name, codes_) : OpenFile(source_.file);
   if (!fd_.valid()) return Lose(std::strerror(errno));
   if (const std::string fault = FaultOf(fd_.get(), codes_); !fault.empty()) return Lose(fault);
+  const int clock = CLOCK_MONOTONIC;
+  ioctl(fd_.get(), EVIOCSCLOCKID, &clock);  // a pipe has none
   readable_ = loop_.WhenReadable(fd_.get(), [this] { Read(); });
   if (!fault_.empty()) events_.log(name() + " is available");
   fault_.clear();
@@ -87,10 +96,15 @@ void InputDevice::Read() {
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (size <= 0) return Lose(size == 0 ? "it was closed" : std::strerror(errno));
   constexpr std::int32_t kRepeated = 2;  // by the kernel, while the key is held
+  const Duration now = loop_.Now().time_since_epoch();
   const std::size_t count = static_cast<std::size_t>(size) / sizeof(input_event);
   for (std::size_t i = 0; i < count; ++i) {
     const input_event& event = events.at(i);
-    if (event.type == EV_SYN && event.code == SYN_DROPPED) {
+    // After a hang two touches that are read at once may have been seconds apart. 0: of a pipe.
+    const Duration at = std::chrono::seconds(event.input_event_sec) +
+                        std::chrono::microseconds(event.input_event_usec);
+    const bool late = at > Duration() && now - at > kLate;
+    if (late || (event.type == EV_SYN && event.code == SYN_DROPPED)) {
       events_.on_gap();
       return Ask();
     }

@@ -25,6 +25,8 @@ struct InputSource {
 class InputDevice {
  public:
   static constexpr Duration kReopen = std::chrono::seconds(1);
+  static constexpr Duration kLate =
+      Milliseconds(100);  // an event that has waited longer is missing
 
   // All run on the loop, and in the constructor.
   struct Events {

@@ -32,6 +32,7 @@ LcmBackend::LcmBackend(transport::EventLoop& loop, const transport::Clock& clock
       link_(loop.Now(), LinkOptions{config.board_feedback, config.lcm.board}) {
   opened_ = Open();
   Arm();
+  reopened_at_ = loop_.Now();
   reopen_timer_ = loop_.Every(kReopenPeriod, [this] { Reopen(); });
 }
 
@@ -61,6 +62,8 @@ Result<> LcmBackend::Open() {
 
 void LcmBackend::Reopen() {
   const Time now = loop_.Now();
+  const Duration since = now - std::exchange(reopened_at_, now);
+  if (since > kReopenPeriod + kReopenPeriod / 10) return;  // it hung: what waits is read first
   opened_ = commands_ && !link_.Silent(now) ? Ok() : Open();
   if (!opened_) Handle(link_.OnSendFailed(opened_.error(), now));
 }
@@ -155,7 +158,11 @@ void LcmBackend::OnLocationGroup(const LcmSample& sample) {
   const Time now = loop_.Now();
   if (!sample.packet) return;
   if (sample.packet->channel == kMotorChannel) {
-    return Handle(link_.OnMotorFrame(sample.sender, now));
+    constexpr std::size_t kMotorFrame = 248;  // bytes; a board drops another one
+    const std::size_t size = sample.packet->data.size();
+    return Handle(size == kMotorFrame
+                      ? link_.OnMotorFrame(sample.sender, now)
+                      : link_.OnMalformed(kMotorChannel, std::to_string(size) + " bytes", now));
   }
   if (sample.packet->channel != kLocalizationChannel) return;
   const auto location = DecodeLocation(sample.packet->data);

@@ -62,7 +62,8 @@ class LcmBackend : public MotionBackend {
   const Events events_;
   const LcmConfig config_;
   LcmLink link_;
-  Result<> opened_;  // the sockets, at the last try; they are kept where that has failed
+  Time reopened_at_{};  // or not needed
+  Result<> opened_;     // the sockets, at the last try; they are kept where that has failed
   std::unique_ptr<transport::LcmSocket> commands_;
   std::unique_ptr<transport::LcmSocket> responses_;
   std::unique_ptr<transport::LcmSocket> locations_;

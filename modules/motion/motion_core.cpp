@@ -239,8 +239,8 @@ void Decision::WatchLying() {
     Quiet();
   }
   if (now_ - *servo.down_since < kLiesTime) return;
-  StopServo("the body lies");
   Interrupt(Key::kBoardSilent, "the body has lain down by itself");
+  StopServo("the body lies");
 }
 
 bool Decision::IsLifted() const {
@@ -251,16 +251,19 @@ bool Decision::IsLifted() const {
 void Decision::WatchLifted() {
   if (!IsLifted()) return;
   if (core_.servo) {
-    StopServo("the body is lifted");
     Interrupt(Key::kLifted, "the body was lifted");
+    StopServo("the body is lifted");
   }
   const bool stands = core_.link.until && core_.link.command.id == kWalkStand;
   if (stands) core_.link.until = now_ + kStopRepeat;
 }
 
 void Decision::Interrupt(Key code, const std::string& why) {
-  const std::int32_t source = core_.servo ? core_.servo->source : core_.last_source;
-  core_.interrupted_stream = {now_, MotionCode(code), why, source};
+  auto& stream = core_.interrupted_stream;
+  std::set<std::int32_t> sources = stream ? std::move(stream->sources) : std::set<std::int32_t>();
+  if (core_.servo) sources.insert(core_.servo->source);
+  if (core_.last_source) sources.insert(*core_.last_source);
+  stream = {now_, MotionCode(code), why, std::move(sources)};
 }
 
 // After it only recovery stand may follow.
@@ -623,21 +626,24 @@ void Decision::ReportEmergencyStop() {
 
 void Decision::Take(const motion_event::ServoArrived& event) {
   const ServoCommand& command = event.command;
-  // The body has one stream at a time: what interrupts one holds for all, until that one ends or no
-  // frame has come for a while. The end of another source's stream frees nothing.
-  const auto interrupted = core_.interrupted_stream;
+  // The body has one stream at a time: what interrupts one holds for all, until each that has sent
+  // a frame since has ended, or no frame has come for a while.
+  auto& interrupted = core_.interrupted_stream;
   if (command.type == ServoCommand::kEnd) {
-    if (interrupted && interrupted->source == command.source) core_.interrupted_stream.reset();
+    if (core_.last_source == command.source) core_.last_source.reset();
+    const bool ends = interrupted && interrupted->sources.erase(command.source) > 0;
+    if (ends && interrupted->sources.empty()) interrupted.reset();
     return EndServo(command);
   }
   core_.last_source = command.source;
-  core_.interrupted_stream.reset();
+  if (interrupted && now_ - interrupted->last_frame >= kServoWatchdog) interrupted.reset();
   if (IsLifted()) {
     Interrupt(Key::kLifted, "the body was lifted");
   } else if (core_.emergency_stop) {
     Interrupt(Key::kEstop, kWasStopped);
-  } else if (interrupted && now_ - interrupted->last_frame < kServoWatchdog) {
-    core_.interrupted_stream = {now_, interrupted->code, interrupted->why, command.source};
+  } else if (interrupted) {
+    interrupted->last_frame = now_;
+    interrupted->sources.insert(command.source);
   }
   if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
   FollowServo(command, *rules_.table.Find(command.requested.id));
@@ -669,7 +675,7 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
                  "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
   }
   if (core_.interrupted_stream) {
-    const auto& [last_frame, code, why, source] = *core_.interrupted_stream;
+    const auto& [last_frame, code, why, sources] = *core_.interrupted_stream;
     return Error{code, why + "; end the stream, or pause it for 200 ms"};
   }
   return core_.servo ? Ok() : CheckBoard();

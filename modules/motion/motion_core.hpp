@@ -40,6 +40,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -238,7 +239,7 @@ struct Interruption {
   Time last_frame{};
   std::int32_t code = 0;
   std::string why;
-  std::int32_t source = 0;  // of the stream, whose end ends it; another one's does not
+  std::set<std::int32_t> sources;  // of the streams that have not ended: it ends with the last one
 
   friend bool operator==(const Interruption&, const Interruption&) = default;
 };
@@ -268,8 +269,8 @@ struct MotionCore {
   bool board_silent = false;  // since its last report
   std::string board_held;     // why only stops may be sent to it; "": free
   std::optional<Interruption> interrupted_stream;
-  std::int32_t last_source = 0;     // of the last frame
-  std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
+  std::optional<std::int32_t> last_source;  // of the last frame, unless its stream has ended
+  std::optional<Time> second_look;          // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted
   bool emergency_stop = false;                          // the latch
   Time stop_sent_at{};                                  // of the last stop that is not of the board

@@ -114,4 +114,11 @@ int Domain(int number) {
   return taken.at(number).id;
 }
 
+int NextDomain() {
+  static int number = 0;
+  const int domain = Domain(number++);
+  setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
+  return domain;
+}
+
 }  // namespace musher::benchmark

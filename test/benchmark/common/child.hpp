@@ -51,4 +51,7 @@ void DieWithParent();
 // still known in theirs. `number` distinguishes up to 60 domains of a run; then they repeat.
 int Domain(int number = 0);
 
+// The next of these domains. This process and its children join it from now on.
+int NextDomain();
+
 }  // namespace musher::benchmark

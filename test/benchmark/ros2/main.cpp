@@ -11,10 +11,11 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <sstream>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include "musher/controller/machine_controller.hpp"
@@ -24,19 +25,12 @@
 #include "musher/test/benchmark/common/statistics.hpp"
 #include "musher/test/contract/plain_lifecycle_manager.hpp"
 #include "musher/test/fault_injection/host/isolation.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::benchmark {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-int g_domain = 0;
-
-int NextDomain() {
-  const int domain = Domain(g_domain++);
-  setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
-  return domain;
-}
 
 // What this network namespace has sent: UDP, so without what is lost on the way.
 std::int64_t SentDatagrams() {
@@ -61,20 +55,34 @@ std::int64_t SentDatagrams() {
 // Of a switch, for each node, without what an idle machine sends.
 using Datagrams = std::vector<double>;
 
-// `count` switches at once, and then as much time of rest.
+// Waits until no fewer are sent in a second than in the one before: what has begun is over. What an
+// idle machine sends in a second.
+double AwaitRest() {
+  auto begun = Clock::now();
+  std::int64_t at_begin = SentDatagrams();
+  double before = std::numeric_limits<double>::infinity(), per_s = 0;
+  const bool rests = testing::Until([&] {
+    if (Clock::now() - begun < std::chrono::seconds(1)) return false;
+    const std::int64_t sent = SentDatagrams();
+    const auto now = Clock::now();
+    per_s = static_cast<double>(sent - std::exchange(at_begin, sent)) /
+            ToSeconds(now - std::exchange(begun, now));
+    return std::exchange(before, per_s) <= 1.1 * per_s;
+  });
+  if (!rests) Fail("the machine does not come to rest");
+  return per_s;
+}
+
+// `count` switches at once.
 void Count(const std::function<void(int)>& switch_all, int nodes, int count, Datagrams& datagrams) {
-  std::this_thread::sleep_for(std::chrono::seconds(5));  // discovery and the start are over
+  AwaitRest();  // discovery and the start are over
   const auto begun = Clock::now();
   const std::int64_t before = SentDatagrams();
   for (int i = 0; i < count; ++i) switch_all(i);
-  // Until acknowledgements and status have been sent.
-  std::this_thread::sleep_for(std::chrono::seconds(1));
-  const auto took = Clock::now() - begun;
-  const std::int64_t switched = SentDatagrams();
-  std::this_thread::sleep_for(took);
-  const std::int64_t rested = SentDatagrams();
-  const std::int64_t of_switches = (switched - before) - (rested - switched);
-  datagrams.push_back(static_cast<double>(of_switches) / (static_cast<double>(nodes) * count));
+  const double idle_per_s = AwaitRest();  // acknowledgements and status have been sent
+  const double idle = idle_per_s * ToSeconds(Clock::now() - begun);
+  const double of_switches = static_cast<double>(SentDatagrams() - before) - idle;
+  datagrams.push_back(of_switches / (static_cast<double>(nodes) * count));
 }
 
 void UnderMusher(const Fleet& fleet, int count, Datagrams& datagrams) {
@@ -124,6 +132,20 @@ void MeasureTraffic(int nodes, int switches) {
   table.Row("Musher actuators", actuators, " ");
 }
 
+// Waits until the memory of the process has been the same for so long.
+Cost AwaitSteady(pid_t pid, Duration time) {
+  Cost cost = CostOf(pid);
+  auto since = Clock::now();
+  const bool steady = testing::Until([&] {
+    const Cost now = CostOf(pid);
+    if (now.resident_mb != cost.resident_mb) since = Clock::now();
+    cost = now;
+    return Clock::now() - since >= time;
+  });
+  if (!steady) Fail("the memory of the controller does not come to rest");
+  return cost;
+}
+
 // Ten at a time, each with readers of what people look at and an answered query.
 void ComeAndGo(int domain, int observers) {
   using Status = musher_msgs_msg_dds__MachineStatus_;
@@ -148,13 +170,11 @@ void MeasureMemory(int observers) {
   Child controller({Program("benchmark_controller"), fleet.config_file()}, {},
                    Child::Output::kPiped);
   controller.AwaitOutput();
-  const auto rest = [] { std::this_thread::sleep_for(std::chrono::seconds(3)); };
-  rest();
   std::printf(
       "\n## A controller of 8 actuators, with observers that come and go, ten at a time\n\n"
       "| observers so far | RSS | PSS |\n|---|---|---|\n");
-  const auto print = [&](const std::string& what) {
-    const Cost cost = CostOf(controller.pid());
+  const auto print = [&](const std::string& what, Duration steady = std::chrono::seconds(3)) {
+    const Cost cost = AwaitSteady(controller.pid(), steady);
     std::printf("| %s | %.1f MB | %.1f MB |\n", what.c_str(), cost.resident_mb,
                 cost.proportional_mb);
     std::fflush(stdout);
@@ -162,11 +182,9 @@ void MeasureMemory(int observers) {
   print("0");
   for (int times = 1; times <= 5; ++times) {
     ComeAndGo(domain, observers);
-    rest();
     print(std::to_string(times * observers));
   }
-  std::this_thread::sleep_for(std::chrono::seconds(30));
-  print("the same, 30 s later");
+  print("the same, once it has not changed for 30 s", std::chrono::seconds(30));
 }
 
 }  // namespace

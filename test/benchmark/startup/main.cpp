@@ -22,15 +22,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-int g_domain = 0;
-
-// Each turn has a DDS domain of its own.
-int NextDomain() {
-  const int domain = Domain(g_domain++);
-  setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
-  return domain;
-}
-
 struct Times {
   std::vector<double> start_s;
   std::vector<double> switch_ms;  // deactivate all, activate all, and so on

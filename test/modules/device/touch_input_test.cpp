@@ -120,6 +120,25 @@ TEST_F(TouchInput, LeavesNoHalfDoubleTapWhenItsDeviceIsLostOrItsEventsAreDropped
   EXPECT_THAT(Touches(), ElementsAre(msg::TouchStatus::kSingle));
 }
 
+// The process hung: it reads at once what the pad had seconds apart, and it woke the robot.
+TEST_F(TouchInput, MakesNoDoubleTapOfTwoTapsThatItReadsLate) {
+  Start();
+  Run(std::chrono::seconds(10));
+  const auto ago = [&](Duration time, std::int32_t pressed) {
+    const Duration at = robot_->loop().Now().time_since_epoch() - time;
+    input_event event = Event(EV_KEY, BTN_TOUCH, pressed);
+    event.input_event_sec = std::chrono::duration_cast<std::chrono::seconds>(at).count();
+    event.input_event_usec =
+        std::chrono::duration_cast<std::chrono::microseconds>(at % std::chrono::seconds(1)).count();
+    ASSERT_EQ(write(writer_.get(), &event, sizeof(event)), static_cast<ssize_t>(sizeof(event)));
+  };
+  ago(Milliseconds(3000), 1);
+  ago(Milliseconds(2900), 0);
+  ago(Milliseconds(1000), 1);
+  ago(Milliseconds(900), 0);
+  EXPECT_THAT(Touches(), IsEmpty());
+}
+
 TEST(TouchInputDevice, IsFoundByItsName) {
   const UniqueFd uinput(open("/dev/uinput", O_WRONLY | O_NONBLOCK | O_CLOEXEC));
   if (!uinput.valid()) GTEST_SKIP() << "/dev/uinput: " << std::strerror(errno);

@@ -345,6 +345,25 @@ TEST(MotionEmergencyStop, IsNotEndedForAStreamByTheEndOfAnotherSourcesStream) {
   EXPECT_EQ(harness.Commanded().back(), kRecoveryStand);
 }
 
+// The app had sent frames, too, which were refused.
+TEST(MotionEmergencyStop, IsNotEndedForAStreamByTheEndOfAnotherOneThatWasRefusedWithIt) {
+  constexpr std::int32_t kOther = 4;
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.RequestMotion(kEmergencyStop);
+  harness.RunFor(Milliseconds(40));
+  harness.Stream(303, Milliseconds(1000));
+  harness.RequestMotion(kRecoveryStand);
+  harness.Stream(303, Milliseconds(2500));
+  harness.Servo(303, kOther);
+  harness.Servo(303, kOther, {}, ServoCommand::kEnd);
+  harness.Stream(303, Milliseconds(1000));
+  EXPECT_EQ(harness.Commanded().back(), kRecoveryStand);
+  harness.Servo(303, 0, {}, ServoCommand::kEnd);
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_EQ(harness.Commanded().back(), 303) << "all have ended";
+}
+
 // Also one that has begun since then.
 TEST(MotionEmergencyStop, EndsAStreamThatHasToPauseOnceTheBodyStandsAgain) {
   for (const std::string stop : {"own", "of the board", "before the stream"}) {

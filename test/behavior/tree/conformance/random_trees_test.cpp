@@ -101,22 +101,27 @@ class Say : public StatefulAction {
   WakeUp wake_up_;
 };
 
-class Act : public Action {
+// A leaf whose ticks end at once.
+template <class Leaf>
+class Short : public Leaf {
  public:
-  Act(Setup& setup, Robot& robot) : routine_(setup, robot) {}
+  Short(Setup& setup, Robot& robot) : routine_(setup, robot) {}
+
+ protected:
+  Status Next() { return ResultOf(routine_.Next(" ")); }
 
  private:
-  Status Do(const Tick&) override { return ResultOf(routine_.Next(" ")); }
   Routine routine_;
 };
 
-class Look : public Condition {
- public:
-  Look(Setup& setup, Robot& robot) : routine_(setup, robot) {}
+class Act : public Short<Action> {
+  using Short::Short;
+  Status Do(const Tick&) override { return Next(); }
+};
 
- private:
-  Status Evaluate(const Tick&) override { return ResultOf(routine_.Next(" ")); }
-  Routine routine_;
+class Look : public Short<Condition> {
+  using Short::Short;
+  Status Evaluate(const Tick&) override { return Next(); }
 };
 
 class Generator {
