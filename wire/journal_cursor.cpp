@@ -13,6 +13,10 @@ constexpr std::size_t kKnownEntries = 1000;
 JournalCursor::JournalCursor(std::int64_t since_ns, std::uint32_t most)
     : since_ns_(since_ns), most_(most), limit_(std::min(kFewEntries, most)) {}
 
+std::uint32_t JournalCursor::FirstLimit(std::uint32_t shown) {
+  return std::max(shown, kFewEntries);
+}
+
 JournalCursor::Id JournalCursor::IdOf(const msg::HistoryEntry& entry) {
   return {entry.epoch, entry.id, entry.wall_ns, entry.message};
 }

@@ -33,6 +33,9 @@ class JournalCursor {
   JournalCursor(const JournalCursor&) = delete;
   JournalCursor& operator=(const JournalCursor&) = delete;
 
+  // Of the first request of a reader that shows the newest `shown` entries. With fewer than that
+  // the reader would know these alone, and take all before them for new where an answer lacks them.
+  static std::uint32_t FirstLimit(std::uint32_t shown);
   // Of the next request, whose `since_wall_ns` is 0.
   std::uint32_t limit() const { return limit_; }
   // The new entries of an answer, with their events. nullopt: entries before them may be missing in

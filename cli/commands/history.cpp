@@ -264,7 +264,8 @@ std::variant<Entries, Failure> ReadWanted(const HistoryOptions& options, const S
                                           const GlobalOptions& global, Console& console,
                                           Source& source) {
   const bool newest_first = options.why && !options.lines && options.until.empty();
-  const unsigned limit = newest_first ? kLines : wanted.ReadLimit();
+  unsigned limit = newest_first ? kLines : wanted.ReadLimit();
+  if (options.follow) limit = JournalCursor::FirstLimit(limit);
   // One that follows needs the newest entry, of any time.
   auto read = source.Read(options.follow ? 0 : wanted.since, limit);
   const auto* missing = std::get_if<Failure>(&read);

@@ -90,7 +90,17 @@ config_toml::Row FrameRow(const char* key, std::string& frame) {
   };
 }
 
-// [[tf.mount]]. A frame has one place.
+// Whether `frame` is fixed on `on`, by the mounts of `config`, which form no cycle.
+bool IsFixedOn(const TfConfig& config, std::string frame, const std::string& on) {
+  while (frame != on) {
+    const auto mount = std::ranges::find(config.mounts, frame, &Mount::frame);
+    if (mount == config.mounts.end()) return false;
+    frame = mount->parent;
+  }
+  return true;
+}
+
+// [[tf.mount]]. A frame has one place, and no frame is fixed on itself, also not by others.
 void ReadMounts(TableReader& tf, TfConfig& config) {
   constexpr double kFarthestM = 10;
   constexpr double kHalfTurnDeg = 180;
@@ -113,10 +123,15 @@ void ReadMounts(TableReader& tf, TfConfig& config) {
     const bool placed = mount.frame == mount.parent || mount.frame == config.base ||
                         mount.frame == config.odom ||
                         std::ranges::count(config.mounts, mount.frame, &Mount::frame) > 0;
-    if (placed && !mount.frame.empty()) {
+    if (mount.frame.empty()) continue;  // reported by its row
+    if (placed) {
       reader.Fault(reader.At("frame"), "frame", "'" + mount.frame + "' has another place already");
+    } else if (IsFixedOn(config, mount.parent, mount.frame)) {
+      reader.Fault(reader.At("parent"), "parent",
+                   "'" + mount.parent + "' is fixed on '" + mount.frame + "': a cycle of frames");
+    } else {
+      config.mounts.push_back(std::move(mount));
     }
-    config.mounts.push_back(std::move(mount));
   }
 }
 

@@ -113,10 +113,11 @@ void MotionShell::OnBody(const BodyState& body) {
   if (body.has_new_motion) {
     // No caller to report a failure to; the next one follows in 20 ms.
     MeasureWay(body.motion);
-    static_cast<void>(odometry_->Publish(OdometryOf(body.motion, way_m_)));
-    static_cast<void>(imu_->Publish(ImuOf(body.motion)));
+    const TfConfig& frames = dependencies_.config.tf;
+    static_cast<void>(odometry_->Publish(OdometryOf(frames, body.motion, way_m_)));
+    static_cast<void>(imu_->Publish(ImuOf(frames, body.motion)));
     if (tf_ != nullptr && tf_->MatchedReaders() > 0) {
-      static_cast<void>(tf_->Publish({{BodyFrame(dependencies_.config.tf, body.motion)}}));
+      static_cast<void>(tf_->Publish({{BodyFrame(frames, body.motion)}}));
     }
   }
   for (const auto& then : std::exchange(next_report_callbacks_, {})) then();

@@ -8,7 +8,6 @@
 namespace musher::motion {
 namespace {
 
-constexpr const char* kOdometryFrame = "odom";
 constexpr const char* kBodyFrame = "base_link_leg";
 constexpr const char* kImuFrame = "imu_link";
 
@@ -45,6 +44,12 @@ msg::TransformStamped Transform(const std::string& parent, const std::string& fr
   transform.child_frame_id = frame;
   transform.transform = {ToWire(Eigen::Vector3d(placement.translation())), Turn(placement)};
   return transform;
+}
+
+// The name of a frame of this robot: with the prefix of `base`, such as "dog1/" of
+// "dog1/base_link".
+std::string FrameOf(const TfConfig& config, const std::string& name) {
+  return config.base.substr(0, config.base.rfind('/') + 1) + name;
 }
 
 Eigen::Isometry3d PlacementOf(const Mount& mount) {
@@ -159,10 +164,10 @@ msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core) {
   return status;
 }
 
-msg::Odometry OdometryOf(const BodyMotion& motion, double way_m) {
+msg::Odometry OdometryOf(const TfConfig& config, const BodyMotion& motion, double way_m) {
   msg::Odometry odometry;
-  odometry.header = {msg::ToStamp(motion.stamp), kOdometryFrame};
-  odometry.child_frame_id = kBodyFrame;
+  odometry.header = {msg::ToStamp(motion.stamp), config.odom};
+  odometry.child_frame_id = FrameOf(config, kBodyFrame);
   const Eigen::Vector3d& at = motion.X_OB.translation();
   odometry.pose.pose = {{at.x(), at.y(), at.z()}, Turn(motion.X_OB)};
   odometry.twist.twist = {ToWire(motion.v_B), ToWire(motion.w_B)};
@@ -174,9 +179,9 @@ msg::Odometry OdometryOf(const BodyMotion& motion, double way_m) {
   return odometry;
 }
 
-msg::Imu ImuOf(const BodyMotion& motion) {
+msg::Imu ImuOf(const TfConfig& config, const BodyMotion& motion) {
   msg::Imu imu;
-  imu.header = {msg::ToStamp(motion.stamp), kImuFrame};
+  imu.header = {msg::ToStamp(motion.stamp), FrameOf(config, kImuFrame)};
   imu.orientation = Turn(motion.X_OB);
   imu.angular_velocity = ToWire(motion.w_B);
   imu.linear_acceleration = ToWire(motion.a_B);
@@ -190,10 +195,11 @@ msg::TransformStamped BodyFrame(const TfConfig& config, const BodyMotion& motion
 
 std::vector<msg::TransformStamped> FixedFrames(const TfConfig& config) {
   std::vector<msg::TransformStamped> fixed;
-  const auto is_mounted = [&config](const char* frame) {
+  const auto is_mounted = [&config](const std::string& frame) {
     return frame == config.base || std::ranges::count(config.mounts, frame, &Mount::frame) > 0;
   };
-  for (const char* frame : {kBodyFrame, kImuFrame}) {
+  for (const char* name : {kBodyFrame, kImuFrame}) {
+    const std::string frame = FrameOf(config, name);
     if (!config.publish || is_mounted(frame)) continue;
     fixed.push_back(Transform(config.base, frame, Eigen::Isometry3d::Identity(), {}));
   }

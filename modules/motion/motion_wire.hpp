@@ -34,9 +34,10 @@ inline constexpr double kTiltErrorRad = 0.02;      // which the IMU measures
 inline constexpr double kSpeedErrorMS = 0.05;
 inline constexpr double kTurnErrorRadS = 0.05;
 
+// Their frames have the names that `config` gives to those of this robot.
 // `way_m`: that the body has walked since its odometry began, which its drift grows with.
-msg::Odometry OdometryOf(const BodyMotion& motion, double way_m);
-msg::Imu ImuOf(const BodyMotion& motion);
+msg::Odometry OdometryOf(const TfConfig& config, const BodyMotion& motion, double way_m);
+msg::Imu ImuOf(const TfConfig& config, const BodyMotion& motion);
 
 // For /tf: where the body is in the frame of its odometry, at the time of the odometry.
 msg::TransformStamped BodyFrame(const TfConfig& config, const BodyMotion& motion);

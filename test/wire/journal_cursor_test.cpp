@@ -121,6 +121,17 @@ TEST(JournalCursor, RepeatsNothingWhenAnAnswerLacksTheNewestEntries) {
   EXPECT_THAT(Take(cursor, journal), IsEmpty());
 }
 
+// `history -f -n 2` printed the whole journal once a slow disk lacked these two.
+TEST(JournalCursor, RepeatsNothingWhenAnAnswerLacksTheFewEntriesThatAReaderHasShown) {
+  Journal journal;
+  JournalCursor cursor(INT64_MAX, kMost);
+  for (std::uint64_t id = 1; id <= 50; ++id) journal.Append(id, 7);
+  EXPECT_THAT(cursor.Take(journal.Newest(JournalCursor::FirstLimit(2)))->entries, IsEmpty());
+  journal.Append(51, 8);
+  EXPECT_THAT(Take(cursor, journal, 3), IsEmpty());
+  EXPECT_THAT(Take(cursor, journal), ElementsAre(51));
+}
+
 TEST(JournalCursor, AJournalThatIsBegunAgainIsAllNew) {
   Journal journal;
   JournalCursor cursor(0, kMost);

@@ -172,6 +172,39 @@ void Append(std::vector<JournalRow>& rows, JournalInput input) {
   rows.push_back({rows.empty() ? 1 : rows.back().id + 1, std::move(input)});
 }
 
+// An older version recorded fewer requesters: each of its snapshots during a TearDown differed.
+TEST(Replay, DoesNotCompareARequesterThatASnapshotLacks) {
+  auto rows = Rows();
+  MachineSnapshot recorded;
+  Time now;
+  for (JournalRow& row : rows) {
+    if (const auto* snapshot = InputOf<SnapshotPtr>(row)) recorded = **snapshot;
+    if (const auto* timed = InputOf<TimedEvent>(row)) now = timed->now;
+  }
+  event::SetStateRequested down;
+  down.target = kTearDown;
+  down.by.name = "alice@desk";
+  Append(rows, {1, TimedEvent{down, now}});
+  recorded.machine = MachineAfter(rows, ReadConfigText(RobotToml(), "dog.toml").config.value());
+  ASSERT_TRUE(recorded.machine.stopping && recorded.machine.standing);
+  const auto notes_with = [&](const std::function<void(Machine&)>& change) {
+    MachineSnapshot other = recorded;
+    change(other.machine);
+    auto all = rows;
+    Append(all, {1, std::make_shared<const MachineSnapshot>(std::move(other))});
+    return Replayed(all).notes;
+  };
+  EXPECT_THAT(notes_with([](Machine&) {}), IsEmpty());
+  EXPECT_THAT(notes_with([](Machine& machine) {
+                machine.stopping->by.name.clear();
+                machine.standing->by.clear();
+                machine.requested_by.clear();
+              }),
+              IsEmpty());
+  EXPECT_THAT(notes_with([](Machine& machine) { machine.stopping->by.name = "bob@desk"; }),
+              ElementsAre(HasSubstr("differs from the snapshot")));
+}
+
 TEST(Replay, RefusesAControllerThatIsNotInTheJournal) {
   ReplayOptions options;
   options.epoch = Epoch(99);

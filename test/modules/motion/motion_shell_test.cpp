@@ -231,6 +231,29 @@ TEST_F(MotionShellWithFrames, LatchesWhatIsFixedOnTheBody) {
   EXPECT_NEAR(frames["laser_link"].transform.rotation.z, std::sin(0.5), 1e-9);
 }
 
+// Of two robots on one network: both had fixed "base_link_leg" and "imu_link" on their bodies.
+class MotionShellOfOneOfTwoRobots : public MotionShellTest {
+ protected:
+  MotionShellOfOneOfTwoRobots()
+      : MotionShellTest({true,
+                         "dog1/odom",
+                         "dog1/base_link",
+                         {{"dog1/imu_link", "dog1/base_link", {}, {}}}}) {}
+};
+
+TEST_F(MotionShellOfOneOfTwoRobots, PublishesItsOwnFramesOnly) {
+  std::vector<msg::TfMessage> fixed;
+  ListenResolved("tf_static", fixed, transport::kLatchedQos);
+  Stream(303, {0.5F, 0, 0}, Milliseconds(200));
+  ASSERT_EQ(fixed.size(), 1U);
+  std::vector<std::string> frames;
+  for (const auto& one : fixed[0].transforms) frames.push_back(one.child_frame_id);
+  EXPECT_THAT(frames, ::testing::ElementsAre("dog1/base_link_leg", "dog1/imu_link"));
+  EXPECT_EQ(odometry_.back().header.frame_id, "dog1/odom");
+  EXPECT_EQ(odometry_.back().child_frame_id, "dog1/base_link_leg");
+  EXPECT_EQ(imu_.back().header.frame_id, "dog1/imu_link");
+}
+
 TEST_F(MotionShellTest, PublishesNoFrameUnlessItsConfigSaysSo) {
   std::vector<msg::TfMessage> frames;
   ListenResolved("tf", frames, transport::kDefaultQos);

@@ -282,6 +282,23 @@ TEST(MotionConfigFile, RefusesAFrameWithTwoPlacesOrNone) {
   EXPECT_THAT(lines, ElementsAre(2, 3, 4, 8, 10));
 }
 
+// tf2 has no place for any of them. The order of the mounts is free.
+TEST(MotionConfigFile, RefusesAMountThatClosesACycleOfFrames) {
+  const std::string chain =
+      "[tf]\n[[tf.mount]]\nframe = \"finger\"\nparent = \"hand\"\n"
+      "[[tf.mount]]\nframe = \"hand\"\nparent = \"arm\"\n";
+  EXPECT_TRUE(ReadMotionConfigText(chain + "[[tf.mount]]\nframe = \"arm\"\n", "m.toml").config);
+  const auto reading = ReadMotionConfigText(
+      chain + "[[tf.mount]]\nframe = \"arm\"\nparent = \"finger\"\n"
+              "[[tf.mount]]\nframe = \"laser\"\nparent = \"hand\"\n",
+      "m.toml");
+  EXPECT_FALSE(reading.config);
+  ASSERT_EQ(reading.diagnostics.size(), 1U);
+  EXPECT_EQ(reading.diagnostics[0].line, 10);
+  EXPECT_THAT(reading.diagnostics[0].message,
+              ::testing::HasSubstr("parent: 'finger' is fixed on 'arm': a cycle of frames"));
+}
+
 TEST(MotionConfigFile, OfTheCyberDog2TakesItsBoardOnly) {
   const auto reading = ReadMotionConfigFile(SourceDir() + "/config/motion/cyberdog2.toml");
   ASSERT_TRUE(reading.config);

@@ -121,7 +121,7 @@ msg::Odometry OdometryOf(const world::World& world) {
   motion.X_OB.linear() = Eigen::AngleAxisd(at.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   motion.v_B = {world.body().speed().x(), world.body().speed().y(), 0};
   motion.w_B = world.body().turn_rate();
-  return motion::OdometryOf(motion, 0);
+  return motion::OdometryOf({}, motion, 0);
 }
 
 }  // namespace
