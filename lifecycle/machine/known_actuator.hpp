@@ -136,9 +136,9 @@ struct KnownActuator {
   // Since the release of the last emergency stop a switch has been requested that leads it up or to
   // a state of the same rank: it may switch on again.
   bool set_again = false;
-  bool met = false;  // it was present, in this run of the controller
-  // It was running already, announced itself after the machine went on, and was below its state: it
-  // stays there until a switch up is requested.
+  bool met = false;  // its process was present, in this run of the controller
+  // Its process was running already, announced itself after the machine went on, or took the place
+  // of another process, and was below its state: it stays there until a switch up is requested.
   bool found_below = false;
   std::optional<PendingCommand> command;  // the command under way
 

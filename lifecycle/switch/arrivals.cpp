@@ -43,6 +43,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
   // Restarts by another party are counted as well.
   if (!same && known.report.incarnation != 0 && known.process.pid == 0) ++known.restart.count;
   if (!same) {
+    known.met = false;
     known.found_below = false;
     processes_.ForgetEnd(seen.actuator);
     known.control.rival_until.reset();
