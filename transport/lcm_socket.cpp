@@ -36,16 +36,26 @@ std::string SenderText(const sockaddr_in& address) {
   return HostText(address) + ":" + std::to_string(ntohs(address.sin_port));
 }
 
-// The IPv4 addresses of this computer with their interfaces.
-std::vector<std::pair<std::string, in_addr>> Addresses() {
+// An IPv4 address of this computer.
+struct OwnAddress {
+  std::string network_interface;
+  in_addr address{};
+  in_addr mask{};
+};
+
+in_addr AddressOf(const sockaddr* address) {
+  sockaddr_in its{};
+  if (address != nullptr) std::memcpy(&its, address, sizeof its);
+  return its.sin_addr;
+}
+
+std::vector<OwnAddress> Addresses() {
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) return {};
-  std::vector<std::pair<std::string, in_addr>> addresses;
+  std::vector<OwnAddress> addresses;
   for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
     if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    sockaddr_in its{};
-    std::memcpy(&its, one->ifa_addr, sizeof its);
-    addresses.emplace_back(one->ifa_name, its.sin_addr);
+    addresses.push_back({one->ifa_name, AddressOf(one->ifa_addr), AddressOf(one->ifa_netmask)});
   }
   freeifaddrs(list);
   return addresses;
@@ -53,16 +63,16 @@ std::vector<std::pair<std::string, in_addr>> Addresses() {
 
 // The interface that has this address; empty: none.
 std::string InterfaceOf(const in_addr& address) {
-  for (const auto& [name, its] : Addresses()) {
-    if (its.s_addr == address.s_addr) return name;
+  for (const OwnAddress& own : Addresses()) {
+    if (own.address.s_addr == address.s_addr) return own.network_interface;
   }
   return "";
 }
 
 // The first address of this interface; zero: none.
 in_addr AddressOfInterface(const std::string& name) {
-  for (const auto& [its_name, its] : Addresses()) {
-    if (its_name == name) return its;
+  for (const OwnAddress& own : Addresses()) {
+    if (own.network_interface == name) return own.address;
   }
   return {};
 }
@@ -168,6 +178,22 @@ Result<> LcmSocket::Send(std::string_view channel, std::span<const std::byte> da
     if (send(out_.get(), packet.data(), packet.size(), 0) >= 0) return Ok();
   }
   return Failed("cannot send to", url_);
+}
+
+HostPlace PlaceOf(const std::string& sender, const std::string& network_interface) {
+  in_addr host{};
+  if (inet_pton(AF_INET, sender.substr(0, sender.rfind(':')).c_str(), &host) != 1) {
+    return HostPlace::kElsewhere;
+  }
+  HostPlace place = HostPlace::kElsewhere;
+  for (const auto& [name, address, mask] : Addresses()) {
+    if (address.s_addr == host.s_addr) return HostPlace::kThisComputer;
+    const bool by_it = network_interface.empty() || name == network_interface;
+    if (by_it && mask.s_addr != 0 && ((address.s_addr ^ host.s_addr) & mask.s_addr) == 0) {
+      place = HostPlace::kThisNetwork;
+    }
+  }
+  return place;
 }
 
 void LcmSocket::Receive() {

@@ -69,4 +69,8 @@ class LcmSocket {
   LoopHandlePtr readable_;  // last: its callback uses the rest
 };
 
+// Of the host of a sender, "192.168.44.233:41234": in the network of an address of that interface,
+// of any if it is empty. Any thread; asks the system each time.
+HostPlace PlaceOf(const std::string& sender, const std::string& network_interface);
+
 }  // namespace musher::transport

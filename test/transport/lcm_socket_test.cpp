@@ -56,6 +56,15 @@ TEST(LcmSocket, ReceivesWhatAnotherOneSendsAndNamesIt) {
   EXPECT_THAT(receiver->name(), HasSubstr("by lo (127.0.0.1)"));
 }
 
+TEST(LcmSocket, KnowsWhereTheHostOfASenderIs) {
+  EXPECT_EQ(PlaceOf("127.0.0.1:41234", "lo"), HostPlace::kThisComputer);
+  EXPECT_EQ(PlaceOf("127.1.2.3:41234", "lo"), HostPlace::kThisNetwork);
+  EXPECT_EQ(PlaceOf("127.1.2.3:41234", ""), HostPlace::kThisNetwork);
+  EXPECT_EQ(PlaceOf("127.1.2.3:41234", "musher-none"), HostPlace::kElsewhere);
+  EXPECT_EQ(PlaceOf("203.0.113.9:41234", "lo"), HostPlace::kElsewhere);
+  EXPECT_EQ(PlaceOf("", ""), HostPlace::kElsewhere);
+}
+
 // The name of a network interface that is up with multicast and an address, beside lo; "": none.
 std::string AnotherInterface() {
   ifaddrs* list = nullptr;
