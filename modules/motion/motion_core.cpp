@@ -277,6 +277,7 @@ bool Decision::IsStopped() const {
 // earlier process. A lie-down of the machine goes on, without a command: the body lies soon.
 void Decision::LatchEmergencyStop() {
   if (std::exchange(core_.emergency_stop, true)) return;
+  core_.stopped_at_board = true;
   Interrupt(Key::kEstop, kWasStopped);
   const std::int32_t status = CodeOfStatus(core_.body->switch_status);
   const std::int32_t code = MotionCode(Key::kEstop);
@@ -383,7 +384,9 @@ void Decision::Take(const motion_event::WorldRestarted&) {
   core_.stop_sent_at = {};  // the time may have gone back
   ForgetBody();
   if (walk) Stand(*walk);
-  if (core_.emergency_stop) BeginEmergencyStop(0);  // the board may not have taken it
+  // The board may not have taken it. What the board has set by itself is not for it to take: motion
+  // 0 would let a body that it damps drop.
+  if (core_.emergency_stop && !core_.stopped_at_board) BeginEmergencyStop(0);
 }
 
 // The command of the walk in progress.
@@ -824,6 +827,7 @@ void Decision::RefuseServo(const ServoCommand& command, const Error& error) {
 void Decision::BeginEmergencyStop(RequestToken token) {
   const std::int32_t code = MotionCode(Key::kEstop);
   const bool was_set = std::exchange(core_.emergency_stop, true);
+  core_.stopped_at_board = false;
   Interrupt(Key::kEstop, kWasStopped);
   if (core_.job) DropJob(code, "interrupted by emergency stop");
   if (core_.servo) {

@@ -272,6 +272,7 @@ struct MotionCore {
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted
   bool emergency_stop = false;                          // the latch
+  bool stopped_at_board = false;                        // it was set by a report, not by a command
   Time stop_sent_at{};                                  // of the last stop that is not of the board
   std::optional<Job> job;
   std::optional<Servo> servo;

@@ -398,6 +398,37 @@ TEST(MotionEmergencyStop, IsRepeatedUntilItIsTakenWhateverTheMachineDoesMeanwhil
   }
 }
 
+// Motion 0 would take the power from a body that its board damps.
+TEST(MotionEmergencyStop, ThatTheBoardHasSetIsKeptWithoutACommandWhenTheWorldRestarts) {
+  Harness harness;
+  harness.board.report.mode = 7;
+  harness.board.report.gait = 1;
+  harness.board.report.switch_status = 3;
+  harness.RunFor(Milliseconds(100));
+  harness.Do(motion_event::WorldRestarted{});
+  harness.RunFor(Milliseconds(100));
+  EXPECT_THAT(harness.sent, IsEmpty());
+  harness.board.report.switch_status = 0;
+  harness.Body(kRecoveryStand);
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_THAT(harness.sent, IsEmpty()) << "it stays stopped";
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3040);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), kCodeOk);
+}
+
+TEST(MotionEmergencyStop, ThatTheBoardHasSetIsCommandedAgainOnceItHasBeenCommanded) {
+  Harness harness;
+  harness.board.report.mode = 7;
+  harness.board.report.gait = 1;
+  harness.board.report.switch_status = 3;
+  harness.RunFor(Milliseconds(100));
+  harness.Do(motion_event::EmergencyStop{});
+  harness.RunFor(Milliseconds(1000));
+  harness.sent.clear();
+  harness.Do(motion_event::WorldRestarted{});
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kEmergencyStop));
+}
+
 // The board gives up before the body lies.
 TEST(MotionEmergencyStop, IsRepeatedAlsoAfterALieDownThatHasFailed) {
   Harness harness;
