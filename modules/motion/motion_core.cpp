@@ -65,6 +65,7 @@ class Decision {
  private:
   bool LooksAgain();
   bool IsStopped() const;
+  void NoteDamped(const BodyReport& before);
   void LatchEmergencyStop();
   void KeepStop();
   std::optional<BodyCommand> Walk() const;
@@ -218,6 +219,7 @@ void Decision::Take(const motion_event::BoardReported& event) {
   const bool was_stopped = core_.body && IsStopped();
   core_.body = event.report;
   if (IsStopped() && !was_stopped) LatchEmergencyStop();
+  NoteDamped(before);
   ReportMotors(before);
   ReportFeet(before);
   core_.body_reported_at = now_;
@@ -271,6 +273,12 @@ bool Decision::IsStopped() const {
   };
   return (present != nullptr && present->id == kEmergencyStop) || is(SwitchStatus::kEstop) ||
          is(SwitchStatus::kEdamp);
+}
+
+void Decision::NoteDamped(const BodyReport& before) {
+  const bool damped = core_.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEdamp);
+  if (!damped || !IsDown()) return core_.damped_since.reset();
+  if (!core_.damped_since || core_.body->bar != before.bar) core_.damped_since = now_;
 }
 
 // The body was stopped by another commander, such as remote control, by the board itself, or by an
@@ -406,6 +414,7 @@ std::optional<BodyCommand> Decision::Walk() const {
 
 void Decision::ForgetBody() {
   core_.body.reset();
+  core_.damped_since.reset();
   core_.second_look.reset();
   Quiet();
   core_.link.sent_at = Time::min();
@@ -483,6 +492,7 @@ bool Decision::LooksAgain() {
 void Decision::WatchBoard() {
   if (core_.body && now_ - core_.body_reported_at >= rules_.config.board_silent) {
     core_.board_silent = true;
+    core_.damped_since.reset();
   }
 }
 
@@ -1045,7 +1055,9 @@ void Decision::HaltBody(const JobMotion& motion) {
 bool Decision::Lies() const {
   const Motion* present = Present();
   if (present == nullptr || core_.BoardSilent()) return false;
-  return present->id == kEmergencyStop || (IsDown() && core_.body->bar > kDoneBar);
+  const Duration time = ExecutionTime(*rules_.table.Find(kGetDown), 0);
+  const bool sunk = core_.damped_since && now_ - *core_.damped_since >= time;
+  return present->id == kEmergencyStop || (IsDown() && (sunk || core_.body->bar > kDoneBar));
 }
 
 // It lies, or lies down.

@@ -32,7 +32,9 @@
 //     neither stands up again nor walks on, once it is put down or has stood up by recovery stand,
 //     for a stream that only goes on.
 //   - The machine's own lie-down stands no body up that is stopped: it waits until the body lies,
-//     and commands it from a normal motion only.
+//     and commands it from a normal motion only. The progress that a board reports while it damps
+//     the body may be that of the motion before: a body lies that was damped for as long as a
+//     lie-down takes (101 in the table: 5 s), in a mode of lying down and with the same progress.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
@@ -266,7 +268,9 @@ struct MotionCore {
   std::optional<BodyReport> body;
   Time body_reported_at{};
   bool board_silent = false;  // since its last report
-  std::string board_held;     // why only stops may be sent to it; "": free
+  // Since when the board has damped a body that lies down, with the same progress.
+  std::optional<Time> damped_since;
+  std::string board_held;  // why only stops may be sent to it; "": free
   std::optional<Interruption> interrupted_stream;
   std::int32_t last_source = 0;     // of the last frame
   std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
