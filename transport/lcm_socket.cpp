@@ -5,9 +5,13 @@
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <utility>
 #include <vector>
 
@@ -75,6 +79,25 @@ in_addr AddressOfInterface(const std::string& name) {
     if (own.network_interface == name) return own.address;
   }
   return {};
+}
+
+Duration WallClock() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+// The kernel's time of receipt is that of the wall clock, which may be set meanwhile.
+Duration AgeOf(msghdr& message) {
+  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
+    if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec at{};
+    std::memcpy(&at, CMSG_DATA(one), sizeof at);
+    const Duration since =
+        WallClock() - std::chrono::seconds(at.tv_sec) - std::chrono::nanoseconds(at.tv_nsec);
+    return std::clamp(since, Duration::zero(), Duration(std::chrono::seconds(1)));
+  }
+  return Duration::zero();
 }
 
 Error Failed(const std::string& what, const LcmUrl& url) {
@@ -154,6 +177,8 @@ Result<> LcmSocket::OpenReceiver(const LcmOptions& options) {
   setsockopt(in_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   // Less than asked for is no fault: it is what the system permits.
   setsockopt(in_.get(), SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+  // Without the time of receipt a datagram is as old as its handling.
+  setsockopt(in_.get(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   const sockaddr_in group = AddressOf(url_);  // not "any", which also gets other groups' datagrams
   if (bind(in_.get(), reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0) {
     return Failed("cannot receive from", url_);
@@ -199,11 +224,19 @@ HostPlace PlaceOf(const std::string& sender, const std::string& network_interfac
 void LcmSocket::Receive() {
   for (int i = 0; i < kMostInATurn; ++i) {
     sockaddr_in from{};
-    socklen_t size = sizeof from;
-    const ssize_t read = recvfrom(in_.get(), buffer_.data(), buffer_.size(), 0,
-                                  reinterpret_cast<sockaddr*>(&from), &size);
+    iovec bytes{buffer_.data(), buffer_.size()};
+    alignas(cmsghdr) std::array<std::byte, 64> control{};
+    msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof from;
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    const ssize_t read = recvmsg(in_.get(), &message, 0);
     if (read < 0) return;
     LcmSample sample;
+    sample.age = AgeOf(message);
     sample.sender = SenderText(from);
     sample.size = static_cast<std::size_t>(read);
     sample.packet = ReadLcmPacket(std::span(buffer_).first(sample.size));

@@ -29,6 +29,9 @@ struct LcmSample {
   std::string sender;               // "192.168.44.233:41234"
   std::optional<LcmPacket> packet;  // nullopt: no LCM message
   std::size_t size = 0;             // of the datagram, in bytes
+  // Since this computer received it, as its kernel has noted: how long it waited for the loop. 1 s
+  // at most.
+  Duration age{};
 };
 
 class LcmSocket {

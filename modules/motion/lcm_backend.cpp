@@ -20,6 +20,7 @@ constexpr Duration kReopenPeriod = std::chrono::seconds(1);
 
 LcmLink::Sender LcmBackend::SenderOf(const LcmSample& sample) const {
   LcmLink::Sender sender{sample.sender, sample.packet->sequence};
+  sender.age = sample.age;
   if (!link_.IsHostOfBoard(sample.sender)) {
     sender.place = transport::PlaceOf(sample.sender, responses_->network_interface());
   }

@@ -316,8 +316,9 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
   const Temperatures temperatures = body_.report.motor_temperature;
   body_.report = report;
   body_.report.motor_temperature = temperatures;
+  received_at_ = now - sender.age;
   if (looking_ && !look_end_) look_end_ = now + kLookTime;
-  NoteTaken(now);
+  NoteTaken();
   if (returns && frame_) {  // only heartbeats follow: they are no command to a board that restarted
     unconfirmed_.reset();
     ambiguous_ = false;
@@ -364,8 +365,8 @@ bool LcmLink::WaitsForStop() const {
 
 // The board does not say which command it has taken: its motion shows it. A transition that began
 // before the command belongs to another one. A stop is sent on until the body has stopped.
-void LcmLink::NoteTaken(Time now) {
-  if (!unconfirmed_ || !frame_ || now - *unconfirmed_ < kControlPeriod) return;
+void LcmLink::NoteTaken() {
+  if (!unconfirmed_ || !frame_ || received_at_ - *unconfirmed_ < kControlPeriod) return;
   const BodyReport& report = body_.report;
   if (!IsStatus(report, SwitchStatus::kTransitioning)) was_changing_ = false;
   const bool shown = report.mode == frame_->mode && report.gait == frame_->gait;
@@ -383,6 +384,7 @@ void LcmLink::HandOn(Time now, LinkOutput& output) {
   body_.report.life_count = taken_;
   output.body = body_;
   output.body->report.switch_status = StatusWithFaults(body_.report);
+  output.body->age = now - received_at_;
   body_.has_new_motion = false;
   pending_ = false;
   handed_on_ = now;

@@ -142,12 +142,13 @@ class LcmLink {
     body_.has_new_motion = false;
   }
 
-  // Whose datagram it is, its number, and where its host is; of the board's own host that is not
-  // used.
+  // Whose datagram it is, its number, where its host is (of the board's own host that is not used),
+  // and how long ago it was received.
   struct Sender {
     std::string name;
     std::uint32_t sequence = 0;
     transport::HostPlace place = transport::HostPlace::kThisNetwork;
+    Duration age{};
   };
 
   LinkOutput OnCommand(const BodyCommand& command, Time now);
@@ -219,7 +220,7 @@ class LcmLink {
   bool KeepsBodyUp(Time now) const;
   BodyCommand Heartbeat() const;
   Duration Period(Time now) const;
-  void NoteTaken(Time now);
+  void NoteTaken();
   void HandOn(Time now, LinkOutput& output);
   void WatchRate(Time now, LinkOutput& output);
   void Fault(const std::string& kind, LinkFault fault, Time now, LinkOutput& output);
@@ -258,6 +259,7 @@ class LcmLink {
   Stream temperatures_;
   BodyState body_;
   bool pending_ = false;  // body_ is not handed on yet
+  Time received_at_{};    // its report, which may have waited for the loop
   std::optional<Time> handed_on_;
   Time second_began_;
   int in_second_ = 0;  // responses

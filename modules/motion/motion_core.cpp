@@ -222,7 +222,7 @@ void Decision::Take(const motion_event::BoardReported& event) {
   NoteDamped(before);
   ReportMotors(before);
   ReportFeet(before);
-  core_.body_reported_at = now_;
+  core_.body_reported_at = now_ - event.age;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
   WatchLying();

@@ -99,6 +99,7 @@ struct ServoCommand {
 namespace motion_event {
 struct BoardReported {
   BodyReport report;
+  Duration age{};  // since it was received
 };
 struct ServoArrived {
   ServoCommand command;
@@ -266,7 +267,7 @@ struct BoardLink {
 // A plain value.
 struct MotionCore {
   std::optional<BodyReport> body;
-  Time body_reported_at{};
+  Time body_reported_at{};    // received, not handled
   bool board_silent = false;  // since its last report
   // Since when the board has damped a body that lies down, with the same progress.
   std::optional<Time> damped_since;
