@@ -27,6 +27,9 @@ struct LcmPacket {
   std::span<const std::byte> data;
 };
 
+// Where the host is that has sent a datagram.
+enum class HostPlace { kThisComputer, kThisNetwork, kElsewhere };
+
 // nullopt: the bytes are no whole LCM message.
 std::optional<LcmPacket> ReadLcmPacket(std::span<const std::byte> datagram);
 

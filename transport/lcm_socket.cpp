@@ -5,9 +5,13 @@
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <utility>
 #include <vector>
 
@@ -36,16 +40,26 @@ std::string SenderText(const sockaddr_in& address) {
   return HostText(address) + ":" + std::to_string(ntohs(address.sin_port));
 }
 
-// The IPv4 addresses of this computer with their interfaces.
-std::vector<std::pair<std::string, in_addr>> Addresses() {
+// An IPv4 address of this computer.
+struct OwnAddress {
+  std::string network_interface;
+  in_addr address{};
+  in_addr mask{};
+};
+
+in_addr AddressOf(const sockaddr* address) {
+  sockaddr_in its{};
+  if (address != nullptr) std::memcpy(&its, address, sizeof its);
+  return its.sin_addr;
+}
+
+std::vector<OwnAddress> Addresses() {
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) return {};
-  std::vector<std::pair<std::string, in_addr>> addresses;
+  std::vector<OwnAddress> addresses;
   for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
     if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    sockaddr_in its{};
-    std::memcpy(&its, one->ifa_addr, sizeof its);
-    addresses.emplace_back(one->ifa_name, its.sin_addr);
+    addresses.push_back({one->ifa_name, AddressOf(one->ifa_addr), AddressOf(one->ifa_netmask)});
   }
   freeifaddrs(list);
   return addresses;
@@ -53,18 +67,37 @@ std::vector<std::pair<std::string, in_addr>> Addresses() {
 
 // The interface that has this address; empty: none.
 std::string InterfaceOf(const in_addr& address) {
-  for (const auto& [name, its] : Addresses()) {
-    if (its.s_addr == address.s_addr) return name;
+  for (const OwnAddress& own : Addresses()) {
+    if (own.address.s_addr == address.s_addr) return own.network_interface;
   }
   return "";
 }
 
 // The first address of this interface; zero: none.
 in_addr AddressOfInterface(const std::string& name) {
-  for (const auto& [its_name, its] : Addresses()) {
-    if (its_name == name) return its;
+  for (const OwnAddress& own : Addresses()) {
+    if (own.network_interface == name) return own.address;
   }
   return {};
+}
+
+Duration WallClock() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+// The kernel's time of receipt is that of the wall clock, which may be set meanwhile.
+Duration AgeOf(msghdr& message) {
+  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
+    if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec at{};
+    std::memcpy(&at, CMSG_DATA(one), sizeof at);
+    const Duration since =
+        WallClock() - std::chrono::seconds(at.tv_sec) - std::chrono::nanoseconds(at.tv_nsec);
+    return std::clamp(since, Duration::zero(), Duration(std::chrono::seconds(1)));
+  }
+  return Duration::zero();
 }
 
 Error Failed(const std::string& what, const LcmUrl& url) {
@@ -144,6 +177,8 @@ Result<> LcmSocket::OpenReceiver(const LcmOptions& options) {
   setsockopt(in_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   // Less than asked for is no fault: it is what the system permits.
   setsockopt(in_.get(), SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+  // Without the time of receipt a datagram is as old as its handling.
+  setsockopt(in_.get(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   const sockaddr_in group = AddressOf(url_);  // not "any", which also gets other groups' datagrams
   if (bind(in_.get(), reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0) {
     return Failed("cannot receive from", url_);
@@ -170,14 +205,38 @@ Result<> LcmSocket::Send(std::string_view channel, std::span<const std::byte> da
   return Failed("cannot send to", url_);
 }
 
+HostPlace PlaceOf(const std::string& sender, const std::string& network_interface) {
+  in_addr host{};
+  if (inet_pton(AF_INET, sender.substr(0, sender.rfind(':')).c_str(), &host) != 1) {
+    return HostPlace::kElsewhere;
+  }
+  HostPlace place = HostPlace::kElsewhere;
+  for (const auto& [name, address, mask] : Addresses()) {
+    if (address.s_addr == host.s_addr) return HostPlace::kThisComputer;
+    const bool by_it = network_interface.empty() || name == network_interface;
+    if (by_it && mask.s_addr != 0 && ((address.s_addr ^ host.s_addr) & mask.s_addr) == 0) {
+      place = HostPlace::kThisNetwork;
+    }
+  }
+  return place;
+}
+
 void LcmSocket::Receive() {
   for (int i = 0; i < kMostInATurn; ++i) {
     sockaddr_in from{};
-    socklen_t size = sizeof from;
-    const ssize_t read = recvfrom(in_.get(), buffer_.data(), buffer_.size(), 0,
-                                  reinterpret_cast<sockaddr*>(&from), &size);
+    iovec bytes{buffer_.data(), buffer_.size()};
+    alignas(cmsghdr) std::array<std::byte, 64> control{};
+    msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof from;
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    const ssize_t read = recvmsg(in_.get(), &message, 0);
     if (read < 0) return;
     LcmSample sample;
+    sample.age = AgeOf(message);
     sample.sender = SenderText(from);
     sample.size = static_cast<std::size_t>(read);
     sample.packet = ReadLcmPacket(std::span(buffer_).first(sample.size));

@@ -29,6 +29,9 @@ struct LcmSample {
   std::string sender;               // "192.168.44.233:41234"
   std::optional<LcmPacket> packet;  // nullopt: no LCM message
   std::size_t size = 0;             // of the datagram, in bytes
+  // Since this computer received it, as its kernel has noted: how long it waited for the loop. 1 s
+  // at most.
+  Duration age{};
 };
 
 class LcmSocket {
@@ -68,5 +71,9 @@ class LcmSocket {
   UniqueFd in_;
   LoopHandlePtr readable_;  // last: its callback uses the rest
 };
+
+// Of the host of a sender, "192.168.44.233:41234": in the network of an address of that interface,
+// of any if it is empty. Any thread; asks the system each time.
+HostPlace PlaceOf(const std::string& sender, const std::string& network_interface);
 
 }  // namespace musher::transport

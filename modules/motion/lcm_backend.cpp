@@ -16,11 +16,16 @@ using OpenedSocket = Result<std::unique_ptr<LcmSocket>>;
 
 constexpr Duration kReopenPeriod = std::chrono::seconds(1);
 
-LcmLink::Sender SenderOf(const LcmSample& sample) {
-  return {sample.sender, sample.packet->sequence};
-}
-
 }  // namespace
+
+LcmLink::Sender LcmBackend::SenderOf(const LcmSample& sample) const {
+  LcmLink::Sender sender{sample.sender, sample.packet->sequence};
+  sender.age = sample.age;
+  if (!link_.IsHostOfBoard(sample.sender)) {
+    sender.place = transport::PlaceOf(sample.sender, responses_->network_interface());
+  }
+  return sender;
+}
 
 LcmBackend::LcmBackend(transport::EventLoop& loop, const transport::Clock& clock,
                        const MotionConfig& config, Events events)
@@ -106,7 +111,7 @@ void LcmBackend::OnGaitResult(const LcmSample& sample) {
   if (!accepted) {
     return Handle(link_.OnMalformed(kGaitResultChannel, accepted.error().message, loop_.Now()));
   }
-  if (!link_.IsHostOfBoard(sample.sender)) return;
+  if (!link_.IsOnHostOfBoard(SenderOf(sample))) return;
   if (std::exchange(answers_of_, sample.sender) != sample.sender) answers_ = {};
   const NewestOnly::Age age = answers_.Take(sample.packet->sequence, loop_.Now());
   if (age == NewestOnly::Age::kOld) return;  // or doubled: it would answer to the steps, too

@@ -47,6 +47,7 @@ class LcmBackend : public MotionBackend {
  private:
   Result<> Open();
   void Reopen();
+  LcmLink::Sender SenderOf(const transport::LcmSample& sample) const;
   void OnCommandGroup(const transport::LcmSample& sample);
   void OnResponseGroup(const transport::LcmSample& sample);
   void OnLocationGroup(const transport::LcmSample& sample);

@@ -186,12 +186,44 @@ bool LcmLink::IsBoard(const Stream& stream, const Sender& sender) const {
   const std::string_view host = HostOf(sender.name);
   if (!options_.board.empty()) return host == options_.board;
   const bool first = &stream == &responses_ && responses_.sender.empty();
-  return first || host == HostOf(responses_.sender);
+  return first || IsOnHostOfBoard(sender);
 }
 
 bool LcmLink::IsHostOfBoard(const std::string& sender) const {
   const std::string& board = options_.board;
   return HostOf(sender) == (board.empty() ? HostOf(responses_.sender) : std::string_view(board));
+}
+
+bool LcmLink::IsOnHostOfBoard(const Sender& sender) const {
+  const bool here = sender.place == transport::HostPlace::kThisComputer;
+  return IsHostOfBoard(sender.name) || (options_.board.empty() && on_this_computer_ && here);
+}
+
+// A host that was away for a while begins again, unless the board has responded since its begin.
+void LcmLink::NoteOtherHost(const Sender& sender, Time now) {
+  const std::string host(HostOf(sender.name));
+  auto found = other_hosts_.find(host);
+  if (found == other_hosts_.end()) {
+    if (other_hosts_.size() > kMostOtherHosts) return;
+    found = other_hosts_.emplace(host, OtherHost{now, now}).first;
+  }
+  OtherHost& other = found->second;
+  const bool beside = responses_.at && *responses_.at - other.first_at >= kRestartPause;
+  if (!beside && now - other.last_at >= kRestartPause) other.first_at = now;
+  other.last_at = now;
+}
+
+// Whether the board has that address now. Its last datagrams from the old one may come late.
+bool LcmLink::HasMovedTo(const Sender& sender, Time now) const {
+  if (!options_.board.empty() || other_hosts_.size() > kMostOtherHosts) return false;
+  if (sender.place == transport::HostPlace::kElsewhere) return false;
+  const auto candidate = other_hosts_.find(HostOf(sender.name));
+  if (candidate == other_hosts_.end() || now - *responses_.at < kNewAddress) return false;
+  const Time since = candidate->second.first_at;
+  if (now - since < kNewAddress || *responses_.at - since >= kRestartPause) return false;
+  return std::ranges::all_of(other_hosts_, [&](const auto& other) {
+    return other.first == candidate->first || now - other.second.last_at >= kNewAddress;
+  });
 }
 
 // It takes the commands of the same group, so that they would move two bodies.
@@ -211,12 +243,16 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
   if (!IsBoard(stream, sender)) {
     const std::string board = options_.board.empty() ? responses_.sender : options_.board;
     if (board.empty()) return Age::kOld;  // none has responded yet
-    Fault("another host",
-          {MotionCode(KeyCode::kTargetBusy), "messages of a motion board from " + sender.name +
-                                                 " are ignored: the motion board is " + board},
-          now, output);
-    NoteSecondBoard(stream, board, sender, now, output);
-    return Age::kOld;
+    if (&stream == &responses_) NoteOtherHost(sender, now);
+    if (&stream != &responses_ || !HasMovedTo(sender, now)) {
+      Fault("another host",
+            {MotionCode(KeyCode::kTargetBusy), "messages of a motion board from " + sender.name +
+                                                   " are ignored: the motion board is " + board},
+            now, output);
+      NoteSecondBoard(stream, board, sender, now, output);
+      return Age::kOld;
+    }
+    other_hosts_.erase(std::string(HostOf(sender.name)));
   }
   const bool lost = !stream.at || now - *stream.at >= kRestartPause;
   if (sender.name != stream.sender && !lost) {
@@ -230,15 +266,17 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
   }
   const bool another = !stream.sender.empty() && sender.name != stream.sender;
   if (sender.name != stream.sender) stream.order = NewestOnly();
+  if (&stream == &responses_ && !IsHostOfBoard(sender.name)) {
+    on_this_computer_ = sender.place == transport::HostPlace::kThisComputer;
+  }
   stream.sender = sender.name;
   const Age age = stream.order.Take(sender.sequence, now);
   if (age != Age::kOld) stream.at = now;
   return another ? Age::kRestarted : age;
 }
 
-void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
+void LcmLink::Restart(Time now, LinkOutput& output) {
   output.restarted = true;
-  motors_taken_ = false;
   if (stopped_) {  // which is kept
     recounts_ = 1;
     unconfirmed_ = now;
@@ -246,10 +284,6 @@ void LcmLink::Restart(const std::string& sender, Time now, LinkOutput& output) {
     wanted_ = taken_ = 0;
     Look(now + kLookTime);
   }
-  Fault("restart",
-        {MotionCode(MotionKey::kBoardSilent),
-         "the motion board (" + sender + ") has restarted: what it was commanded is void"},
-        now, output);
 }
 
 LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, Time now) {
@@ -257,19 +291,34 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
   WatchRate(now, output);  // a stream of commands puts OnTime() off
   ++in_second_;
   const bool was_silent = responses_.at && Silent(now);
+  const std::string before = responses_.sender;
+  const bool moved = !before.empty() && !IsOnHostOfBoard(sender);
   const NewestOnly::Age age = Take(responses_, sender, now, output);
   if (age == NewestOnly::Age::kOld) return output;
   const bool returns = was_silent && !stopped_ && !WaitsForStop();
   if (age == NewestOnly::Age::kRestarted) {
-    Restart(sender.name, now, output);
+    Restart(now, output);
+    if (moved) {  // its process may be the same: it may still be moved by its motors
+      output.faults.push_back(
+          {MotionCode(MotionKey::kBoardSilent), "the motion board answers from " + sender.name +
+                                                    " now, as no other host does; " + before +
+                                                    " is silent: what it was commanded is void"});
+    } else {
+      motors_taken_ = false;
+      Fault("restart",
+            {MotionCode(MotionKey::kBoardSilent),
+             "the motion board (" + sender.name + ") has restarted: what it was commanded is void"},
+            now, output);
+    }
   } else if (returns && !GoesOn(report, now)) {
     Look(now + kLookTime);  // it may have restarted all the same
   }
   const Temperatures temperatures = body_.report.motor_temperature;
   body_.report = report;
   body_.report.motor_temperature = temperatures;
+  received_at_ = now - sender.age;
   if (looking_ && !look_end_) look_end_ = now + kLookTime;
-  NoteTaken(now);
+  NoteTaken();
   if (returns && frame_) {  // only heartbeats follow: they are no command to a board that restarted
     unconfirmed_.reset();
     ambiguous_ = false;
@@ -316,8 +365,8 @@ bool LcmLink::WaitsForStop() const {
 
 // The board does not say which command it has taken: its motion shows it. A transition that began
 // before the command belongs to another one. A stop is sent on until the body has stopped.
-void LcmLink::NoteTaken(Time now) {
-  if (!unconfirmed_ || !frame_ || now - *unconfirmed_ < kControlPeriod) return;
+void LcmLink::NoteTaken() {
+  if (!unconfirmed_ || !frame_ || received_at_ - *unconfirmed_ < kControlPeriod) return;
   const BodyReport& report = body_.report;
   if (!IsStatus(report, SwitchStatus::kTransitioning)) was_changing_ = false;
   const bool shown = report.mode == frame_->mode && report.gait == frame_->gait;
@@ -335,6 +384,7 @@ void LcmLink::HandOn(Time now, LinkOutput& output) {
   body_.report.life_count = taken_;
   output.body = body_;
   output.body->report.switch_status = StatusWithFaults(body_.report);
+  output.body->age = now - received_at_;
   body_.has_new_motion = false;
   pending_ = false;
   handed_on_ = now;

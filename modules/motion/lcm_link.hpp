@@ -47,8 +47,14 @@
 //     or stands.
 //   - A frame that moves the motors directly has precedence over all commands, stops too, until the
 //     board is switched off and on: nothing begins until it has restarted, and stops are sent.
-//   - The board is the host that LinkOptions.board names, else the first one that responds, for
-//     good. Messages of other hosts are dropped.
+//   - The board is the host that LinkOptions.board names, else the first one that responds.
+//   Messages
+//     of other hosts are dropped. All addresses of this computer are one host.
+//   - A board that LinkOptions.board does not name may get another address. A host is taken for it
+//     that began to respond when the board had ended, in the network of this computer, once for
+//     1.5 s the board was silent and no third host has responded. A host that has responded beside
+//     the board never is: it is another robot's. Nothing that was commanded before holds then, but
+//     an emergency stop.
 //   - A datagram that is older than the newest of its sender is dropped. A board that answers from
 //     another port, or counts from the beginning, after 200 ms of silence has restarted: nothing
 //     that was commanded before holds.
@@ -57,6 +63,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -64,6 +71,7 @@
 #include <vector>
 
 #include "musher/modules/motion/board_message.hpp"
+#include "musher/transport/lcm_packet.hpp"
 
 namespace musher::motion {
 
@@ -78,6 +86,11 @@ inline constexpr Duration kNoRepetition = Milliseconds(500);  // of a walk: it i
 inline constexpr Duration kOtherSender = Milliseconds(600);
 inline constexpr Duration kSecondBoard = Milliseconds(1000);  // the same of a second board
 inline constexpr Duration kRestartPause = Milliseconds(200);  // after which counts may restart
+// Of a board before another host is taken for it: three times the 500 ms after which the board
+// itself takes its commander for lost.
+inline constexpr Duration kNewAddress = 3 * kNoResponse;
+// That have responded beside the board. Where there are more no other one is taken for it.
+inline constexpr std::size_t kMostOtherHosts = 8;
 inline constexpr Duration kControlPeriod = Milliseconds(10);  // an answer takes one at least
 inline constexpr Duration kBetweenReports = Milliseconds(10);
 inline constexpr Duration kSameFault = std::chrono::seconds(180);  // reported once in that time
@@ -129,10 +142,13 @@ class LcmLink {
     body_.has_new_motion = false;
   }
 
-  // Whose datagram it is, and its number.
+  // Whose datagram it is, its number, where its host is (of the board's own host that is not used),
+  // and how long ago it was received.
   struct Sender {
     std::string name;
     std::uint32_t sequence = 0;
+    transport::HostPlace place = transport::HostPlace::kThisNetwork;
+    Duration age{};
   };
 
   LinkOutput OnCommand(const BodyCommand& command, Time now);
@@ -154,8 +170,10 @@ class LcmLink {
   // When to call OnTime().
   Time NextDeadline() const;
 
-  // Whether that sender is on the host of the board.
+  // Whether that sender has the address of the board.
   bool IsHostOfBoard(const std::string& sender) const;
+  // Whether that sender is on the host of the board.
+  bool IsOnHostOfBoard(const Sender& sender) const;
 
   bool HasResponded() const { return responses_.at.has_value(); }
   // Whether the board has sent no response for 500 ms.
@@ -178,13 +196,15 @@ class LcmLink {
   bool Held(Time now) const { return motors_taken_ || HasOtherSender(now) || HasSecondBoard(now); }
   bool MaySend(const BodyCommand& command, Time now) const;
   bool IsBoard(const Stream& stream, const Sender& sender) const;
+  void NoteOtherHost(const Sender& sender, Time now);
+  bool HasMovedTo(const Sender& sender, Time now) const;
   // Whether the message is to be used; kRestarted: and its count has restarted, or the sender is
   // another one.
   NewestOnly::Age Take(Stream& stream, const Sender& sender, Time now, LinkOutput& output);
   void NoteSecondBoard(const Stream& stream, const std::string& board, const Sender& second,
                        Time now, LinkOutput& output);
   void Yield(const std::string& why, Time now, LinkOutput& output);
-  void Restart(const std::string& sender, Time now, LinkOutput& output);
+  void Restart(Time now, LinkOutput& output);
   void Look(std::optional<Time> end);
   bool HasHung(Time now);
   bool WaitsForStop() const;
@@ -200,7 +220,7 @@ class LcmLink {
   bool KeepsBodyUp(Time now) const;
   BodyCommand Heartbeat() const;
   Duration Period(Time now) const;
-  void NoteTaken(Time now);
+  void NoteTaken();
   void HandOn(Time now, LinkOutput& output);
   void WatchRate(Time now, LinkOutput& output);
   void Fault(const std::string& kind, LinkFault fault, Time now, LinkOutput& output);
@@ -227,11 +247,19 @@ class LcmLink {
   bool looking_ = true;
   std::optional<Time> look_end_;  // from the first response on
   Stream responses_;
+  bool on_this_computer_ = false;  // the board
+  // Other hosts that have responded: since when, and when last.
+  struct OtherHost {
+    Time first_at{};
+    Time last_at{};
+  };
+  std::map<std::string, OtherHost, std::less<>> other_hosts_;
   Stream locations_;
   Duration location_stamp_{};  // of the last one, by the clock of the board
   Stream temperatures_;
   BodyState body_;
   bool pending_ = false;  // body_ is not handed on yet
+  Time received_at_{};    // its report, which may have waited for the loop
   std::optional<Time> handed_on_;
   Time second_began_;
   int in_second_ = 0;  // responses

@@ -37,6 +37,8 @@ struct BodyState {
   BodyReport report;
   BodyMotion motion;
   bool has_new_motion = true;  // false: `motion` is that of an earlier report
+  // Since this computer received the report: one from before a stop does not confirm it.
+  Duration age{};
 };
 
 class MotionBackend {

@@ -65,6 +65,7 @@ class Decision {
  private:
   bool LooksAgain();
   bool IsStopped() const;
+  void NoteDamped(const BodyReport& before);
   void LatchEmergencyStop();
   void KeepStop();
   std::optional<BodyCommand> Walk() const;
@@ -218,9 +219,10 @@ void Decision::Take(const motion_event::BoardReported& event) {
   const bool was_stopped = core_.body && IsStopped();
   core_.body = event.report;
   if (IsStopped() && !was_stopped) LatchEmergencyStop();
+  NoteDamped(before);
   ReportMotors(before);
   ReportFeet(before);
-  core_.body_reported_at = now_;
+  core_.body_reported_at = now_ - event.age;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
   WatchLying();
@@ -276,10 +278,17 @@ bool Decision::IsStopped() const {
          is(SwitchStatus::kEdamp);
 }
 
+void Decision::NoteDamped(const BodyReport& before) {
+  const bool damped = core_.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEdamp);
+  if (!damped || !IsDown()) return core_.damped_since.reset();
+  if (!core_.damped_since || core_.body->bar != before.bar) core_.damped_since = now_;
+}
+
 // The body was stopped by another commander, such as remote control, by the board itself, or by an
 // earlier process. A lie-down of the machine goes on, without a command: the body lies soon.
 void Decision::LatchEmergencyStop() {
   if (std::exchange(core_.emergency_stop, true)) return;
+  core_.stopped_at_board = true;
   Interrupt(Key::kEstop, kWasStopped);
   const std::int32_t status = CodeOfStatus(core_.body->switch_status);
   const std::int32_t code = MotionCode(Key::kEstop);
@@ -386,7 +395,9 @@ void Decision::Take(const motion_event::WorldRestarted&) {
   core_.stop_sent_at = {};  // the time may have gone back
   ForgetBody();
   if (walk) Stand(*walk);
-  if (core_.emergency_stop) BeginEmergencyStop(0);  // the board may not have taken it
+  // The board may not have taken it. What the board has set by itself is not for it to take: motion
+  // 0 would let a body that it damps drop.
+  if (core_.emergency_stop && !core_.stopped_at_board) BeginEmergencyStop(0);
 }
 
 // The command of the walk in progress.
@@ -406,6 +417,7 @@ std::optional<BodyCommand> Decision::Walk() const {
 
 void Decision::ForgetBody() {
   core_.body.reset();
+  core_.damped_since.reset();
   core_.second_look.reset();
   Quiet();
   core_.link.sent_at = Time::min();
@@ -483,6 +495,7 @@ bool Decision::LooksAgain() {
 void Decision::WatchBoard() {
   if (core_.body && now_ - core_.body_reported_at >= rules_.config.board_silent) {
     core_.board_silent = true;
+    core_.damped_since.reset();
   }
 }
 
@@ -830,6 +843,7 @@ void Decision::RefuseServo(const ServoCommand& command, const Error& error) {
 void Decision::BeginEmergencyStop(RequestToken token) {
   const std::int32_t code = MotionCode(Key::kEstop);
   const bool was_set = std::exchange(core_.emergency_stop, true);
+  core_.stopped_at_board = false;
   Interrupt(Key::kEstop, kWasStopped);
   if (core_.job) DropJob(code, "interrupted by emergency stop");
   if (core_.servo) {
@@ -1047,7 +1061,9 @@ void Decision::HaltBody(const JobMotion& motion) {
 bool Decision::Lies() const {
   const Motion* present = Present();
   if (present == nullptr || core_.BoardSilent()) return false;
-  return present->id == kEmergencyStop || (IsDown() && core_.body->bar > kDoneBar);
+  const Duration time = ExecutionTime(*rules_.table.Find(kGetDown), 0);
+  const bool sunk = core_.damped_since && now_ - *core_.damped_since >= time;
+  return present->id == kEmergencyStop || (IsDown() && (sunk || core_.body->bar > kDoneBar));
 }
 
 // It lies, or lies down.

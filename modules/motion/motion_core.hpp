@@ -32,7 +32,9 @@
 //     neither stands up again nor walks on, once it is put down or has stood up by recovery stand,
 //     for a stream that only goes on.
 //   - The machine's own lie-down stands no body up that is stopped: it waits until the body lies,
-//     and commands it from a normal motion only.
+//     and commands it from a normal motion only. The progress that a board reports while it damps
+//     the body may be that of the motion before: a body lies that was damped for as long as a
+//     lie-down takes (101 in the table: 5 s), in a mode of lying down and with the same progress.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
@@ -98,6 +100,7 @@ struct ServoCommand {
 namespace motion_event {
 struct BoardReported {
   BodyReport report;
+  Duration age{};  // since it was received
 };
 struct ServoArrived {
   ServoCommand command;
@@ -265,14 +268,17 @@ struct BoardLink {
 // A plain value.
 struct MotionCore {
   std::optional<BodyReport> body;
-  Time body_reported_at{};
+  Time body_reported_at{};    // received, not handled
   bool board_silent = false;  // since its last report
-  std::string board_held;     // why only stops may be sent to it; "": free
+  // Since when the board has damped a body that lies down, with the same progress.
+  std::optional<Time> damped_since;
+  std::string board_held;  // why only stops may be sent to it; "": free
   std::optional<Interruption> interrupted_stream;
   std::optional<std::int32_t> last_source;  // of the last frame, unless its stream has ended
   std::optional<Time> second_look;          // of a turn that came late: timeouts are checked then
   std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted
   bool emergency_stop = false;                          // the latch
+  bool stopped_at_board = false;                        // it was set by a report, not by a command
   Time stop_sent_at{};                                  // of the last stop that is not of the board
   std::optional<Job> job;
   std::optional<Servo> servo;

@@ -109,7 +109,7 @@ void MotionShell::OpenServices() {
 }
 
 void MotionShell::OnBody(const BodyState& body) {
-  Do(motion_event::BoardReported{body.report});
+  Do(motion_event::BoardReported{body.report, body.age});
   if (body.has_new_motion) {
     // No caller to report a failure to; the next one follows in 20 ms.
     MeasureWay(body.motion);

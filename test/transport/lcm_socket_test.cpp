@@ -56,6 +56,32 @@ TEST(LcmSocket, ReceivesWhatAnotherOneSendsAndNamesIt) {
   EXPECT_THAT(receiver->name(), HasSubstr("by lo (127.0.0.1)"));
 }
 
+// A report from before a stop may wait in the socket until after it.
+TEST(LcmSocket, SaysHowLongADatagramHasWaitedForTheLoop) {
+  LinuxEventLoop loop;
+  std::optional<Duration> age;
+  const auto receiver =
+      LcmSocket::Open(loop, Group(9), [&](const LcmSample& sample) { age = sample.age; }).value();
+  ASSERT_TRUE(receiver->Send("a", kHello));
+  const Time sent_at = loop.Now();
+  constexpr Duration kBusy = Milliseconds(30);
+  while (loop.Now() - sent_at < kBusy) {
+  }
+  ASSERT_TRUE(
+      loop.RunUntil([&] { return age.has_value(); }, testing::In(std::chrono::seconds(20))));
+  EXPECT_GE(*age, kBusy - Milliseconds(1));
+  EXPECT_LE(*age, std::chrono::seconds(1));
+}
+
+TEST(LcmSocket, KnowsWhereTheHostOfASenderIs) {
+  EXPECT_EQ(PlaceOf("127.0.0.1:41234", "lo"), HostPlace::kThisComputer);
+  EXPECT_EQ(PlaceOf("127.1.2.3:41234", "lo"), HostPlace::kThisNetwork);
+  EXPECT_EQ(PlaceOf("127.1.2.3:41234", ""), HostPlace::kThisNetwork);
+  EXPECT_EQ(PlaceOf("127.1.2.3:41234", "musher-none"), HostPlace::kElsewhere);
+  EXPECT_EQ(PlaceOf("203.0.113.9:41234", "lo"), HostPlace::kElsewhere);
+  EXPECT_EQ(PlaceOf("", ""), HostPlace::kElsewhere);
+}
+
 // The name of a network interface that is up with multicast and an address, beside lo; "": none.
 std::string AnotherInterface() {
   ifaddrs* list = nullptr;

@@ -47,7 +47,7 @@ class LcmChain : public ::testing::Test {
     }
     if (output.restarted) Do(motion_event::BoardRestarted{});
     if (output.held_by) Do(motion_event::BoardHeld{*output.held_by});
-    if (output.body) Do(motion_event::BoardReported{output.body->report});
+    if (output.body) Do(motion_event::BoardReported{output.body->report, output.body->age});
   }
   void Do(const MotionEvent& event) {
     for (const MotionAction& action : Step(Rules(), core_, event, now_)) {
@@ -185,6 +185,41 @@ TEST_F(LcmChain, ConfirmsNoEmergencyStopByAReportFromBeforeIt) {
   EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("has not reported since the stop"));
   RunFor(Milliseconds(300));
   EXPECT_EQ(StopTrouble(Rules(), core_), "");
+}
+
+// Received before it, and handled after it: it had waited for the loop, or for the 10 ms between
+// two reports that are handed on.
+TEST_F(LcmChain, ConfirmsNoEmergencyStopByAReportThatWasReceivedBeforeIt) {
+  for (const bool loop : {true, false}) {
+    link_ = LcmLink(now_, {config_.board_feedback, ""});
+    core_ = MotionCore();
+    Do(motion_event::Opened{});
+    board_ = WireBoard(0, 0);
+    RunFor(Milliseconds(500));
+    const BodyReport off = board_.Report(now_);
+    now_ += Milliseconds(20);
+    if (!loop) {  // the second one of 10 ms waits in the link
+      Handle(link_.OnResponse({"192.168.44.233:1", ++sequence_}, off, now_));
+      now_ += Milliseconds(2);
+      Handle(link_.OnResponse({"192.168.44.233:1", ++sequence_}, off, now_));
+    }
+    const Time received_at = now_;
+    now_ += Milliseconds(1);
+    Request(kRecoveryStand);
+    Do(motion_event::EmergencyStop{});
+    now_ += Milliseconds(12);
+    if (loop) {
+      LcmLink::Sender sender{"192.168.44.233:1", ++sequence_};
+      sender.age = now_ - received_at;
+      Handle(link_.OnResponse(sender, off, now_));
+    } else {
+      Handle(link_.OnTime(now_));
+    }
+    EXPECT_EQ(core_.body_reported_at, received_at);
+    EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("has not reported since the stop")) << loop;
+    RunFor(Milliseconds(300));
+    EXPECT_EQ(StopTrouble(Rules(), core_), "");
+  }
 }
 
 TEST_F(LcmChain, DoesNotWalkOnAfterARestartOfTheBoardBeforeTheStreamHasPaused) {

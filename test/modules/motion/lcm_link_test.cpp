@@ -32,6 +32,16 @@ class LcmLinkTest : public ::testing::Test {
   LinkOutput Respond(const BodyReport& report) {
     return Keep(link_.OnResponse({kBoard, ++sequence_}, report, now_));
   }
+  // Another host responds each 20 ms, beside the board if that responds.
+  void RespondFrom(const std::string& name, Duration duration, std::int8_t mode = 7,
+                   transport::HostPlace place = transport::HostPlace::kThisNetwork) {
+    BodyReport report;
+    report.mode = mode;
+    report.gait = mode == 11 ? std::int8_t{27} : std::int8_t{0};
+    for (const Time end = now_ + duration; now_ < end; RunFor(Milliseconds(20))) {
+      Keep(link_.OnResponse({name, ++sequence_, place}, report, now_));
+    }
+  }
   // Time passes, with a response each 20 ms if `responds_`.
   void RunFor(Duration duration, std::int8_t mode = 12, std::int8_t gait = 0,
               std::int8_t status = 0) {
@@ -633,6 +643,114 @@ TEST_F(LcmLinkTest, DoesNotTakeTheBoardOfAnotherHostForItsOwnOneThatIsSilent) {
   EXPECT_THAT(held_by_, HasSubstr("192.168.1.5:1"));
   EXPECT_TRUE(Keep(link_.OnResponse({"192.168.44.233:51111", 1}, other, now_)).body);
   EXPECT_TRUE(restarted_) << "its own one is found again";
+}
+
+// Its address comes from DHCP, or it answers by another interface: its messages were ignored until
+// the motion manager was restarted.
+TEST_F(LcmLinkTest, FindsItsBoardAtAnotherAddressOnceItIsSilentAndNoOtherHostResponds) {
+  Stand();
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(100), 11, 27);
+  responds_ = false;
+  frames_.clear();
+  RespondFrom("192.168.44.77:40000", Milliseconds(1400), 11);
+  EXPECT_FALSE(restarted_) << "its own one may only be slow";
+  EXPECT_EQ(held_by_.substr(0, held_by_.find(';')),
+            "two motion boards take these commands: 192.168.44.233:40000, 192.168.44.77:40000");
+  RespondFrom("192.168.44.77:40000", Milliseconds(200), 11);
+  EXPECT_TRUE(restarted_) << "what was commanded is void";
+  EXPECT_THAT(faults_.back().text, AllOf(HasSubstr("answers from 192.168.44.77:40000 now"),
+                                         HasSubstr("192.168.44.233:40000 is silent")));
+  EXPECT_EQ(bodies_.back().report.mode, 11);
+  RespondFrom("192.168.44.77:40000", Milliseconds(1500), 12);
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.vel[0], 0) << "it walks no further";
+  EXPECT_EQ(held_by_, "");
+  Command(62, 2);
+  EXPECT_EQ(frames_.back().mode, 62);
+  Keep(link_.OnLocation({"192.168.44.77:40000", 9}, BoardLocation(), Milliseconds(7), now_));
+  RespondFrom("192.168.44.77:40000", Milliseconds(40), 62);
+  EXPECT_TRUE(std::ranges::any_of(bodies_, &BodyState::has_new_motion)) << "its odometry, too";
+}
+
+// It began while the board still responded: it is another robot's.
+TEST_F(LcmLinkTest, NeverTakesAHostForItsBoardThatHasRespondedBesideIt) {
+  Stand();
+  RespondFrom("192.168.44.5:1", Milliseconds(400));
+  responds_ = false;
+  RespondFrom("192.168.44.5:1", std::chrono::seconds(20));
+  RunFor(std::chrono::seconds(5));
+  RespondFrom("192.168.44.5:1", std::chrono::seconds(20));
+  EXPECT_FALSE(restarted_);
+  responds_ = true;
+  RunFor(Milliseconds(1500));
+  EXPECT_EQ(bodies_.back().report.mode, 12) << "its own one is back";
+}
+
+TEST_F(LcmLinkTest, TakesNeitherOfTwoOtherHostsForItsBoard) {
+  Stand();
+  responds_ = false;
+  for (int i = 0; i < 500; ++i) {
+    RespondFrom("192.168.44.5:1", Milliseconds(20));
+    RespondFrom("192.168.44.6:1", Milliseconds(20));
+  }
+  EXPECT_FALSE(restarted_);
+  EXPECT_NE(held_by_, "");
+  RespondFrom("192.168.44.6:1", Milliseconds(1600));
+  EXPECT_TRUE(restarted_) << "the other one has ended";
+}
+
+TEST_F(LcmLinkTest, TakesNoHostOfAnotherNetworkForItsBoard) {
+  Stand();
+  responds_ = false;
+  RespondFrom("10.0.0.5:1", std::chrono::seconds(20), 7, transport::HostPlace::kElsewhere);
+  EXPECT_FALSE(restarted_);
+}
+
+TEST_F(LcmLinkTest, TakesNoOtherHostForABoardThatIsNamed) {
+  link_ = LcmLink(now_, {kNoResponse, "192.168.44.233"});
+  Stand();
+  responds_ = false;
+  RespondFrom("192.168.44.77:40000", std::chrono::seconds(20));
+  EXPECT_FALSE(restarted_);
+}
+
+TEST_F(LcmLinkTest, SendsAnEmergencyStopAlsoToTheNewAddressOfItsBoard) {
+  Stand();
+  Command(0, 0);
+  RunFor(Milliseconds(100), 0, 0, 2);
+  responds_ = false;
+  RespondFrom("192.168.44.77:40000", Milliseconds(1600), 11);
+  ASSERT_TRUE(restarted_);
+  frames_.clear();
+  RespondFrom("192.168.44.77:40000", Milliseconds(500), 11);
+  ASSERT_FALSE(frames_.empty());
+  for (const BodyCommand& frame : frames_) EXPECT_EQ(frame.mode, 0);
+  EXPECT_GE(NewCounts(), 2);
+}
+
+// A new address is no restart of the board's process.
+TEST_F(LcmLinkTest, KnowsOfAProgramThatMovesTheMotorsWhenItsBoardGetsAnotherAddress) {
+  Stand();
+  Keep(link_.OnMotorFrame("192.168.44.9:1", now_));
+  responds_ = false;
+  RespondFrom("192.168.44.77:40000", std::chrono::seconds(4), 12);
+  ASSERT_TRUE(restarted_);
+  EXPECT_THAT(held_by_, HasSubstr("moves the motors directly"));
+}
+
+TEST_F(LcmLinkTest, TakesAllAddressesOfThisComputerForOneHost) {
+  const auto respond = [&](const std::string& name) {
+    BodyReport report;
+    report.mode = 12;
+    return Keep(
+        link_.OnResponse({name, ++sequence_, transport::HostPlace::kThisComputer}, report, now_));
+  };
+  EXPECT_TRUE(respond("192.168.1.20:1").body);
+  now_ += kRestartPause;
+  EXPECT_TRUE(respond("10.0.0.7:1").body);
+  now_ += kRestartPause;
+  EXPECT_TRUE(respond("127.0.0.1:1").body);
+  EXPECT_EQ(held_by_, "");
 }
 
 TEST_F(LcmLinkTest, SendsACommandAfterARestartOfTheBoardThatHasTheCountOfTheOneBefore) {

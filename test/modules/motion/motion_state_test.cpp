@@ -417,6 +417,37 @@ TEST(MotionEmergencyStop, IsRepeatedUntilItIsTakenWhateverTheMachineDoesMeanwhil
   }
 }
 
+// Motion 0 would take the power from a body that its board damps.
+TEST(MotionEmergencyStop, ThatTheBoardHasSetIsKeptWithoutACommandWhenTheWorldRestarts) {
+  Harness harness;
+  harness.board.report.mode = 7;
+  harness.board.report.gait = 1;
+  harness.board.report.switch_status = 3;
+  harness.RunFor(Milliseconds(100));
+  harness.Do(motion_event::WorldRestarted{});
+  harness.RunFor(Milliseconds(100));
+  EXPECT_THAT(harness.sent, IsEmpty());
+  harness.board.report.switch_status = 0;
+  harness.Body(kRecoveryStand);
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_THAT(harness.sent, IsEmpty()) << "it stays stopped";
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3040);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), kCodeOk);
+}
+
+TEST(MotionEmergencyStop, ThatTheBoardHasSetIsCommandedAgainOnceItHasBeenCommanded) {
+  Harness harness;
+  harness.board.report.mode = 7;
+  harness.board.report.gait = 1;
+  harness.board.report.switch_status = 3;
+  harness.RunFor(Milliseconds(100));
+  harness.Do(motion_event::EmergencyStop{});
+  harness.RunFor(Milliseconds(1000));
+  harness.sent.clear();
+  harness.Do(motion_event::WorldRestarted{});
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kEmergencyStop));
+}
+
 // The board gives up before the body lies.
 TEST(MotionEmergencyStop, IsRepeatedAlsoAfterALieDownThatHasFailed) {
   Harness harness;
@@ -446,6 +477,48 @@ TEST(MotionEmergencyStop, OfABodyInDampingLetsTheMachineLieDown) {
     EXPECT_EQ(harness.CodeOf(lies), kCodeOk);
     EXPECT_THAT(harness.sent, IsEmpty());
   }
+}
+
+// The progress that its board reports may be that of the motion before: the lie-down waited for
+// all of the state's time.
+TEST(MotionEmergencyStop, OfABodyInDampingLetsTheMachineLieDownWithAnOldProgress) {
+  for (const int tries : {3, 0}) {
+    Harness harness;
+    harness.board = Board();
+    harness.board.report.mode = 7;
+    harness.board.report.gait = 1;
+    harness.board.report.bar = 30;
+    harness.board.report.switch_status = 3;
+    harness.RunFor(Milliseconds(20));
+    const auto lies = harness.LieDown(kGetDown, tries);
+    harness.RunFor(Milliseconds(3000));
+    harness.board.report.bar = 40;
+    harness.RunFor(Milliseconds(4900));
+    EXPECT_THAT(harness.answers, IsEmpty()) << "it went on 4900 ms ago";
+    harness.RunFor(Milliseconds(700));
+    ASSERT_EQ(harness.answers.count(lies), 1U);
+    EXPECT_EQ(harness.answers.at(lies).code, kCodeOk);
+    const auto again = harness.LieDown(kPassiveGetDown, tries);
+    EXPECT_EQ(harness.answers.count(again), 1U) << "it lies already";
+    EXPECT_THAT(harness.sent, IsEmpty()) << "it is not stood up";
+  }
+}
+
+TEST(MotionEmergencyStop, OfABodyInDampingCountsNoTimeInWhichItsBoardIsSilent) {
+  Harness harness;
+  harness.board = Board();
+  harness.board.report.mode = 7;
+  harness.board.report.gait = 1;
+  harness.board.report.switch_status = 3;
+  harness.board.report.bar = 30;
+  harness.RunFor(Milliseconds(3000));
+  harness.board.silent = true;
+  harness.RunFor(Milliseconds(3000));
+  harness.board.silent = false;
+  const auto lies = harness.LieDown(kGetDown, 0);
+  harness.RunFor(Milliseconds(4000));
+  EXPECT_THAT(harness.answers, IsEmpty());
+  EXPECT_EQ(harness.CodeOf(lies), kCodeOk);
 }
 
 // The lie-down was in progress; the board reports no motion of the table.
