@@ -127,11 +127,14 @@ struct RosRobot::Wire {
   void SubscribeFrames(transport::Endpoints& endpoints);
   void SubscribeScans(transport::Endpoints& endpoints);
   void SubscribeDrives(transport::Endpoints& endpoints);
+  void SubscribeCommandsOfOthers(transport::Endpoints& endpoints);
   void OnOdometry(const msg::Odometry& message);
   void OnTeleop(const msg::Twist& twist);
   void OnBattery(const msg::BatteryState& battery);
   void RefuseBattery(const msg::BatteryState& battery);
   void HoldPlace();
+  // Once for each end of the hold.
+  void LogEndOfHold();
   void Log(LogLevel level, const std::string& line) const {
     if (log_) log_(level, line);
   }
@@ -141,6 +144,8 @@ struct RosRobot::Wire {
   std::string body_frame_;   // of the twist of the odometry
   bool holding_ = false;     // the last command is that of `hold`
   bool stood_high_ = false;  // with a low battery; logged once
+  bool end_logged_ = false;  // of the hold
+  Time driven_until_{};      // by the controller, as far as it is known
   std::string low_battery_;
   std::optional<Time> battery_differs_since_;  // from low_battery_, in all samples
   bool battery_refused_ = false;               // logged once
