@@ -290,6 +290,7 @@ void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
   body_frame_ = message.child_frame_id;
   velocity->OnMotion(*pose, ToMapFrame(message.twist.twist, 0), stamp);
   odometry.Set({*pose, ToMapFrame(message.twist.twist, pose->yaw_rad)}, Now());
+  travelled.Add(*pose);
   const auto frame = InMap(message.header.frame_id);
   if (!frame) return refused.Set(frame.error().message, Now());
   const navigation::Pose here = navigation::PlacedAt(frame.value(), *pose);

@@ -28,6 +28,7 @@
 #include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
 #include "musher/navigation/frames/frame_tree.hpp"
+#include "musher/navigation/travelled_path.hpp"
 
 namespace musher::skills {
 
@@ -98,9 +99,10 @@ struct RosRobot::Wire {
   transport::Node& node;
   transport::Clock& clock;
   const std::string name_space;
-  RecentValue<Motion> odometry;      // in its own frame
-  RecentValue<Motion> motion;        // the same in the map
-  RecentValue<std::string> refused;  // why odometry has no place in the map
+  RecentValue<Motion> odometry;         // in its own frame
+  RecentValue<Motion> motion;           // the same in the map
+  navigation::TravelledPath travelled;  // in the frame of the odometry
+  RecentValue<std::string> refused;     // why odometry has no place in the map
   std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
   RecentValue<std::string> refused_objects;  // why they have no place in the map

@@ -28,6 +28,19 @@ TEST_F(ARosRobot, KnowsItsPoseAsLongAsItsOdometryIsRecent) {
   EXPECT_EQ(robot_.velocity(), navigation::Velocity{});
 }
 
+TEST_F(ARosRobot, KnowsThePathThatItHasComeUntilItsOdometryJumps) {
+  EXPECT_THAT(robot_.travelled(), IsEmpty());
+  for (int i = 0; i <= 10; ++i) Stand(0.1 * i, 0);
+  const navigation::Path back = robot_.travelled();
+  ASSERT_THAT(back, SizeIs(11));
+  EXPECT_NEAR(back.front().at.x_m, 1, 1e-9);
+  EXPECT_NEAR(back.back().at.x_m, 0, 1e-9);
+  ASSERT_TRUE(robot_.odometry());
+  EXPECT_NEAR(robot_.odometry()->at.x_m, 1, 1e-9);
+  Stand(4, 0);
+  EXPECT_THAT(robot_.travelled(), SizeIs(1));
+}
+
 TEST_F(ARosRobot, PublishesItsVelocityTwentyTimesASecondUntilItStops) {
   See(9);
   Run(20);
