@@ -5,8 +5,7 @@
 // command leads ahead: what is there, perhaps a person, is what the body makes room for. Pure: what
 // is in the way is the gate's.
 //
-// Metres, radians, seconds; poses in one frame, best that of the odometry, commands in that of the
-// body. One thread.
+// Metres, radians, seconds; poses in one frame, commands in that of the body. One thread.
 
 #include <vector>
 
