@@ -52,32 +52,53 @@ expect_end() {
 robots() {
   musher-world send robots --json | jq -r "$1"
 }
+# sent COMMAND...: controls the world, which has to accept it.
+sent() {
+  shown musher-world send "$@"
+  expect "send: exit code" 0 "$code"
+}
+# pass SECONDS: waits until so much of the world's time has passed, within a minute.
+pass() {
+  local began passed=no _
+  began=$(robots .time_s)
+  for _ in {1..600}; do
+    passed=$(robots "if .time_s - ${began:-0} >= $1 then \"yes\" else \"no\" end")
+    [[ $passed == yes && -n $began ]] && return
+    sleep 0.1
+  done
+  expect "$1 s of the world's time have passed" yes "$passed"
+}
 # await_message ROBOT SKILL TEXT: waits until the feedback of the skill begins with the text.
 await_message() {
   local _ seen
   for _ in {1..100}; do
     seen=$(timeout 3 musher skill watch "$2" --actuator "$1" --json 2> /dev/null | head -n 1 | jq -r .message)
-    [[ $seen == "$3"* ]] && break
+    [[ $seen == "$3"* ]] && return
   done
-  echo "$seen"
+  expect "$2 says" "$3" "$seen"
 }
 
 # position ROBOT: "x y" in m.
 position() {
   robots ".robots[] | select(.name == \"$1\") | \"\(.x_m) \(.y_m)\""
 }
+# airborne ROBOT
+airborne() {
+  robots ".robots[] | select(.name == \"$1\") | .airborne"
+}
 # has_moved ROBOT "X Y": whether it is more than half a metre from there.
 has_moved() {
   robots ".robots[] | select(.name == \"$1\") |
     if pow(.x_m - ${2% *}; 2) + pow(.y_m - ${2#* }; 2) > 0.25 then \"yes\" else \"no\" end"
 }
-# await_moved ROBOT "X Y": waits until it has.
+# await_moved ROBOT "X Y": waits until it has, for 20 s at most.
 await_moved() {
   local _
   for _ in {1..200}; do
     [[ $(has_moved "$@") == yes ]] && return
     sleep 0.1
   done
+  expect "$1 moves" yes "$(has_moved "$@")"
 }
 
 # has_line FILE TEXT
@@ -138,7 +159,8 @@ fly() {
   expect_end hover completed "Hovered"
   local hovered
   hovered=$(position cf2x_0)
-  sleep 5
+  pass 10
+  expect "it is in the air" true "$(airborne cf2x_0)"
   expect "without a skill the wind carries it away" no "$(has_moved cf2x_0 "$hovered")"
   run cf2x_0 nav_3d "goal_pos=[6.4,7.0,1.2]"
   expect_end nav_3d completed "Reached goal"
@@ -179,7 +201,7 @@ refuse() {
   start=$(position jetbot_0)
   begin first.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
   first=$begun
-  await_message jetbot_0 nav_2d Moving > /dev/null
+  await_message jetbot_0 nav_2d Moving
   run jetbot_0 nav_2d "goal_pos=[7,6]"
   expect "a second goal: exit code" 1 "$code"
   expect "the reason" "nav_2d is running already" "$(answer .message)"
@@ -201,7 +223,7 @@ cancel() {
   expect "it has not reached its goal" yes "$(has_moved jetbot_0 "7 1.5")"
   local before
   before=$(position jetbot_0)
-  sleep 0.5
+  pass 0.5
   expect "it stands at" "$before" "$(position jetbot_0)"
 }
 
@@ -213,14 +235,14 @@ pause_one() {
   await_moved jetbot_0 "$start"
   shown musher skill pause nav_2d --actuator jetbot_0
   expect "pause: exit code" 0 "$code"
-  sleep 1
+  pass 1
   before=$(position jetbot_0)
   shown musher skill resume nav_2d --actuator jetbot_1
   expect "resuming a skill that does not run: exit code" 1 "$code"
   shown musher set LowPower
   shown musher set Active
   expect "set Active: exit code" 0 "$code"
-  sleep 1
+  pass 1
   expect "it still stands at" no "$(has_moved jetbot_0 "$before")"
   shown musher skill resume nav_2d --actuator jetbot_0
   expect "resume: exit code" 0 "$code"
@@ -260,8 +282,8 @@ lose_planner() {
 
 leave_wall() {
   step "A robot that stands 3 cm before a wall has no room to start: it leaves it, and arrives"
-  shown musher-world send place 0.23 1.5 3.14 jetbot_0
-  sleep 1
+  sent place 0.23 1.5 3.14 jetbot_0
+  pass 1
   run jetbot_0 nav_2d "goal_pos=[2.0,1.2]" recoveries=
   expect "without recoveries" "failed: Planning failed: the start, the robot's place, has no room" \
     "$(answer '"\(.outcome): \(.message[:58])"')"
@@ -273,8 +295,8 @@ carry_away() {
   step "A robot is carried into another room on its way: its drive ends with the reason, and it goes on from there"
   begin carried.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
   local drive=$begun
-  await_message jetbot_0 nav_2d Moving > /dev/null
-  shown musher-world send place 8.5 3.4 0 jetbot_0
+  await_message jetbot_0 nav_2d Moving
+  sent place 8.5 3.4 0 jetbot_0
   ended carried.json "$drive"
   expect_end nav_2d completed "Reached goal"
   expect "the controller says why" yes \
@@ -332,8 +354,8 @@ down_held() {
 
 # place ROBOT X Y YAW: carries it there, and lets it notice.
 place() {
-  shown musher-world send place "$2" "$3" "$4" "$1"
-  sleep 0.5
+  sent place "$2" "$3" "$4" "$1"
+  pass 0.5
 }
 # expect_arrival ROBOT "X Y": it has completed its skill, and the world has it there, without a contact.
 expect_arrival() {
@@ -348,10 +370,15 @@ expect_no_contact() {
 # expect_stand ROBOT: it does not move for a second.
 expect_stand() {
   local before
-  sleep 0.5
+  pass 0.5
   before=$(position "$1")
-  sleep 0.5
+  pass 0.5
   expect "it stands at" "${before:-a known place}" "$(position "$1")"
+}
+
+# expect_on_way ROBOT "X Y": what comes now comes before it is there.
+expect_on_way() {
+  expect "it is still on its way" yes "$(has_moved "$1" "$2")"
 }
 
 # expect_in_time SECONDS BEGAN: of the world's time.
@@ -366,18 +393,19 @@ held_late_map() {
   begin held.json jetbot_0 nav_2d "goal_pos=[9.5,8]"
   local drive=$begun
   await_moved jetbot_0 "$start"
-  shown musher-world send map objects
+  expect_on_way jetbot_0 "9.5 8"
+  sent map objects
   ended held.json "$drive"
   expect_arrival jetbot_0 "9.5 8"
-  shown musher-world send map fixed
+  sent map fixed
   step "Row 1: the same while it stands right before the obstacle"
   place jetbot_0 5.1 8 0
   begin held.json jetbot_0 nav_2d "goal_pos=[9.5,8]"
   drive=$begun
-  shown musher-world send map objects
+  sent map objects
   ended held.json "$drive"
   expect_arrival jetbot_0 "9.5 8"
-  shown musher-world send map fixed
+  sent map fixed
 }
 
 held_person() {
@@ -397,29 +425,34 @@ held_small_jump() {
   begin held.json jetbot_0 nav_2d "goal_pos=[10,2]"
   local drive=$begun
   await_moved jetbot_0 "$start"
-  shown musher-world send odometry jump 1 0 jetbot_0
-  sleep 1
-  shown musher-world send odometry right jetbot_0
+  expect_on_way jetbot_0 "10 2"
+  sent odometry jump 1 0 jetbot_0
+  pass 1
+  sent odometry right jetbot_0
   ended held.json "$drive"
   expect_arrival jetbot_0 "10 2"
   expect_in_time 40 "$began"
 }
 
-# held_odometry WHAT FAULT...: on a drive the odometry has a fault, which ends it; right again, it goes on.
+# held_odometry WHAT REASON FAULT...: on a drive the odometry has a fault, which ends it with a reason that has this
+# text; right again, it goes on.
 held_odometry() {
   step "Row 3: $1 on a drive ends it at a stand, with the reason"
-  shift
+  local reason=$2
+  shift 2
   place jetbot_0 2 2 0
   start=$(position jetbot_0)
   begin held.json jetbot_0 nav_2d "goal_pos=[10,2]" lost_limit=4 recoveries=
   local drive=$begun
   await_moved jetbot_0 "$start"
-  shown musher-world send odometry "$@" jetbot_0
+  sent odometry "$@" jetbot_0
   ended held.json "$drive"
   expect "the outcome" failed "$(answer .outcome)"
   say "$(answer .message)"
+  expect "the reason has '$reason'" true "$(answer ".message | contains(\"$reason\")")"
   expect_stand jetbot_0
-  shown musher-world send odometry right jetbot_0
+  expect_no_contact
+  sent odometry right jetbot_0
   run jetbot_0 nav_2d "goal_pos=[10,2]"
   expect_arrival jetbot_0 "10 2"
 }
@@ -430,7 +463,7 @@ held_carried() {
   begin held.json jetbot_0 nav_2d "goal_pos=[10,4.5]"
   local drive=$begun
   await_moved jetbot_0 "$start"
-  shown musher-world send place 13.5 4.5 3.14 jetbot_0
+  sent place 13.5 4.5 3.14 jetbot_0
   ended held.json "$drive"
   expect_arrival jetbot_0 "10 4.5"
 }
@@ -450,13 +483,14 @@ held_line() {
 expect_hold() {
   local before
   before=$(position cf2x_0)
-  sleep 3
+  pass 6
   expect "$1 it is carried away" no "$(has_moved cf2x_0 "$before")"
+  expect "$1 it is in the air" true "$(airborne cf2x_0)"
 }
 # begin_hover: in the background, with its process in `begun`.
 begin_hover() {
   begin held.json cf2x_0 hover altitude=1.0 duration=25
-  await_message cf2x_0 hover Hovering > /dev/null
+  await_message cf2x_0 hover Hovering
 }
 held_flyer_holds() {
   step "Row 5: a flyer holds its place in the wind after each kind of end, in a pause and at an emergency stop"
@@ -487,11 +521,14 @@ held_flyer_holds() {
   expect "estop: exit code" 0 "$code"
   expect_hold "stopped,"
   shown musher estop --release
+  expect "estop --release: exit code" 0 "$code"
   shown musher set Active
   expect "set Active: exit code" 0 "$code"
   ended held.json "$flight"
   say "hover: $(answer '"\(.outcome): \(.message)"')"
+  expect "it has ended with a message" true "$(answer '.message | length > 0')"
   expect_hold "after the stop"
+  expect_no_contact
 }
 
 held_u_trap() {
@@ -558,8 +595,8 @@ held_scenes() {
   held_late_map
   held_person
   held_small_jump
-  held_odometry "odometry that stands" freeze
-  held_odometry "a jump of the localisation by 30 m" jump 30 0
+  held_odometry "odometry that stands" "its odometry does not change at all" freeze
+  held_odometry "a jump of the localisation by 30 m" "is outside the map" jump 30 0
   held_carried
   held_line
   held_flyer_holds

@@ -430,7 +430,10 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::Drive(double distance_m, double spe
                                                    Duration limit) {
   return std::make_unique<MotionTask>(
       robot_, handover_, RecoveryKind::kBackUp,
-      Recovery::Amount{.ahead_m = distance_m, .speed_m_s = speed_m_s, .longest = LimitIn(limit)});
+      Recovery::Amount{.ahead_m = distance_m,
+                       .as_it_came = false,  // as nav2's BackUp has it
+                       .speed_m_s = speed_m_s,
+                       .longest = LimitIn(limit)});
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::ClearCostmap(const std::string& /*service*/) {

@@ -1,6 +1,9 @@
 #include "musher/modules/skills/robot/flight_hold.hpp"
 
+#include <fmt/format.h>
+
 #include <limits>
+#include <utility>
 
 namespace musher::skills {
 namespace {
@@ -14,20 +17,35 @@ constexpr Duration kStands = std::chrono::seconds(2);
 // an updraught.
 constexpr double kGroundToleranceM = 0.3;
 constexpr double kSurelyInTheAirM = 0.3;
+// Off its place by so much it is commanded back with all its speed: a wind that it can hold against
+// never keeps it there.
+constexpr double kOffPlaceM = 0.3;
+constexpr double kUnmovedM = 0.05;
+constexpr Duration kUnmoved = std::chrono::seconds(1);
 
 }  // namespace
 
 void FlightHold::Use() {
   armed_ = true;
-  landed_ = arms_ = stands_ = false;
-  braking_ = still_ = {};
+  landed_ = arms_ = false;
+  braking_ = still_ = unmoved_ = {};
   place_.reset();
+  ended_.clear();
   hold_.Reset();
 }
 
 void FlightHold::Land() {
   armed_ = arms_ = false;
   landed_ = true;
+}
+
+void FlightHold::Yield() {
+  if (armed_ && !low_) End("another program commands it");
+}
+
+void FlightHold::End(std::string why) {
+  armed_ = arms_ = false;
+  ended_ = std::move(why);
 }
 
 void FlightHold::SetBatteryLow(bool low) {
@@ -43,7 +61,7 @@ void FlightHold::NoteCharging() {
 }
 
 void FlightHold::NoteStopped() {
-  still_ = {};
+  still_ = unmoved_ = {};
 }
 
 bool FlightHold::StandsHigh() const {
@@ -60,28 +78,51 @@ std::optional<navigation::Velocity> FlightHold::Command(const std::optional<navi
   if (!armed_) return std::nullopt;
   if (!known) {
     hold_.Reset();
-    if (stands_) return std::nullopt;
+    unmoved_ = {};
     return navigation::Velocity{0, 0, low_ ? -kLastDescentMps : 0, 0};
   }
-  stands_ = !place_ && pose->at.z_m < kInTheAirM;
-  if (stands_) return std::nullopt;
+  if (pose->at.z_m < kInTheAirM && !(place_ && low_)) {  // a descent ends where it has stood
+    Land();
+    return std::nullopt;
+  }
   braking_ += step;
   if (!place_ && speed_m_s > kBrakedMS && braking_ < kLongestBraking) return navigation::Velocity{};
   if (!place_) {
     place_ = pose;
+    unmoved_at_ = pose->at;
     lowest_m_ = pose->at.z_m;
   }
-  if (low_) place_->at.z_m = pose->at.z_m;
-  if (navigation::Distance(pose->at, place_->at) > kLostM) {
-    armed_ = false;
+  if (low_) return Descend(*pose, step);
+  if (std::string why = MovedAgainstCommands(*pose, step); !why.empty()) {
+    End(std::move(why));
     return std::nullopt;
   }
-  if (low_) return Descend(*pose, step);
   return hold_.Command(*place_, *pose, PositionHold::SecondsOf(step));
+}
+
+std::string FlightHold::MovedAgainstCommands(const navigation::Pose& pose, Duration step) {
+  const double off_m = navigation::Distance(pose.at, place_->at);
+  const double sunk_m = place_->at.z_m - pose.at.z_m;
+  if (sunk_m > kSunkM) {
+    return fmt::format("it came {:.2f} m lower than its place against its commands", sunk_m);
+  }
+  if (off_m > kLostM) {
+    return fmt::format("it was carried {:.1f} m off its place against its commands", off_m);
+  }
+  if (off_m < kOffPlaceM || navigation::Distance(pose.at, unmoved_at_) > kUnmovedM) {
+    unmoved_at_ = pose.at;
+    unmoved_ = {};
+    return "";
+  }
+  unmoved_ += step;
+  if (unmoved_ < kUnmoved) return "";
+  return fmt::format("it stands {:.2f} m off its place against its commands", off_m);
 }
 
 std::optional<navigation::Velocity> FlightHold::Descend(const navigation::Pose& pose,
                                                         Duration step) {
+  place_->at.z_m = pose.at.z_m;
+  if (navigation::Distance(pose.at, place_->at) > kLostM) place_ = pose;  // it lands there
   const bool lower = pose.at.z_m < lowest_m_ - kStillM;
   if (lower) lowest_m_ = pose.at.z_m;
   still_ = lower ? Duration{} : still_ + step;

@@ -109,6 +109,11 @@ class Robot {
   // Why it has no pose: "No odometry of cf2x_0".
   virtual std::string WhyNoPose() const { return "No odometry of " + name(); }
   virtual navigation::Velocity velocity() const = 0;  // in the frame of the map
+  // The same in the frame of its odometry, in which a correction of its localisation moves nothing.
+  virtual std::optional<navigation::Pose> odometry() const { return pose(); }
+  // The path that it has come on, in that frame, the newest pose first, at most 2 m; see
+  // navigation::TravelledPath. Empty: not known, as after a start, or a jump of its odometry.
+  virtual navigation::Path travelled() const { return {}; }
 
   // Sent until the next command, at 20 Hz, as far as the gate before the base lets it pass.
   // StopMotion() sends 0 and then nothing more; a flyer in the air is then held at its place. Both

@@ -84,6 +84,17 @@ navigation::Velocity RosRobot::velocity() const {
   return motion == nullptr ? navigation::Velocity{} : motion->velocity;
 }
 
+std::optional<navigation::Pose> RosRobot::odometry() const {
+  const auto wire = wire_.lock();
+  const Wire::Motion* now = wire ? wire->odometry.At(wire->Now()) : nullptr;
+  return now == nullptr ? std::nullopt : std::optional(now->pose);
+}
+
+navigation::Path RosRobot::travelled() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->travelled.Back() : navigation::Path{};
+}
+
 void RosRobot::SetVelocity(const navigation::Velocity& command) {
   if (const auto wire = wire_.lock()) wire->SetVelocity(command);
 }

@@ -57,6 +57,8 @@ class RosRobot final : public Robot {
   std::optional<navigation::Pose> pose() const override;
   std::string WhyNoPose() const override;
   navigation::Velocity velocity() const override;
+  std::optional<navigation::Pose> odometry() const override;
+  navigation::Path travelled() const override;
   void SetVelocity(const navigation::Velocity& command) override;
   void StopMotion() override;
   std::string HeldBy() const override;

@@ -21,7 +21,10 @@ constexpr std::size_t kMostTracked = 16;
 constexpr double kBatteryHysteresisPercent = 2;
 constexpr Duration kBatterySettles = std::chrono::seconds(2);  // samples of so long agree
 constexpr double kSinkingMS = -0.01;  // a command that reaches the body and leads down
-constexpr Duration kHoldPeriod = Milliseconds(100);       // of a flyer at its place
+constexpr Duration kHoldPeriod = Milliseconds(100);  // of a flyer at its place
+// A command of the controller may come after the report that its drive has ended.
+constexpr Duration kLastOfDrive = std::chrono::seconds(1);
+constexpr double kReachesShare = 0.5;                     // of a command that reaches the body
 constexpr Duration kClearTime = std::chrono::seconds(2);  // of planner and controller
 constexpr Duration kActiveWithin = Milliseconds(500);     // skills are stepped in Active only
 // As tf2 has it.
@@ -75,7 +78,9 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   Subscribe(endpoints);
   SubscribeScans(endpoints);
   SubscribeDrives(endpoints);
-  if (config.flies) holds_ = clock.Every(kHoldPeriod, [this] { HoldPlace(); });
+  if (!config.flies) return;
+  SubscribeCommandsOfOthers(endpoints);
+  holds_ = clock.Every(kHoldPeriod, [this] { HoldPlace(); });
 }
 
 std::optional<navigation::Pose> RosRobot::Wire::PoseNow() const {
@@ -144,6 +149,18 @@ void RosRobot::Wire::SubscribeDrives(transport::Endpoints& endpoints) {
       },
       [this](transport::EndpointId controller) { driving_.erase(controller); },
       transport::kLatchedQos);
+}
+
+// For example a person's own teleop, or a program that lands it: the hold leaves the base to it.
+void RosRobot::Wire::SubscribeCommandsOfOthers(transport::Endpoints& endpoints) {
+  endpoints.SubscribeWithInfo<msg::Twist>(
+      config.names.velocity,
+      [this](const msg::Twist& twist, const transport::SampleInfo& info) {
+        if (info.participant == node.participant() || twist == msg::Twist{}) return;
+        if (Drives() || Now() - driven_until_ < kLastOfDrive) return;
+        hold.Yield();
+      },
+      {});
 }
 
 bool RosRobot::Wire::Drives() const {
@@ -227,9 +244,11 @@ void RosRobot::Wire::RefuseBattery(const msg::BatteryState& battery) {
 // By its odometry alone: a flyer holds its place also while it has none in the map.
 void RosRobot::Wire::HoldPlace() {
   if (!low_battery_.empty() && Drives()) navigator->CancelEarlierDrives();  // of other clients, too
+  if (Drives()) driven_until_ = Now();
   if (Drives() || (velocity->sending() && !holding_)) {
     if (holding_) StopMotion();
     hold.Use();
+    end_logged_ = false;
     return;
   }
   const Motion* now = odometry.At(Now());
@@ -238,12 +257,15 @@ void RosRobot::Wire::HoldPlace() {
                            : hold.Command(now->pose, navigation::Speed(now->velocity), kHoldPeriod);
   if (!command) {
     if (holding_) StopMotion();
+    LogEndOfHold();
     return;
   }
   velocity->Set(*command);
   holding_ = true;
-  const bool sinks = velocity->passed().z_m_s < kSinkingMS;
-  if (command->z_m_s < kSinkingMS && !sinks) hold.NoteStopped();
+  const navigation::Velocity& passed = velocity->passed();
+  const bool sinks = command->z_m_s >= kSinkingMS || passed.z_m_s < kSinkingMS;
+  const bool reaches = navigation::Speed(passed) >= kReachesShare * navigation::Speed(*command);
+  if (!sinks || !reaches) hold.NoteStopped();
   const bool stands_high = hold.StandsHigh();
   if (stands_high && !std::exchange(stood_high_, stands_high)) {
     Log(LogLevel::kWarning,
@@ -251,6 +273,12 @@ void RosRobot::Wire::HoldPlace() {
                     "its odometry; it descends on until it is charged",
                     config.robot, now == nullptr ? 0.0 : now->pose.at.z_m));
   }
+}
+
+void RosRobot::Wire::LogEndOfHold() {
+  if (hold.ended().empty() || std::exchange(end_logged_, true)) return;
+  Log(LogLevel::kWarning, config.robot + " is not held at its place any more: " + hold.ended() +
+                              "; it is held again after a skill or a drive has moved it");
 }
 
 void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
@@ -262,6 +290,7 @@ void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
   body_frame_ = message.child_frame_id;
   velocity->OnMotion(*pose, ToMapFrame(message.twist.twist, 0), stamp);
   odometry.Set({*pose, ToMapFrame(message.twist.twist, pose->yaw_rad)}, Now());
+  travelled.Add(*pose);
   const auto frame = InMap(message.header.frame_id);
   if (!frame) return refused.Set(frame.error().message, Now());
   const navigation::Pose here = navigation::PlacedAt(frame.value(), *pose);

@@ -28,6 +28,7 @@
 #include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
 #include "musher/navigation/frames/frame_tree.hpp"
+#include "musher/navigation/travelled_path.hpp"
 
 namespace musher::skills {
 
@@ -98,9 +99,10 @@ struct RosRobot::Wire {
   transport::Node& node;
   transport::Clock& clock;
   const std::string name_space;
-  RecentValue<Motion> odometry;      // in its own frame
-  RecentValue<Motion> motion;        // the same in the map
-  RecentValue<std::string> refused;  // why odometry has no place in the map
+  RecentValue<Motion> odometry;         // in its own frame
+  RecentValue<Motion> motion;           // the same in the map
+  navigation::TravelledPath travelled;  // in the frame of the odometry
+  RecentValue<std::string> refused;     // why odometry has no place in the map
   std::vector<RecentValue<std::vector<navigation::Point>>> obstacles;  // of each scanner
   RecentValue<std::vector<SeenObject>> objects;
   RecentValue<std::string> refused_objects;  // why they have no place in the map
@@ -127,11 +129,14 @@ struct RosRobot::Wire {
   void SubscribeFrames(transport::Endpoints& endpoints);
   void SubscribeScans(transport::Endpoints& endpoints);
   void SubscribeDrives(transport::Endpoints& endpoints);
+  void SubscribeCommandsOfOthers(transport::Endpoints& endpoints);
   void OnOdometry(const msg::Odometry& message);
   void OnTeleop(const msg::Twist& twist);
   void OnBattery(const msg::BatteryState& battery);
   void RefuseBattery(const msg::BatteryState& battery);
   void HoldPlace();
+  // Once for each end of the hold.
+  void LogEndOfHold();
   void Log(LogLevel level, const std::string& line) const {
     if (log_) log_(level, line);
   }
@@ -141,6 +146,8 @@ struct RosRobot::Wire {
   std::string body_frame_;   // of the twist of the odometry
   bool holding_ = false;     // the last command is that of `hold`
   bool stood_high_ = false;  // with a low battery; logged once
+  bool end_logged_ = false;  // of the hold
+  Time driven_until_{};      // by the controller, as far as it is known
   std::string low_battery_;
   std::optional<Time> battery_differs_since_;  // from low_battery_, in all samples
   bool battery_refused_ = false;               // logged once

@@ -21,7 +21,7 @@ constexpr std::array<NamedRecovery, 5> kRecoveries = {{
     {RecoveryKind::kLeaveTightStart, "leave_tight_start", std::chrono::seconds(10)},
     {RecoveryKind::kClear, "clear", std::chrono::seconds(4)},
     {RecoveryKind::kWait, "wait", std::chrono::seconds(3)},
-    {RecoveryKind::kBackUp, "back_up", std::chrono::seconds(6)},
+    {RecoveryKind::kBackUp, "back_up", std::chrono::seconds(8)},
     {RecoveryKind::kSpin, "spin", std::chrono::seconds(16)},
 }};
 
@@ -29,6 +29,7 @@ constexpr double kLeaveM = 0.3;
 constexpr double kRecoveryJumpM = 1;  // in one step
 constexpr double kAwayM = 1;          // farther than a short one leads
 constexpr double kOvershootM = 0.5;
+constexpr double kLeastWayM = 0.2;    // a shorter path that it has come is none to go back on
 constexpr double kRecoveryLookM = 1;  // what is farther away is not near
 constexpr double kStraightRad = 0.2;
 constexpr Duration kRecoveryHeldLimit = std::chrono::seconds(1);
@@ -101,13 +102,16 @@ void Recovery::Begin(RecoveryKind kind, const Amount& amount) {
   cleared_at_.reset();
   passed_ = held_ = {};
   begin_.reset();
+  way_back_.reset();
   moved_m_ = away_m_ = side_m_ = step_m_ = turned_rad_ = 0;
   turns_ = true;
 }
 
-navigation::Velocity Recovery::Command(const std::vector<navigation::Point>& around) const {
+navigation::Velocity Recovery::Command(const navigation::Pose& odometry,
+                                       const std::vector<navigation::Point>& around) {
   if (kind_ == RecoveryKind::kBackUp) {
     const double speed_m_s = std::clamp(amount_.speed_m_s, 0.0, kMostMPerS);
+    if (way_back_) return way_back_->Command(odometry, {speed_m_s, kMostRadPerS});
     return {.x_m_s = std::copysign(speed_m_s, amount_.ahead_m)};
   }
   if (kind_ == RecoveryKind::kSpin) {
@@ -118,17 +122,29 @@ navigation::Velocity Recovery::Command(const std::vector<navigation::Point>& aro
   return {.yaw_rad_s = std::clamp(2 * away_rad, -kMostRadPerS, kMostRadPerS)};
 }
 
-bool Recovery::IsWayCovered(double ahead_m_s) const {
-  constexpr double kMarginM = 0.05, kApartM = 0.1;
-  const double side_m = robot_.radius_m();
+std::vector<navigation::Pose> Recovery::WayLeft(const navigation::Pose& odometry,
+                                                double ahead_m_s) const {
+  if (way_back_) return way_back_->Left(odometry);
+  constexpr double kApartM = 0.1;
   const double whole_m = kind_ == RecoveryKind::kBackUp ? std::abs(amount_.ahead_m) : kLeaveM;
   const double left_m = std::max(whole_m - moved_m_, 0.0);
   const double sign = ahead_m_s < 0 ? -1 : 1;
+  std::vector<navigation::Pose> way;
   const auto last = static_cast<int>(std::ceil(left_m / kApartM));
   for (int i = 0; i <= last; ++i) {
-    const double x_m = sign * (side_m + kMarginM + std::min(i * kApartM, left_m));
-    for (const double y_m : {-side_m, 0.0, side_m}) {
-      if (!robot_.ScanCovers({x_m, y_m, 0})) return false;
+    way.push_back({{sign * std::min(i * kApartM, left_m), 0, 0}, sign < 0 ? M_PI : 0});
+  }
+  return way;
+}
+
+bool Recovery::IsCovered(const std::vector<navigation::Pose>& way) const {
+  constexpr double kMarginM = 0.05;
+  const double side_m = robot_.radius_m();
+  for (const navigation::Pose& place : way) {
+    const std::vector<navigation::Point> edge = {
+        {side_m + kMarginM, -side_m, 0}, {side_m + kMarginM, 0, 0}, {side_m + kMarginM, side_m, 0}};
+    for (const navigation::Point& at : navigation::PlacedAt(place, edge)) {
+      if (!robot_.ScanCovers(at)) return false;
     }
   }
   return true;
@@ -136,18 +152,22 @@ bool Recovery::IsWayCovered(double ahead_m_s) const {
 
 double Recovery::share() const {
   const double of_time = ToSeconds(passed_) / ToSeconds(longest());
-  const double of_motion = kind_ == RecoveryKind::kBackUp ? moved_m_ / std::abs(amount_.ahead_m)
+  const double back_m = way_back_ ? way_back_->length_m() : std::abs(amount_.ahead_m);
+  const double of_motion = kind_ == RecoveryKind::kBackUp            ? moved_m_ / back_m
                            : kind_ == RecoveryKind::kLeaveTightStart ? moved_m_ / kLeaveM
                            : kind_ == RecoveryKind::kSpin ? turned_rad_ / std::abs(amount_.turn_rad)
                                                           : of_time;
   return std::clamp(of_motion, 0.0, 1.0);
 }
 
+void Recovery::BeginMotion(const navigation::Pose& pose, const navigation::Pose& odometry) {
+  begin_ = last_ = pose;
+  if (kind_ != RecoveryKind::kBackUp || !amount_.as_it_came) return;
+  way_back_.emplace(odometry, robot_.travelled(), std::abs(amount_.ahead_m));
+  if (way_back_->length_m() < kLeastWayM) way_back_.reset();
+}
+
 void Recovery::NoteMotion(const navigation::Pose& pose) {
-  if (!begin_) {
-    begin_ = pose;
-    last_ = pose;
-  }
   step_m_ = std::hypot(pose.at.x_m - last_.at.x_m, pose.at.y_m - last_.at.y_m);
   // With its sign: noise and swinging are no turn.
   const double side = kind_ == RecoveryKind::kSpin ? std::copysign(1, amount_.turn_rad) : 1;
@@ -158,7 +178,15 @@ void Recovery::NoteMotion(const navigation::Pose& pose) {
   const double c = std::cos(begin_->yaw_rad), s = std::sin(begin_->yaw_rad);
   const double ahead_m = c * x_m + s * y_m;
   side_m_ = std::abs(c * y_m - s * x_m);
-  moved_m_ = kind_ == RecoveryKind::kBackUp ? std::copysign(1, amount_.ahead_m) * ahead_m : away_m_;
+  moved_m_ = way_back_                        ? way_back_->passed_m()
+             : kind_ == RecoveryKind::kBackUp ? std::copysign(1, amount_.ahead_m) * ahead_m
+                                              : away_m_;
+}
+
+bool Recovery::IsMotionOver() const {
+  if (kind_ == RecoveryKind::kSpin) return turned_rad_ >= std::abs(amount_.turn_rad);
+  if (way_back_) return way_back_->over();
+  return moved_m_ >= (kind_ == RecoveryKind::kBackUp ? std::abs(amount_.ahead_m) : kLeaveM);
 }
 
 std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
@@ -167,6 +195,11 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
   const auto pose = robot_.pose();
   if (!pose || !navigation::IsFinite(*pose)) return MakeError(Fault::kOdometry, robot_.WhyNoPose());
   if (!robot_.HasScan()) return MakeError(Fault::kScan, "it does not move without a scan");
+  const auto odometry = robot_.odometry();
+  if (!odometry || !navigation::IsFinite(*odometry)) {
+    return MakeError(Fault::kOdometry, "No odometry of " + robot_.name());
+  }
+  if (!begin_) BeginMotion(*pose, *odometry);
   NoteMotion(*pose);
   if (step_m_ > kRecoveryJumpM) return MakeError(Fault::kJump, "its pose has jumped");
   if (away_m_ > std::max(kAwayM, std::abs(amount_.ahead_m) + kOvershootM)) {
@@ -181,12 +214,12 @@ std::optional<Result<>> Recovery::StepOfMotion(Duration step) {
     }
     if (around.empty() || std::abs(DirectionAway(around)) < kStraightRad) turns_ = false;
   }
-  const bool over = kind_ == RecoveryKind::kLeaveTightStart ? moved_m_ >= kLeaveM
-                    : kind_ == RecoveryKind::kBackUp        ? moved_m_ >= std::abs(amount_.ahead_m)
-                                                     : turned_rad_ >= std::abs(amount_.turn_rad);
-  if (over) return Result<>();
-  const navigation::Velocity command = Command(around);
-  if (command.x_m_s != 0 && !IsWayCovered(command.x_m_s)) {
+  if (IsMotionOver()) return Result<>();
+  const navigation::Velocity command = Command(*odometry, around);
+  if (way_back_ && way_back_->lost()) {
+    return Error{kCodeFailed, "it has left the path that it has come"};
+  }
+  if (command.x_m_s != 0 && !IsCovered(WayLeft(*odometry, command.x_m_s))) {
     const bool back = command.x_m_s < 0;
     return MakeError(Fault::kScan,
                      fmt::format("it does not go {}: no scan covers what is {} it",

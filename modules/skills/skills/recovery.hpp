@@ -5,7 +5,9 @@
 //   leave_tight_start  turns away from what its scan sees nearest, and goes 0.3 m
 //   clear              planner and controller forget what they have seen, and see it again for 1 s
 //   wait               stands for 3 s, or as long as it is asked to
-//   back_up            0.4 m back
+//   back_up            0.4 m back along the path that it has come, as far as that leads behind the
+//                      robot; straight back where that is less than 0.2 m, as after a start of the
+//                      process, a turn on the spot or a motion backwards. It never goes ahead
 //   spin               once around, for a look at all sides
 //
 // A motion without odometry, without a scan, or that the gate holds for a second, fails; so does
@@ -19,6 +21,7 @@
 #include <vector>
 
 #include "musher/modules/skills/robot/robot.hpp"
+#include "musher/modules/skills/skills/way_back.hpp"
 
 namespace musher::skills {
 
@@ -51,6 +54,7 @@ class Recovery {
   // How far kBackUp and kSpin lead, and how long kWait is.
   struct Amount {
     double ahead_m = -0.4;              // of kBackUp; negative: backwards
+    bool as_it_came = true;             // kBackUp: on the path that it has come; else straight
     double turn_rad = 2 * M_PI;         // of kSpin, to the left; negative: to the right
     double speed_m_s = kMostMPerS;      // of kBackUp
     std::optional<Duration> longest{};  // nullopt: LongestOf(); all of it, of kWait
@@ -66,18 +70,24 @@ class Recovery {
   // left its way.
   std::optional<Result<>> Step(Duration step);
   double share() const;  // 0 to 1
-  // Ahead of where kBackUp was to lead, or how far from its begin; how far kSpin has turned to the
-  // side to which it was to turn, or to the left.
+  // How far kBackUp has come on its way, or how far it is from its begin; how far kSpin has turned
+  // to the side to which it was to turn, or to the left.
   double moved_m() const { return moved_m_; }
   double turned_rad() const { return turned_rad_; }
 
  private:
   std::optional<Result<>> StepOfClear();
   std::optional<Result<>> StepOfMotion(Duration step);
+  void BeginMotion(const navigation::Pose& pose, const navigation::Pose& odometry);
   void NoteMotion(const navigation::Pose& pose);
-  navigation::Velocity Command(const std::vector<navigation::Point>& around) const;
-  // Whether a scan covers all that the body comes to on what is left of its way.
-  bool IsWayCovered(double ahead_m_s) const;
+  bool IsMotionOver() const;
+  navigation::Velocity Command(const navigation::Pose& odometry,
+                               const std::vector<navigation::Point>& around);
+  // What is left of its way, in the frame of the body: places, each with the direction in which the
+  // body goes on.
+  std::vector<navigation::Pose> WayLeft(const navigation::Pose& odometry, double ahead_m_s) const;
+  // Whether a scan covers all that the body comes to there.
+  bool IsCovered(const std::vector<navigation::Pose>& way) const;
 
   Duration longest() const { return amount_.longest.value_or(LongestOf(kind_)); }
 
@@ -89,6 +99,7 @@ class Recovery {
   Duration passed_{};
   Duration held_{};
   std::optional<navigation::Pose> begin_;
+  std::optional<WayBack> way_back_;  // of kBackUp, where its path is known
   double moved_m_ = 0;
   double away_m_ = 0;  // from its begin
   double side_m_ = 0;  // to the side of the heading there

@@ -18,7 +18,7 @@ const char* DoesOf(RecoveryKind kind) {
     case RecoveryKind::kWait:
       return "Stands for a time";
     case RecoveryKind::kBackUp:
-      return "Goes back 0.4 m";
+      return "Goes back 0.4 m along the path that it has come";
     case RecoveryKind::kSpin:
       return "Turns once around";
   }

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 
 #include <cmath>
 #include <random>
@@ -58,8 +59,9 @@ TEST(FlightHold, LeavesAFlyerAloneThatNoSkillHasMovedOrThatStands) {
   const navigation::Pose air{{0, 0, 1}, 0}, ground{{0, 0, 0}, 0}, roof{{0, 0, 1.5}, 0};
   EXPECT_FALSE(hold.Command(air, 0, kStep)) << "nothing moves because a process was started";
   hold.Use();
-  EXPECT_FALSE(hold.Command(ground, 0, kStep));
   EXPECT_TRUE(hold.Command(air, 0, kStep));
+  EXPECT_FALSE(hold.Command(ground, 0, kStep));
+  EXPECT_FALSE(hold.Command(air, 0, kStep)) << "a person lifts it";
   hold.Use();
   hold.Land();
   EXPECT_FALSE(hold.Command(roof, 0, kStep)) << "it has landed there";
@@ -80,7 +82,143 @@ TEST(FlightHold, EndsWhenSomethingElseCarriesTheFlyerAway) {
   hold.Use();
   ASSERT_TRUE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep));
   EXPECT_FALSE(hold.Command(navigation::Pose{{3, 0, 1}, 0}, 1.5, kStep));
+  EXPECT_EQ(hold.ended(), "it was carried 3.0 m off its place against its commands");
   EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep)) << "until it is used again";
+}
+
+// By a hand that is stronger than its commands, at up to 1 m/s.
+void Carry(Flyer& flyer, FlightHold& hold, const navigation::Point& to) {
+  const navigation::Point from = flyer.pose.at;
+  const int steps = int(navigation::Distance(from, to) / 0.1) + 1;
+  for (int i = 1; i <= steps; ++i) {
+    flyer.pose.at = navigation::Between(from, to, double(i) / steps);
+    (void)hold.Command(flyer.pose, 0, kStep);
+  }
+}
+
+// It climbed back to where it had been held, out of the hand and off the table.
+RC_GTEST_PROP(FlightHold, NeverMovesAFlyerThatWasPutDownByHand, ()) {
+  std::mt19937_64 random(*rc::gen::arbitrary<std::uint64_t>());
+  std::uniform_real_distribution<double> any(0, 1);
+  Flyer flyer;
+  FlightHold hold;
+  hold.Use();
+  for (int i = 0; i < 50; ++i) flyer.Move(*hold.Command(flyer.pose, flyer.speed_m_s(), kStep));
+  const double under_m = 0.21;
+  const navigation::Point put_down{flyer.pose.at.x_m + 2 * any(random) - 1,
+                                   flyer.pose.at.y_m + 2 * any(random) - 1,
+                                   (flyer.pose.at.z_m - under_m) * any(random)};
+  Carry(flyer, hold, put_down);
+  for (int i = 0; i < 600; ++i) RC_ASSERT(!hold.Command(flyer.pose, 0, kStep));
+  Carry(flyer, hold, {put_down.x_m, put_down.y_m, put_down.z_m + any(random)});
+  for (int i = 0; i < 600; ++i) RC_ASSERT(!hold.Command(flyer.pose, 0, kStep));
+}
+
+// A hand that holds it, or a table at the height of its place: it flew off once it was free.
+TEST(FlightHold, EndsForAFlyerThatStandsOffItsPlaceAgainstItsCommands) {
+  FlightHold hold;
+  hold.Use();
+  navigation::Pose pose{{0, 0, 1}, 0};
+  ASSERT_TRUE(hold.Command(pose, 0, kStep));
+  pose.at.x_m = 0.5;
+  int steps = 0;
+  while (steps < 600 && hold.Command(pose, 0, kStep)) ++steps;
+  EXPECT_LE(steps, 12);
+  EXPECT_EQ(hold.ended(), "it stands 0.50 m off its place against its commands");
+  hold.Use();
+  EXPECT_EQ(hold.ended(), "") << "a skill moves it";
+}
+
+TEST(FlightHold, SaysWhyItEndsAndIsSilentWhereItHasNotBegun) {
+  const navigation::Pose air{{0, 0, 1}, 0};
+  FlightHold hold;
+  hold.Yield();
+  EXPECT_EQ(hold.ended(), "") << "it holds nothing";
+  hold.Use();
+  ASSERT_TRUE(hold.Command(air, 0, kStep));
+  EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 0.7}, 0}, 0, kStep));
+  EXPECT_EQ(hold.ended(), "it came 0.30 m lower than its place against its commands");
+  EXPECT_FALSE(hold.Command(air, 0, kStep)) << "until it is used again";
+  hold.Use();
+  hold.Yield();
+  EXPECT_FALSE(hold.Command(air, 0, kStep));
+  EXPECT_EQ(hold.ended(), "another program commands it");
+  hold.Use();
+  hold.SetBatteryLow(true);
+  hold.Yield();
+  EXPECT_TRUE(hold.Command(air, 0, kStep)) << "it lands, whatever commands it";
+}
+
+// The gate stops them before an obstacle.
+TEST(FlightHold, GoesOnWhereItsCommandsDoNotReachTheBody) {
+  FlightHold hold;
+  hold.Use();
+  ASSERT_TRUE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep));
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(hold.Command(navigation::Pose{{0.5, 0, 1}, 0}, 0, kStep));
+    hold.NoteStopped();
+  }
+}
+
+TEST(FlightHold, EndsOnTheGroundAlsoWhereItsPlaceIsJustAboveIt) {
+  FlightHold hold;
+  hold.Use();
+  ASSERT_TRUE(hold.Command(navigation::Pose{{0, 0, 0.15}, 0}, 0, kStep));
+  EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 0.02}, 0}, 0, kStep));
+  EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 0.1}, 0}, 0, kStep));
+}
+
+// That it is taken for one in a hand would leave it to the wind.
+RC_GTEST_PROP(FlightHold, HoldsAFlyerInEachWindThatIsWeakerThanItsCommands, ()) {
+  Flyer flyer;
+  flyer.random.seed(*rc::gen::arbitrary<std::uint64_t>());
+  std::uniform_real_distribution<double> any(0, 1);
+  const double towards_rad = 2 * M_PI * any(flyer.random), wind_m_s = 0.4 * any(flyer.random);
+  flyer.pose.yaw_rad = 2 * M_PI * any(flyer.random);
+  flyer.velocity.x_m_s = any(flyer.random);
+  flyer.velocity.z_m_s = 0.5 - any(flyer.random);
+  FlightHold hold;
+  hold.Use();
+  for (int i = 0; i < 600; ++i) {
+    const auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+    if (!command) RC_FAIL(hold.ended());
+    flyer.Move(*command);
+    if (i < 100) continue;  // it comes up
+    flyer.pose.at.x_m += 0.1 * wind_m_s * std::cos(towards_rad);
+    flyer.pose.at.y_m += 0.1 * wind_m_s * std::sin(towards_rad);
+  }
+}
+
+// As after a restart of its process. It may be in a hand, or on a table.
+TEST(FlightHold, MovesNothingAfterARestartInTheAirUntilItsBatteryIsLow) {
+  FlightHold hold;
+  for (int i = 0; i < 600; ++i) {
+    const navigation::Pose pose{{0, 0, 1 + 0.5 * std::sin(0.1 * i)}, 0};
+    ASSERT_FALSE(hold.Command(pose, 0.3, kStep));
+  }
+  hold.SetBatteryLow(true);
+  const auto down = hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep);
+  ASSERT_TRUE(down);
+  EXPECT_LT(down->z_m_s, 0);
+}
+
+// An empty one falls. In a hand it only goes down.
+TEST(FlightHold, LandsWithALowBatteryAlsoWhereTheWindCarriesIt) {
+  Flyer flyer;
+  FlightHold hold;
+  hold.Use();
+  for (int i = 0; i < 20; ++i) flyer.Move(*hold.Command(flyer.pose, flyer.speed_m_s(), kStep));
+  hold.SetBatteryLow(true);
+  for (int i = 0; i < 600; ++i) {
+    const auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+    if (!command) break;
+    ASSERT_LT(command->z_m_s, 0);
+    flyer.Move(*command);
+    flyer.pose.at.x_m += 0.1 * 2;
+    flyer.pose.at.z_m = std::max(flyer.pose.at.z_m, 0.0);
+  }
+  EXPECT_NEAR(flyer.pose.at.z_m, 0, 0.01);
+  EXPECT_FALSE(hold.Command(flyer.pose, 0, kStep)) << "it has landed";
 }
 
 // A flyer that is not held falls when the battery is empty.

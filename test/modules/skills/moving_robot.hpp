@@ -16,6 +16,7 @@
 #include "musher/modules/skills/robot/robot.hpp"
 #include "musher/modules/skills/skills/navigation_skills.hpp"
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/travelled_path.hpp"
 
 namespace musher::skills::testing {
 
@@ -124,6 +125,7 @@ class MovingRobot : public Robot {
     return navigation::Pose{{at.at.x_m, at.at.y_m, at.at.z_m + pelvis_m}, at.yaw_rad};
   }
   navigation::Velocity velocity() const override { return velocity_; }
+  navigation::Path travelled() const override { return travelled_.Back(); }
   void SetVelocity(const navigation::Velocity& command) override {
     if (drive_) ++commands_in_drives;
     command_ = held_by.empty() ? command : navigation::Velocity{};
@@ -290,6 +292,7 @@ class MovingRobot : public Robot {
       at.yaw_rad = navigation::Wrapped(at.yaw_rad + velocity_.yaw_rad_s * step_s);
     }
     travelled_m += navigation::Distance(before, at.at);
+    travelled_.Add(at);
     for (const navigation::Point& point : points) {
       nearest_m = std::min(nearest_m, std::hypot(point.x_m - at.at.x_m, point.y_m - at.at.y_m));
     }
@@ -355,6 +358,7 @@ class MovingRobot : public Robot {
   Time now_{};
   navigation::Velocity velocity_;  // in the frame of the map
   std::optional<navigation::Velocity> command_;
+  navigation::TravelledPath travelled_;
   std::vector<Request> requests_;
   std::shared_ptr<DriveState> drive_;
   std::shared_ptr<DriveState> earlier_;  // to be cancelled, once its controller can be reached

@@ -27,6 +27,22 @@ class ARecovery : public ::testing::Test, public SkillsOnARobot {
     for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
     EXPECT_TRUE(robot.Rests()) << name;
   }
+  // For so long, and then to a stand.
+  void MoveBy(const navigation::Velocity& command, double seconds) {
+    robot.SetVelocity(command);
+    for (double at_s = 0; at_s < seconds; at_s += 0.1) robot.Advance(Milliseconds(100));
+    robot.StopMotion();
+    for (int i = 0; i < 10; ++i) robot.Advance(Milliseconds(100));
+  }
+  void ExpectBacksUpStraight() {
+    const navigation::Pose begin = robot.at;
+    Run("back_up");
+    EXPECT_EQ(feedback().message, "Recovered: back_up");
+    const double x_m = robot.at.at.x_m - begin.at.x_m, y_m = robot.at.at.y_m - begin.at.y_m;
+    const double c = std::cos(begin.yaw_rad), s = std::sin(begin.yaw_rad);
+    EXPECT_NEAR(c * x_m + s * y_m, -0.42, 0.06);
+    EXPECT_NEAR(c * y_m - s * x_m, 0, 0.01);
+  }
   void ExpectFailure(const std::string& name, const std::string& why) {
     Run(name);
     EXPECT_EQ(feedback().status, Status::kFailed) << name;
@@ -75,6 +91,59 @@ TEST_F(ARecovery, BacksUpByWhatItSaysAndSpinsOnce) {
   Run("spin");
   EXPECT_EQ(feedback().message, "Recovered: spin");
   EXPECT_NEAR(robot.travelled_m, 0.42, 0.05) << "it stays where it is";
+}
+
+// It went straight back, where it had never been.
+TEST_F(ARecovery, BacksUpAlongTheBendThatItHasCome) {
+  MoveBy({.x_m_s = 0.5, .yaw_rad_s = 1}, 1.5);
+  const navigation::Pose begin = robot.at;
+  double off_path_m = 0;
+  EachStep([&] {
+    const double from_middle_m = std::hypot(robot.at.at.x_m, robot.at.at.y_m - 0.5);
+    off_path_m = std::max(off_path_m, std::abs(from_middle_m - 0.5));
+  });
+  Run("back_up");
+  EXPECT_EQ(feedback().message, "Recovered: back_up");
+  EXPECT_LT(off_path_m, 0.06) << "straight back it is 0.14 m";
+  EXPECT_NEAR(navigation::Distance(robot.at.at, begin.at), 0.4, 0.06);
+}
+
+TEST_F(ARecovery, BacksUpNoFartherThanTheCornerThatItHasTurned) {
+  MoveBy({.x_m_s = 0.5}, 1);
+  MoveBy({.yaw_rad_s = 1}, M_PI / 2);
+  const double corner_m = robot.at.at.y_m;
+  MoveBy({.x_m_s = 0.5}, 0.6);
+  Run("back_up");
+  EXPECT_EQ(feedback().message, "Recovered: back_up");
+  EXPECT_NEAR(robot.at.at.y_m, corner_m, 0.06);
+}
+
+TEST_F(ARecovery, BacksUpOnceMoreFromWhereItHasBackedUpTo) {
+  MoveBy({.x_m_s = 0.5}, 3);
+  const double begin_m = robot.at.at.x_m;
+  Run("back_up");
+  Run("back_up");
+  EXPECT_EQ(feedback().message, "Recovered: back_up");
+  EXPECT_NEAR(robot.at.at.x_m, begin_m - 0.8, 0.1) << "and not to and fro";
+}
+
+// It drove ahead, towards the person for whom it made room.
+TEST_F(ARecovery, BacksUpStraightWhereItsPathLeadsAheadOrAside) {
+  for (const double turned_rad : {M_PI, M_PI / 2}) {
+    MoveBy({.x_m_s = 0.5}, 2);
+    MoveBy({.yaw_rad_s = 1}, turned_rad);
+    ExpectBacksUpStraight();
+  }
+  MoveBy({.x_m_s = -0.5}, 2);
+  ExpectBacksUpStraight();
+}
+
+TEST_F(ARecovery, DoesNotGoBackOnAPathThatNoScanCovers) {
+  MoveBy({.x_m_s = 0.5, .yaw_rad_s = 1}, 1.5);
+  robot.scan_covers_rad = M_PI / 2;
+  const navigation::Point begin = robot.at.at;
+  ExpectFailure("back_up", "it does not go backwards: no scan covers what is behind it");
+  EXPECT_LT(navigation::Distance(robot.at.at, begin), 0.01);
 }
 
 TEST_F(ARecovery, TakesNoiseOfItsHeadingForNoTurn) {

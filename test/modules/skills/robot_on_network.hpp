@@ -114,7 +114,8 @@ class ARosRobot : public ::testing::Test {
  protected:
   ARosRobot() : ARosRobot(ConfigOfR()) {}
   explicit ARosRobot(SkillsConfig config) : robot_(std::move(config)) {
-    robot_.Open(*endpoints_, "dog");
+    robot_.Open(*endpoints_, "dog",
+                [this](LogLevel, const std::string& line) { lines_.push_back(line); });
     EXPECT_TRUE(endpoints_->opened());
     Run(500);
   }
@@ -158,6 +159,7 @@ class ARosRobot : public ::testing::Test {
   std::unique_ptr<transport::Node> world_ = network_.MakeNode("world");
   std::optional<double> sees_m_;  // ahead, ten times a second
   int runs_ = 0;
+  std::vector<std::string> lines_;  // that the robot has logged
   std::unique_ptr<Peers> peers_ = std::make_unique<Peers>(*world_);
   RosRobot robot_;
   std::unique_ptr<transport::Endpoints> endpoints_ =

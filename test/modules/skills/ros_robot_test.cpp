@@ -1,5 +1,7 @@
 // A robot behind its topics.
 
+#include <algorithm>
+
 #include "musher/messages/nav_msgs/occupancy_grid.hpp"
 #include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/messages/yaw.hpp"
@@ -24,6 +26,19 @@ TEST_F(ARosRobot, KnowsItsPoseAsLongAsItsOdometryIsRecent) {
   Run(600);
   EXPECT_FALSE(robot_.pose());
   EXPECT_EQ(robot_.velocity(), navigation::Velocity{});
+}
+
+TEST_F(ARosRobot, KnowsThePathThatItHasComeUntilItsOdometryJumps) {
+  EXPECT_THAT(robot_.travelled(), IsEmpty());
+  for (int i = 0; i <= 10; ++i) Stand(0.1 * i, 0);
+  const navigation::Path back = robot_.travelled();
+  ASSERT_THAT(back, SizeIs(11));
+  EXPECT_NEAR(back.front().at.x_m, 1, 1e-9);
+  EXPECT_NEAR(back.back().at.x_m, 0, 1e-9);
+  ASSERT_TRUE(robot_.odometry());
+  EXPECT_NEAR(robot_.odometry()->at.x_m, 1, 1e-9);
+  Stand(4, 0);
+  EXPECT_THAT(robot_.travelled(), SizeIs(1));
 }
 
 TEST_F(ARosRobot, PublishesItsVelocityTwentyTimesASecondUntilItStops) {
@@ -537,6 +552,53 @@ TEST_F(ARosFlyer, IsNotHeldAgainstADriveOfAnotherClient) {
   const double place_m = Fly(2);
   EXPECT_FALSE(robot_.Drives());
   EXPECT_NEAR(Fly(20), place_m, 0.2) << "held at its new place";
+}
+
+// A program that is none of Musher's, such as a person's own teleop.
+TEST_F(ARosFlyer, IsLeftToAnotherProgramThatLandsIt) {
+  auto* others = peers_->endpoints.Advertise<msg::Twist>("r/cmd_vel");
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  Fly(2);
+  Run(500);
+  msg::Twist down;
+  down.linear.z = -0.3;
+  const auto ours = [&] {
+    return std::ranges::count_if(peers_->commands, [&](const msg::Twist& one) {
+      return one != down && one != msg::Twist{};
+    });
+  };
+  EXPECT_TRUE(others->Publish(down));
+  Fly(0.2);
+  const auto before = ours();
+  for (; z_m_ > 0.75; z_m_ -= 0.03) {
+    EXPECT_TRUE(others->Publish(down));
+    Fly(0.1);
+  }
+  EXPECT_TRUE(others->Publish(msg::Twist{}));
+  Fly(20);  // on a table of that height
+  EXPECT_EQ(ours(), before) << "and it climbs nowhere afterwards";
+  EXPECT_THAT(lines_, ElementsAre("r is not held at its place any more: another program commands "
+                                  "it; it is held again after a skill or a drive has moved it"));
+  robot_.SetVelocity({-0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  const double place_m = Fly(3);
+  EXPECT_NEAR(Fly(20), place_m, 0.2) << "a skill has moved it";
+}
+
+TEST_F(ARosFlyer, IsLeftWhereAPersonHasPutItDown) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  Fly(2);
+  for (; z_m_ > 0.3; z_m_ -= 0.05) Fly(0.1);
+  Fly(0.5);
+  const std::size_t count = peers_->commands.size();
+  Fly(60);
+  EXPECT_EQ(peers_->commands.size(), count);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("lower than its place against its commands")));
 }
 
 TEST_F(ARosFlyer, LandsInEveryStateWhenItsBatteryIsLow) {
