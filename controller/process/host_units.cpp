@@ -14,6 +14,7 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/controller/process/host_uptime.hpp"
 #include "musher/controller/process/ssh.hpp"
 #include "musher/controller/process/unit_end.hpp"
 
@@ -31,6 +32,9 @@ constexpr const char* kProperties = "org.freedesktop.DBus.Properties";
 // not answered. A connection that is just being made needs some time.
 constexpr Duration kFindWithin = Milliseconds(1'000);
 constexpr Duration kExamineAgain = Milliseconds(500);
+// How long a host may carry out a start after it was sent: a greeting that was late by all of the
+// time for it (8 s), a start within its time (10 s), and a margin.
+constexpr Duration kStartValid = Milliseconds(20'000);
 // How long a host may have been off before its connection is found to be lost (ssh: 6 s).
 constexpr Duration kLossSeenWithin = Milliseconds(10'000);
 // What a process leaves behind gets SIGTERM, and SIGKILL after this time.
@@ -186,14 +190,16 @@ void CloseProperty(sd_bus_message* message) {
   sd_bus_message_close_container(message);
 }
 
-// Without the flag systemd replaces $NAME in the arguments.
-void AppendCommand(sd_bus_message* message, const std::vector<std::string>& argv) {
-  OpenProperty(message, "ExecStartEx", "a(sasas)");
+// Of "ExecStartEx" and its kind. Without the flag "no-env-expand" systemd replaces $NAME in the
+// arguments.
+void AppendCommand(sd_bus_message* message, const char* property,
+                   const std::vector<std::string>& argv, const std::vector<std::string>& flags) {
+  OpenProperty(message, property, "a(sasas)");
   sd_bus_message_open_container(message, 'a', "(sasas)");
   sd_bus_message_open_container(message, 'r', "sasas");
   sd_bus_message_append(message, "s", argv.front().c_str());
   AppendTexts(message, argv);
-  AppendTexts(message, {"no-env-expand"});
+  AppendTexts(message, flags);
   sd_bus_message_close_container(message);
   sd_bus_message_close_container(message);
   CloseProperty(message);
@@ -661,7 +667,10 @@ void HostUnits::StartUnit(Unit& unit) {
   for (const auto& [name, value] : spec.env) environment.push_back(name + "=" + value);
   AppendTexts(m, environment);
   CloseProperty(m);
-  AppendCommand(m, spec.argv);
+  // What waits in a connection that is lost starts nothing later, when no one may want it any more.
+  const Duration until = unit.host.bus->running() + kStartValid;
+  AppendCommand(m, "ExecConditionEx", UntilHostHasRun(until), {"no-env-expand", "privileged"});
+  AppendCommand(m, "ExecStartEx", spec.argv, {"no-env-expand"});
   sd_bus_message_close_container(m);
   sd_bus_message_append(m, "a(sa(sv))", 0);
   unit.asked = true;

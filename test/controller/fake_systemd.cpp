@@ -156,7 +156,7 @@ class FakeSystemd {
       const char* property = nullptr;
       sd_bus_message_read(call, "s", &property);
       const std::string name = property;
-      if (name == "ExecStartEx") {
+      if (name.starts_with("Exec")) {
         std::string words;
         sd_bus_message_enter_container(call, 'v', "a(sasas)");
         sd_bus_message_enter_container(call, 'a', "(sasas)");
@@ -170,7 +170,7 @@ class FakeSystemd {
           sd_bus_message_exit_container(call);
         }
         for (int level = 0; level < 3; ++level) sd_bus_message_exit_container(call);
-        Note("ExecStartEx" + words);
+        Note(name + words);
       } else {
         Note(name + ValueOf(call));
       }

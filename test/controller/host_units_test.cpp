@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "musher/base/files.hpp"
+#include "musher/base/program.hpp"
+#include "musher/controller/process/host_uptime.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
@@ -321,6 +323,29 @@ TEST_F(UnitOfAnotherHost, HasTheArgumentsOfTheConfig) {
   Start();
   AwaitCall("StartTransientUnit");
   EXPECT_THAT(Calls(), HasSubstr("ExecStartEx /opt/eyes $HOME no-env-expand\n"));
+}
+
+// The kernel may deliver it minutes after its connection was lost.
+TEST_F(UnitOfAnotherHost, IsStartedWithinSomeSecondsOfItsHostsClockOrNotAtAll) {
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit");
+  const std::string calls = Calls();
+  const std::string limit = " ] no-env-expand privileged\n";
+  const std::size_t end = calls.find(limit);
+  ASSERT_NE(end, std::string::npos) << calls;
+  const std::size_t begin = calls.rfind(' ', end - 1) + 1;
+  const int until_s = std::stoi(calls.substr(begin, end - begin));
+  EXPECT_GE(until_s, 1020);  // it has run for 1,000 s
+  EXPECT_LE(until_s, 1050);
+  const auto starts = [](Duration limit_of_run) {
+    const auto run = RunProgram({UntilHostHasRun(limit_of_run), "", {}}, "");
+    EXPECT_TRUE(run && run.value().errors.empty()) << run.value().errors;
+    return run && run.value().status.ok();
+  };
+  EXPECT_TRUE(starts(std::chrono::hours(1'000'000)));
+  EXPECT_FALSE(starts(-std::chrono::seconds(1)));
 }
 
 TEST_F(UnitOfAnotherHost, ThatIsAboutToRunIsNotTakenForEnded) {
