@@ -29,7 +29,8 @@ constexpr Duration kStageWithin = std::chrono::minutes(5);
 constexpr Duration kSwitchWithin = std::chrono::minutes(1);
 constexpr Duration kUndoWithin = kStageWithin;     // it reads the whole version before
 constexpr std::uint64_t kDeployReserve = 4 << 20;  // bytes, for folders and the state of the slots
-constexpr int kSshFailed = 255;                    // its exit code when it has not reached the host
+constexpr const char* kNoTemporaryFolder = "there is no folder for temporary files; set TMPDIR";
+constexpr int kSshFailed = 255;  // its exit code when it has not reached the host
 
 // A folder that is removed with its content.
 class TemporaryFolder {
@@ -128,8 +129,8 @@ std::string Misfit(const HostFiles& files, const std::vector<std::string>& lines
 }
 
 // The bundle of a host, with the public key, as they are sent.
-Result<> MakeBundleOf(const HostFiles& files, const DeployOptions& options,
-                      const std::string& folder) {
+Result<ota::Manifest> MakeBundleOf(const HostFiles& files, const DeployOptions& options,
+                                   const std::string& folder) {
   ota::PosixDisk disk;
   const std::string payload = folder + "/payload";
   const std::string sent = folder + "/sent";
@@ -147,10 +148,11 @@ Result<> MakeBundleOf(const HostFiles& files, const DeployOptions& options,
   manifest.robot = options.robot;
   manifest.version = options.version;
   manifest.created = options.created;
-  const auto made =
-      ota::MakeBundle(disk, payload, manifest, options.private_pem, sent + "/bundle", {});
+  auto made = ota::MakeBundle(disk, payload, manifest, options.private_pem, sent + "/bundle", {});
   if (!made) return made.error();
-  return ota::WriteAll(disk, sent + "/ota.pub", options.public_pem, 0644);
+  const auto key = ota::WriteAll(disk, sent + "/ota.pub", options.public_pem, 0644);
+  if (!key) return key.error();
+  return made;
 }
 
 // Empty: it was sent.
@@ -185,6 +187,7 @@ constexpr std::string_view kStepExit = "musher-exit ";
 struct StepAnswer {
   std::string trouble;   // with its host; empty: the step was done
   bool unknown = false;  // whether it was done
+  std::string said;      // by a step that was done, in its last line
 };
 
 // A step of host_slot.hpp on each of these hosts, at the same time.
@@ -213,6 +216,8 @@ std::vector<StepAnswer> TakeOn(const std::vector<const HostFiles*>& hosts, const
       constexpr std::string_view kProgram = "musher: ";
       if (why.starts_with(kProgram)) why.erase(0, kProgram.size());
       one.trouble = OnHost(host) + why;
+    } else if (answer.lines.size() > 1) {
+      one.said = answer.lines[answer.lines.size() - 2];
     }
   }
   return taken;
@@ -243,11 +248,45 @@ std::vector<std::string> LookAt(const DeployPlan& plan, int interrupt) {
   return troubles;
 }
 
+// What is still to be done on which hosts.
+struct Needs {
+  std::vector<const HostFiles*> send;       // and stage
+  std::vector<const HostFiles*> switch_to;  // these, and those that have staged it already
+};
+
+// Adds a host to what it needs, or to those that have the version. The trouble, or "".
+std::string AddHost(const HostFiles& files, const PlacedVersion& placed,
+                    const DeployOptions& options, Needs& needs, DeployOutcome& outcome) {
+  if (placed.place != Place::kNowhere) {
+    const TemporaryFolder folder;
+    if (folder.path().empty()) return kNoTemporaryFolder;
+    const auto made = MakeBundleOf(files, options, folder.path());
+    if (!made) return OnHost(*files.host) + made.error().message;
+    const bool same = placed.digest == ContentDigest(made.value());
+    if (same && placed.place == Place::kStaged) {
+      needs.switch_to.push_back(&files);
+      return {};
+    }
+    if (same) {
+      outcome.had.insert(files.host->name);
+      return {};
+    }
+    if (placed.place == Place::kRuns) {
+      return OnHost(*files.host) + "it is the same version with other files: it has " +
+             options.version.text + " in " + files.root + "; give these a newer version";
+    }
+  }
+  needs.send.push_back(&files);
+  needs.switch_to.push_back(&files);
+  return {};
+}
+
 // One host was not switched, or it is not known: none is to be. Also one that refused the switch:
 // its state may be of the new version, and its link of the old one.
 DeployOutcome Undo(const std::vector<const HostFiles*>& hosts,
                    const std::vector<StepAnswer>& switched, const DeployOptions& options) {
-  DeployOutcome outcome{TroublesOf(switched)};
+  DeployOutcome outcome;
+  outcome.troubles = TroublesOf(switched);
   const std::vector<StepAnswer> undone = TakeOn(hosts, "undo", options, kUndoWithin);
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     if (undone[i].trouble.empty()) continue;
@@ -274,6 +313,27 @@ DeployOutcome Interrupted() {
       /*interrupted=*/true};
 }
 
+// Sends the files to those hosts that need them, and has them staged. Empty troubles: it is done.
+DeployOutcome SendAndStage(const std::vector<const HostFiles*>& hosts, const DeployOptions& options,
+                           const std::function<void(const std::string&)>& progress) {
+  for (const HostFiles* files : hosts) {
+    progress("send to " + files->host->name);
+    const TemporaryFolder folder;
+    if (folder.path().empty()) return {{kNoTemporaryFolder}};
+    if (const auto made = MakeBundleOf(*files, options, folder.path()); !made) {
+      return {{OnHost(*files->host) + made.error().message}};
+    }
+    const std::string trouble = SendTo(*files, folder.path());
+    if (IsInterrupted(options)) return Interrupted();
+    if (!trouble.empty()) return {{trouble}};
+  }
+  if (hosts.empty()) return {};
+  progress("stage");
+  const auto staged = TakeOn(hosts, "stage", options, kStageWithin, options.interrupt);
+  if (IsInterrupted(options)) return Interrupted();
+  return {TroublesOf(staged)};
+}
+
 }  // namespace
 
 DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,
@@ -284,25 +344,25 @@ DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,
   auto misfits = LookAt(plan, options.interrupt);
   if (IsInterrupted(options)) return Interrupted();
   if (!misfits.empty()) return {misfits};
-  for (const HostFiles* files : hosts) {
-    progress("send to " + files->host->name);
-    const TemporaryFolder folder;
-    if (folder.path().empty()) return {{"there is no folder for temporary files; set TMPDIR"}};
-    if (const auto made = MakeBundleOf(*files, options, folder.path()); !made) {
-      return {{OnHost(*files->host) + made.error().message}};
-    }
-    const std::string trouble = SendTo(*files, folder.path());
-    if (IsInterrupted(options)) return Interrupted();
-    if (!trouble.empty()) return {{trouble}};
-  }
-  progress("stage");
-  const auto staged = TakeOn(hosts, "stage", options, kStageWithin, options.interrupt);
+  const auto found = TakeOn(hosts, "look", options, kStageWithin, options.interrupt);
   if (IsInterrupted(options)) return Interrupted();
-  if (auto troubles = TroublesOf(staged); !troubles.empty()) return {troubles};
-  progress("switch");
-  const auto switched = TakeOn(hosts, "switch", options, kSwitchWithin);
-  if (TroublesOf(switched).empty()) return {};
-  return Undo(hosts, switched, options);
+  DeployOutcome outcome;
+  outcome.troubles = TroublesOf(found);
+  if (!outcome.troubles.empty()) return outcome;
+  Needs needs;
+  for (std::size_t i = 0; i < hosts.size(); ++i) {
+    std::string trouble = AddHost(*hosts[i], ParsePlaced(found[i].said), options, needs, outcome);
+    if (!trouble.empty()) outcome.troubles.push_back(std::move(trouble));
+  }
+  if (!outcome.troubles.empty() || needs.switch_to.empty()) return outcome;
+  DeployOutcome done = SendAndStage(needs.send, options, progress);
+  if (done.troubles.empty()) {
+    progress("switch");
+    const auto switched = TakeOn(needs.switch_to, "switch", options, kSwitchWithin);
+    if (!TroublesOf(switched).empty()) done = Undo(needs.switch_to, switched, options);
+  }
+  done.had = outcome.had;
+  return done;
 }
 
 }  // namespace musher::cli
