@@ -1,15 +1,25 @@
 #include "musher/cli/deploy/deployment.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <signal.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <utility>
 
+#include "musher/base/exit_status.hpp"
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
 #include "musher/base/program.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/base/version.hpp"
 #include "musher/base/words.hpp"
 #include "musher/cli/deploy/host_slot.hpp"
@@ -128,6 +138,11 @@ std::string Misfit(const HostFiles& files, const std::vector<std::string>& lines
                      (need_kib >> 10) + 1, files.root, free_kib >> 10, ssh);
 }
 
+bool IsInterrupted(const DeployOptions& options) {
+  pollfd waiting{options.interrupt, POLLIN, 0};
+  return poll(&waiting, 1, 0) == 1;
+}
+
 // The bundle of a host, with the public key, as they are sent.
 Result<ota::Manifest> MakeBundleOf(const HostFiles& files, const DeployOptions& options,
                                    const std::string& folder) {
@@ -148,15 +163,50 @@ Result<ota::Manifest> MakeBundleOf(const HostFiles& files, const DeployOptions& 
   manifest.robot = options.robot;
   manifest.version = options.version;
   manifest.created = options.created;
-  auto made = ota::MakeBundle(disk, payload, manifest, options.private_pem, sent + "/bundle", {});
+  auto made = ota::MakeBundle(disk, payload, manifest, options.private_pem, sent + "/bundle",
+                              [&](std::uint64_t) { return !IsInterrupted(options); });
   if (!made) return made.error();
   const auto key = ota::WriteAll(disk, sent + "/ota.pub", options.public_pem, 0644);
   if (!key) return key.error();
   return made;
 }
 
+// How what sends the files has ended.
+struct SendEnd {
+  ExitStatus status;
+  bool timed_out = false;
+  std::optional<ProgramFailure> failure;  // it was not executed
+};
+
+// Runs it in a group of its own, which is killed after `within`, or once `interrupt` is readable.
+Result<SendEnd> RunSender(ProgramSpec spec, Duration within, int interrupt) {
+  spec.after_fork = [](char* const*) { setsid(); };
+  const auto sender = ForkProgram(spec);
+  if (!sender) return sender.error();
+  const pid_t pid = sender.value().pid();
+  const auto exit = OpenPidfd(pid);
+  SendEnd end;
+  const Time until = std::chrono::steady_clock::now() + within;
+  pollfd waits[] = {{exit ? exit.value().get() : -1, POLLIN, 0}, {interrupt, POLLIN, 0}};
+  for (int ready = -1; exit && ready < 0;) {
+    const Duration left = std::max(until - std::chrono::steady_clock::now(), Duration::zero());
+    const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
+    ready = poll(waits, std::size(waits), static_cast<int>(left_ms));
+    if (ready < 0 && errno != EINTR) break;
+    end.timed_out = ready == 0;
+  }
+  if (waits[0].revents == 0) {
+    kill(-pid, SIGKILL);  // with ssh
+    kill(pid, SIGKILL);
+  }
+  end.failure = sender.value().Failure(Duration::zero());
+  end.status = ReapChild(pid).value_or(ExitStatus::Unknown());
+  if (!exit) return exit.error();
+  return end;
+}
+
 // Empty: it was sent.
-std::string SendTo(const HostFiles& files, const std::string& folder) {
+std::string SendTo(const HostFiles& files, const std::string& folder, int interrupt) {
   const HostConfig& host = *files.host;
   const std::string to = ShellWord(IncomingFolder(files.root));
   ProgramSpec spec;
@@ -167,16 +217,20 @@ std::string SendTo(const HostFiles& files, const std::string& folder) {
                                 " && exec tar -xpof - -C " + to));
   spec.env = {{"LC_ALL", "C"}};
   spec.without = {"SSH_ASKPASS"};
-  const auto run = RunProgram(spec, "", kSendWithin);
+  const std::string said = folder + "/said";
+  const UniqueFd output(open(said.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  if (!output.valid()) return OnHost(host) + SystemError("can't write " + said).message;
+  spec.output = spec.errors = output.get();
+  const auto run = RunSender(spec, kSendWithin, interrupt);
   if (!run) return OnHost(host) + run.error().message;
-  const ProgramEnd& end = run.value();
+  const SendEnd& end = run.value();
   if (end.failure) return OnHost(host) + end.failure->error.message;
   if (end.timed_out) {
     return OnHost(host) + fmt::format("its files were not sent within {} min",
                                       ToMilliseconds(kSendWithin) / 60'000);
   }
   if (end.status.ok()) return {};
-  std::string why = LastLineOf(end.errors);
+  std::string why = LastLineOf(ReadFile(said));
   if (why.empty()) why = "the files were not sent: " + end.status.Text();
   const bool of_ssh = !end.status.killed && end.status.number == kSshFailed;
   return OnHost(host) + (of_ssh ? SshTroubleOf(why, host.Login()).text : why);
@@ -300,11 +354,6 @@ DeployOutcome Undo(const std::vector<const HostFiles*>& hosts,
   return outcome;
 }
 
-bool IsInterrupted(const DeployOptions& options) {
-  pollfd waiting{options.interrupt, POLLIN, 0};
-  return poll(&waiting, 1, 0) == 1;
-}
-
 DeployOutcome Interrupted() {
   return {
       {"interrupted; a host that was sent a version may go on with it for a while, unseen: repeat "
@@ -320,10 +369,12 @@ DeployOutcome SendAndStage(const std::vector<const HostFiles*>& hosts, const Dep
     progress("send to " + files->host->name);
     const TemporaryFolder folder;
     if (folder.path().empty()) return {{kNoTemporaryFolder}};
-    if (const auto made = MakeBundleOf(*files, options, folder.path()); !made) {
+    const auto made = MakeBundleOf(*files, options, folder.path());
+    if (IsInterrupted(options)) return Interrupted();
+    if (!made) {
       return {{OnHost(*files->host) + made.error().message}};
     }
-    const std::string trouble = SendTo(*files, folder.path());
+    const std::string trouble = SendTo(*files, folder.path(), options.interrupt);
     if (IsInterrupted(options)) return Interrupted();
     if (!trouble.empty()) return {{trouble}};
   }
@@ -352,6 +403,7 @@ DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,
   Needs needs;
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     std::string trouble = AddHost(*hosts[i], ParsePlaced(found[i].said), options, needs, outcome);
+    if (IsInterrupted(options)) return Interrupted();
     if (!trouble.empty()) outcome.troubles.push_back(std::move(trouble));
   }
   if (!outcome.troubles.empty() || needs.switch_to.empty()) return outcome;

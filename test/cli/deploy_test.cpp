@@ -22,6 +22,7 @@
 #include "musher/test/cli/program.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::cli::deploy_test {
 
@@ -61,7 +62,13 @@ class Deployed : public ::testing::Test {
     // InterruptAt() may have left a signal that is blocked.
     sigset_t pending;
     int taken = 0;
-    if (sigpending(&pending) == 0 && sigismember(&pending, SIGINT) == 1) sigwait(&pending, &taken);
+    for (const int signal : {SIGINT, SIGTERM}) {
+      if (sigpending(&pending) != 0 || sigismember(&pending, signal) != 1) continue;
+      sigset_t one;
+      sigemptyset(&one);
+      sigaddset(&one, signal);
+      sigwait(&one, &taken);
+    }
   }
   void SetUp() override {
     if (!SupportsHosts()) GTEST_SKIP() << "built without hosts";
@@ -446,6 +453,38 @@ TEST_F(Deployed, InterruptedBeforeTheSwitchLeavesNothingHere) {
   ExpectText("#!/bin/sh\necho 1\n");
   EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
   unsetenv("TMPDIR");
+}
+
+// It went on until the files were sent, for a quarter of an hour at most.
+TEST_F(Deployed, InterruptedWhileItSendsEndsWithItsSsh) {
+  fs::create_directory(folder_ / "tmp");
+  setenv("TMPDIR", (folder_ / "tmp").c_str(), 1);
+  Ssh("case \"$*\" in *tar*) head -c 100 > " + (folder_ / "half") + "; echo $$ > " +
+      (folder_ / "pid") + "; kill -TERM " + std::to_string(getpid()) + "; exec sleep 1000;; esac");
+  const Ran ran = Deploy("1.0.0");
+  unsetenv("TMPDIR");
+  EXPECT_EQ(ran.exit, 130);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("interrupted"), HasSubstr("version 1.0.0 is on no host")));
+  const pid_t ssh = std::stoi(ReadFile(folder_ / "pid"));
+  // Empty also of one that is not reaped yet.
+  const std::string command = "/proc/" + std::to_string(ssh) + "/cmdline";
+  EXPECT_TRUE(testing::Until([&] { return ReadFile(command).empty(); }, std::chrono::seconds(20)));
+  EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
+  EXPECT_FALSE(fs::exists(Root("vision")));
+}
+
+// A part of the files has arrived: it is no version, and does not stand in the way of the next.
+TEST_F(Deployed, HalfOfTheFilesIsNoVersion) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  Ssh("case \"$*\" in *tar*) head -c 3000 | sh -c \"$*\"; exit 1;; esac");
+  EXPECT_EQ(Deploy("1.1.0").exit, 1);
+  EXPECT_EQ(Step("stage", Root("vision"), "1.1.0").exit, 1);
+  EXPECT_EQ(Step("switch", Root("vision"), "1.1.0").exit, 1);
+  ExpectText("#!/bin/sh\necho 1\n");
+  Ssh("");
+  ASSERT_EQ(Deploy("1.1.0").exit, 0);
+  ExpectText("#!/bin/sh\necho 2\n");
 }
 
 TEST_F(Deployed, SwitchThatWasBegunIsNotInterrupted) {
