@@ -7,8 +7,10 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "musher/base/date_text.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/base/words.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/config/config_file.hpp"
@@ -67,6 +69,12 @@ ExitCode TakeStep(const DeployCommand& options, Console& console) {
     return console.Fail(
         {kCodeParametersInvalid, "--step needs --version and --root with an absolute path"});
   }
+  if (options.step == "look") {
+    const auto found = FindVersion(disk, root, options.version);
+    if (!found) return console.Fail({ExitCode::kNotDone, found.error()});
+    console.Print(FormatPlaced(found.value()));
+    return ExitCode::kDone;
+  }
   const auto taken = options.step == "stage"
                          ? StageSlot(disk, root, options.version, {options.allow_downgrade})
                      : options.step == "switch" ? SwitchSlot(disk, root, options.version)
@@ -78,13 +86,23 @@ ExitCode TakeStep(const DeployCommand& options, Console& console) {
   return ExitCode::kDone;
 }
 
-std::string DeployJson(const DeployPlan& plan, const std::string& version) {
+std::string DeployJson(const DeployPlan& plan, const std::string& version,
+                       const std::set<std::string>& had) {
   auto hosts = OrderedJson::array();
   for (const HostFiles& files : plan.hosts) {
-    hosts.push_back(
-        {{"host", files.host->name}, {"root", files.root}, {"files", files.files.size()}});
+    hosts.push_back({{"host", files.host->name},
+                     {"root", files.root},
+                     {"files", files.files.size()},
+                     {"changed", !had.contains(files.host->name)}});
   }
   return JsonLine({{"version", version}, {"hosts", hosts}});
+}
+
+// Where a version is that was not deployed.
+std::string WhereItIs(const std::string& version, const DeployOutcome& outcome) {
+  if (outcome.unknown) return "version " + version + " may be on a host";
+  if (outcome.had.empty()) return "version " + version + " is on no host";
+  return "version " + version + " is on no other host than before: " + Joined(outcome.had);
 }
 
 ExitCode RunDeploy(const DeployCommand& options, const GlobalOptions& /*global*/,
@@ -126,19 +144,21 @@ ExitCode RunDeploy(const DeployCommand& options, const GlobalOptions& /*global*/
   if (!outcome.troubles.empty()) {
     std::string text;
     for (const std::string& trouble : outcome.troubles) text += trouble + "\n";
-    text += "version " + version->text + (outcome.unknown ? " may be on a host" : " is on no host");
+    text += WhereItIs(version->text, outcome);
     return console.Fail(
         {outcome.interrupted ? ExitCode::kInterrupted : ExitCode::kNotDone, {kCodeFailed, text}});
   }
   if (console.mode().json) {
-    console.Print(DeployJson(plan.value(), version->text));
+    console.Print(DeployJson(plan.value(), version->text, outcome.had));
     return ExitCode::kDone;
   }
   std::string text;
   std::string restart;
   for (const HostFiles& files : plan.value().hosts) {
-    text += fmt::format("{}: version {} in {}, {}\n", files.host->name, version->text, files.root,
-                        Counted(files.files.size(), "file"));
+    const bool had = outcome.had.contains(files.host->name);
+    text +=
+        fmt::format("{}: {} {} in {}, {}\n", files.host->name, had ? "has had version" : "version",
+                    version->text, files.root, Counted(files.files.size(), "file"));
     for (const std::string& actuator : files.actuators) restart += " " + actuator;
   }
   console.Print(text + "what runs there has it after its next start: musher restart" + restart);
@@ -170,7 +190,7 @@ void AddDeploy(Grammar& grammar) {
   grammar.OneOf(app.add_option("--step", options.step,
                                "What `musher deploy` runs on each host, instead of CONFIG,\n"
                                "--key and --from"),
-                {"stage", "switch", "undo"});
+                {"look", "stage", "switch", "undo"});
   app.add_option("--root", options.root, "With --step: the upgrade root")->type_name("FOLDER");
 }
 

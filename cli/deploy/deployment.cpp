@@ -1,15 +1,25 @@
 #include "musher/cli/deploy/deployment.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <signal.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <utility>
 
+#include "musher/base/exit_status.hpp"
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
 #include "musher/base/program.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/base/version.hpp"
 #include "musher/base/words.hpp"
 #include "musher/cli/deploy/host_slot.hpp"
@@ -29,7 +39,8 @@ constexpr Duration kStageWithin = std::chrono::minutes(5);
 constexpr Duration kSwitchWithin = std::chrono::minutes(1);
 constexpr Duration kUndoWithin = kStageWithin;     // it reads the whole version before
 constexpr std::uint64_t kDeployReserve = 4 << 20;  // bytes, for folders and the state of the slots
-constexpr int kSshFailed = 255;                    // its exit code when it has not reached the host
+constexpr const char* kNoTemporaryFolder = "there is no folder for temporary files; set TMPDIR";
+constexpr int kSshFailed = 255;  // its exit code when it has not reached the host
 
 // A folder that is removed with its content.
 class TemporaryFolder {
@@ -127,9 +138,14 @@ std::string Misfit(const HostFiles& files, const std::vector<std::string>& lines
                      (need_kib >> 10) + 1, files.root, free_kib >> 10, ssh);
 }
 
+bool IsInterrupted(const DeployOptions& options) {
+  pollfd waiting{options.interrupt, POLLIN, 0};
+  return poll(&waiting, 1, 0) == 1;
+}
+
 // The bundle of a host, with the public key, as they are sent.
-Result<> MakeBundleOf(const HostFiles& files, const DeployOptions& options,
-                      const std::string& folder) {
+Result<ota::Manifest> MakeBundleOf(const HostFiles& files, const DeployOptions& options,
+                                   const std::string& folder) {
   ota::PosixDisk disk;
   const std::string payload = folder + "/payload";
   const std::string sent = folder + "/sent";
@@ -147,14 +163,50 @@ Result<> MakeBundleOf(const HostFiles& files, const DeployOptions& options,
   manifest.robot = options.robot;
   manifest.version = options.version;
   manifest.created = options.created;
-  const auto made =
-      ota::MakeBundle(disk, payload, manifest, options.private_pem, sent + "/bundle", {});
+  auto made = ota::MakeBundle(disk, payload, manifest, options.private_pem, sent + "/bundle",
+                              [&](std::uint64_t) { return !IsInterrupted(options); });
   if (!made) return made.error();
-  return ota::WriteAll(disk, sent + "/ota.pub", options.public_pem, 0644);
+  const auto key = ota::WriteAll(disk, sent + "/ota.pub", options.public_pem, 0644);
+  if (!key) return key.error();
+  return made;
+}
+
+// How what sends the files has ended.
+struct SendEnd {
+  ExitStatus status;
+  bool timed_out = false;
+  std::optional<ProgramFailure> failure;  // it was not executed
+};
+
+// Runs it in a group of its own, which is killed after `within`, or once `interrupt` is readable.
+Result<SendEnd> RunSender(ProgramSpec spec, Duration within, int interrupt) {
+  spec.after_fork = [](char* const*) { setsid(); };
+  const auto sender = ForkProgram(spec);
+  if (!sender) return sender.error();
+  const pid_t pid = sender.value().pid();
+  const auto exit = OpenPidfd(pid);
+  SendEnd end;
+  const Time until = std::chrono::steady_clock::now() + within;
+  pollfd waits[] = {{exit ? exit.value().get() : -1, POLLIN, 0}, {interrupt, POLLIN, 0}};
+  for (int ready = -1; exit && ready < 0;) {
+    const Duration left = std::max(until - std::chrono::steady_clock::now(), Duration::zero());
+    const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
+    ready = poll(waits, std::size(waits), static_cast<int>(left_ms));
+    if (ready < 0 && errno != EINTR) break;
+    end.timed_out = ready == 0;
+  }
+  if (waits[0].revents == 0) {
+    kill(-pid, SIGKILL);  // with ssh
+    kill(pid, SIGKILL);
+  }
+  end.failure = sender.value().Failure(Duration::zero());
+  end.status = ReapChild(pid).value_or(ExitStatus::Unknown());
+  if (!exit) return exit.error();
+  return end;
 }
 
 // Empty: it was sent.
-std::string SendTo(const HostFiles& files, const std::string& folder) {
+std::string SendTo(const HostFiles& files, const std::string& folder, int interrupt) {
   const HostConfig& host = *files.host;
   const std::string to = ShellWord(IncomingFolder(files.root));
   ProgramSpec spec;
@@ -165,16 +217,20 @@ std::string SendTo(const HostFiles& files, const std::string& folder) {
                                 " && exec tar -xpof - -C " + to));
   spec.env = {{"LC_ALL", "C"}};
   spec.without = {"SSH_ASKPASS"};
-  const auto run = RunProgram(spec, "", kSendWithin);
+  const std::string said = folder + "/said";
+  const UniqueFd output(open(said.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  if (!output.valid()) return OnHost(host) + SystemError("can't write " + said).message;
+  spec.output = spec.errors = output.get();
+  const auto run = RunSender(spec, kSendWithin, interrupt);
   if (!run) return OnHost(host) + run.error().message;
-  const ProgramEnd& end = run.value();
+  const SendEnd& end = run.value();
   if (end.failure) return OnHost(host) + end.failure->error.message;
   if (end.timed_out) {
     return OnHost(host) + fmt::format("its files were not sent within {} min",
                                       ToMilliseconds(kSendWithin) / 60'000);
   }
   if (end.status.ok()) return {};
-  std::string why = LastLineOf(end.errors);
+  std::string why = LastLineOf(ReadFile(said));
   if (why.empty()) why = "the files were not sent: " + end.status.Text();
   const bool of_ssh = !end.status.killed && end.status.number == kSshFailed;
   return OnHost(host) + (of_ssh ? SshTroubleOf(why, host.Login()).text : why);
@@ -185,6 +241,7 @@ constexpr std::string_view kStepExit = "musher-exit ";
 struct StepAnswer {
   std::string trouble;   // with its host; empty: the step was done
   bool unknown = false;  // whether it was done
+  std::string said;      // by a step that was done, in its last line
 };
 
 // A step of host_slot.hpp on each of these hosts, at the same time.
@@ -213,6 +270,8 @@ std::vector<StepAnswer> TakeOn(const std::vector<const HostFiles*>& hosts, const
       constexpr std::string_view kProgram = "musher: ";
       if (why.starts_with(kProgram)) why.erase(0, kProgram.size());
       one.trouble = OnHost(host) + why;
+    } else if (answer.lines.size() > 1) {
+      one.said = answer.lines[answer.lines.size() - 2];
     }
   }
   return taken;
@@ -243,11 +302,45 @@ std::vector<std::string> LookAt(const DeployPlan& plan, int interrupt) {
   return troubles;
 }
 
+// What is still to be done on which hosts.
+struct Needs {
+  std::vector<const HostFiles*> send;       // and stage
+  std::vector<const HostFiles*> switch_to;  // these, and those that have staged it already
+};
+
+// Adds a host to what it needs, or to those that have the version. The trouble, or "".
+std::string AddHost(const HostFiles& files, const PlacedVersion& placed,
+                    const DeployOptions& options, Needs& needs, DeployOutcome& outcome) {
+  if (placed.place != Place::kNowhere) {
+    const TemporaryFolder folder;
+    if (folder.path().empty()) return kNoTemporaryFolder;
+    const auto made = MakeBundleOf(files, options, folder.path());
+    if (!made) return OnHost(*files.host) + made.error().message;
+    const bool same = placed.digest == ContentDigest(made.value());
+    if (same && placed.place == Place::kStaged) {
+      needs.switch_to.push_back(&files);
+      return {};
+    }
+    if (same) {
+      outcome.had.insert(files.host->name);
+      return {};
+    }
+    if (placed.place == Place::kRuns) {
+      return OnHost(*files.host) + "it is the same version with other files: it has " +
+             options.version.text + " in " + files.root + "; give these a newer version";
+    }
+  }
+  needs.send.push_back(&files);
+  needs.switch_to.push_back(&files);
+  return {};
+}
+
 // One host was not switched, or it is not known: none is to be. Also one that refused the switch:
 // its state may be of the new version, and its link of the old one.
 DeployOutcome Undo(const std::vector<const HostFiles*>& hosts,
                    const std::vector<StepAnswer>& switched, const DeployOptions& options) {
-  DeployOutcome outcome{TroublesOf(switched)};
+  DeployOutcome outcome;
+  outcome.troubles = TroublesOf(switched);
   const std::vector<StepAnswer> undone = TakeOn(hosts, "undo", options, kUndoWithin);
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     if (undone[i].trouble.empty()) continue;
@@ -261,17 +354,35 @@ DeployOutcome Undo(const std::vector<const HostFiles*>& hosts,
   return outcome;
 }
 
-bool IsInterrupted(const DeployOptions& options) {
-  pollfd waiting{options.interrupt, POLLIN, 0};
-  return poll(&waiting, 1, 0) == 1;
-}
-
 DeployOutcome Interrupted() {
   return {
       {"interrupted; a host that was sent a version may go on with it for a while, unseen: repeat "
        "`musher deploy` after that"},
       /*unknown=*/false,
       /*interrupted=*/true};
+}
+
+// Sends the files to those hosts that need them, and has them staged. Empty troubles: it is done.
+DeployOutcome SendAndStage(const std::vector<const HostFiles*>& hosts, const DeployOptions& options,
+                           const std::function<void(const std::string&)>& progress) {
+  for (const HostFiles* files : hosts) {
+    progress("send to " + files->host->name);
+    const TemporaryFolder folder;
+    if (folder.path().empty()) return {{kNoTemporaryFolder}};
+    const auto made = MakeBundleOf(*files, options, folder.path());
+    if (IsInterrupted(options)) return Interrupted();
+    if (!made) {
+      return {{OnHost(*files->host) + made.error().message}};
+    }
+    const std::string trouble = SendTo(*files, folder.path(), options.interrupt);
+    if (IsInterrupted(options)) return Interrupted();
+    if (!trouble.empty()) return {{trouble}};
+  }
+  if (hosts.empty()) return {};
+  progress("stage");
+  const auto staged = TakeOn(hosts, "stage", options, kStageWithin, options.interrupt);
+  if (IsInterrupted(options)) return Interrupted();
+  return {TroublesOf(staged)};
 }
 
 }  // namespace
@@ -284,25 +395,26 @@ DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,
   auto misfits = LookAt(plan, options.interrupt);
   if (IsInterrupted(options)) return Interrupted();
   if (!misfits.empty()) return {misfits};
-  for (const HostFiles* files : hosts) {
-    progress("send to " + files->host->name);
-    const TemporaryFolder folder;
-    if (folder.path().empty()) return {{"there is no folder for temporary files; set TMPDIR"}};
-    if (const auto made = MakeBundleOf(*files, options, folder.path()); !made) {
-      return {{OnHost(*files->host) + made.error().message}};
-    }
-    const std::string trouble = SendTo(*files, folder.path());
-    if (IsInterrupted(options)) return Interrupted();
-    if (!trouble.empty()) return {{trouble}};
-  }
-  progress("stage");
-  const auto staged = TakeOn(hosts, "stage", options, kStageWithin, options.interrupt);
+  const auto found = TakeOn(hosts, "look", options, kStageWithin, options.interrupt);
   if (IsInterrupted(options)) return Interrupted();
-  if (auto troubles = TroublesOf(staged); !troubles.empty()) return {troubles};
-  progress("switch");
-  const auto switched = TakeOn(hosts, "switch", options, kSwitchWithin);
-  if (TroublesOf(switched).empty()) return {};
-  return Undo(hosts, switched, options);
+  DeployOutcome outcome;
+  outcome.troubles = TroublesOf(found);
+  if (!outcome.troubles.empty()) return outcome;
+  Needs needs;
+  for (std::size_t i = 0; i < hosts.size(); ++i) {
+    std::string trouble = AddHost(*hosts[i], ParsePlaced(found[i].said), options, needs, outcome);
+    if (IsInterrupted(options)) return Interrupted();
+    if (!trouble.empty()) outcome.troubles.push_back(std::move(trouble));
+  }
+  if (!outcome.troubles.empty() || needs.switch_to.empty()) return outcome;
+  DeployOutcome done = SendAndStage(needs.send, options, progress);
+  if (done.troubles.empty()) {
+    progress("switch");
+    const auto switched = TakeOn(needs.switch_to, "switch", options, kSwitchWithin);
+    if (!TroublesOf(switched).empty()) done = Undo(needs.switch_to, switched, options);
+  }
+  done.had = outcome.had;
+  return done;
 }
 
 }  // namespace musher::cli

@@ -5,12 +5,15 @@
 //     │       │       │         └──▶ undo, where one has failed
 //     └───────┴───────┴──▶ end, every host runs what it ran
 //
-// Each step is taken on all hosts before the next one. Every wait has an end. A switch that was
-// begun is not interrupted.
+// Each step is taken on all hosts that need it before the next one: a host that has staged the same
+// files is only switched, and one that runs them is left as it is, and is not switched back either.
+// So a deployment that was cut at any point is repeated, also for a host whose disk is new. Every
+// wait has an end. A switch that was begun is not interrupted.
 //
 // Threads: any; blocks.
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,6 +36,7 @@ struct DeployOutcome {
   std::vector<std::string> troubles;  // each with its host; empty: all hosts have the version
   bool unknown = false;               // one may have it, with troubles
   bool interrupted = false;           // before the switch, with troubles
+  std::set<std::string> had = {};     // hosts that ran this version, with these files, before
 };
 // `progress` is called with each step.
 DeployOutcome Deploy(const DeployPlan& plan, const DeployOptions& options,

@@ -7,6 +7,7 @@
 
 #include "musher/base/words.hpp"
 #include "musher/ota/fault.hpp"
+#include "musher/ota/signature.hpp"
 
 namespace musher::cli {
 namespace {
@@ -160,6 +161,20 @@ Result<> Withdraw(const ota::Root& root, const std::string& version, bool other_
   });
 }
 
+Result<std::string> DigestOfSlot(const ota::Root& root, Slot slot) {
+  const auto read = ota::ReadManifest(root.disk(), root.SlotFolder(slot), root.public_key());
+  if (!read) return read.error();
+  return ContentDigest(read.value().manifest);
+}
+
+// Where a slot has the version, whole: with its digest. Else nowhere.
+PlacedVersion InSlot(const ota::Root& root, Slot slot, const std::string& version, Place place) {
+  const auto named = root.LookAtManifest(slot);
+  if (!named || named.value().text != version || !root.Look(slot)) return {};
+  const auto digest = DigestOfSlot(root, slot);
+  return digest ? PlacedVersion{place, digest.value()} : PlacedVersion{};
+}
+
 // Nothing else was ever in this root.
 Result<bool> IsFirst(const ota::Root& root) {
   const auto state = root.State();
@@ -174,6 +189,47 @@ Result<bool> IsFirst(const ota::Root& root) {
 
 std::string IncomingFolder(const std::string& root) {
   return root + ".incoming";
+}
+
+std::string ContentDigest(const ota::Manifest& manifest) {
+  ota::Manifest content = manifest;
+  content.created.clear();
+  std::ranges::sort(content.files, {}, &ota::FileEntry::path);
+  ota::Sha256 sha;
+  sha.Add(ota::FormatManifest(content));
+  return sha.Finish();
+}
+
+std::string FormatPlaced(const PlacedVersion& placed) {
+  if (placed.place == Place::kNowhere) return "nowhere";
+  return (placed.place == Place::kRuns ? "runs " : "staged ") + placed.digest;
+}
+
+PlacedVersion ParsePlaced(const std::string& line) {
+  for (const Place place : {Place::kRuns, Place::kStaged}) {
+    const std::string begin = FormatPlaced({place, ""});
+    if (line.starts_with(begin)) return {place, line.substr(begin.size())};
+  }
+  return {};
+}
+
+Result<PlacedVersion> FindVersion(Disk& disk, const std::string& path, const std::string& version) {
+  const auto present = PresentVersion(disk, path);
+  if (!present) return present.error();
+  const auto root = ota::Root::Open(disk, present.value() ? path : NewRoot(path));
+  if (!root && !present.value()) return PlacedVersion();  // nothing whole was staged
+  if (!root) return root.error();
+  const auto state = root.value().State();
+  if (!state) return state.error();
+  const Slot confirmed = state.value().confirmed;
+  if (!present.value()) return InSlot(root.value(), confirmed, version, Place::kStaged);
+  if (present.value() == version) {
+    if (const auto whole = root.value().Look(confirmed); !whole) return whole.error();
+    const bool linked = CheckLink(disk, root.value()).ok();
+    return InSlot(root.value(), confirmed, version, linked ? Place::kRuns : Place::kStaged);
+  }
+  if (state.value().installing != version) return PlacedVersion();
+  return InSlot(root.value(), ota::Other(confirmed), version, Place::kStaged);
 }
 
 Result<> StageSlot(Disk& disk, const std::string& root, const std::string& version,
@@ -204,7 +260,13 @@ Result<> SwitchSlot(Disk& disk, const std::string& path, const std::string& vers
   if (!present.value()) return SwitchToFirst(disk, path, version);
   const auto root = ota::Root::Open(disk, path);
   if (!root) return root.error();
-  if (present.value() == version) return CheckLink(disk, root.value());
+  if (present.value() == version) {
+    // A switch that was cut before its last write left the link; CheckLink() says if it stays.
+    if (!CheckLink(disk, root.value())) {
+      [[maybe_unused]] const auto pointed = root.value().EndTrialBoot(version, Ok());
+    }
+    return CheckLink(disk, root.value());
+  }
   const auto lock = disk.Take(root.value().InstallLock(), /*wait=*/false);
   if (!lock) return lock.error();
   auto marked = root.value().Change([&](const SlotState& state) -> Result<SlotState> {

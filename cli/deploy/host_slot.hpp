@@ -10,6 +10,7 @@
 //
 // Threads: one.
 
+#include <cstdint>
 #include <string>
 
 #include "musher/ota/install.hpp"
@@ -18,13 +19,34 @@ namespace musher::cli {
 
 std::string IncomingFolder(const std::string& root);
 
+// What the files of a version are, independent of who signed it when: 64 hexadecimal digits.
+std::string ContentDigest(const ota::Manifest& manifest);
+
+// Where a root has a version, with all its files.
+enum class Place : std::uint8_t {
+  kNowhere,
+  kStaged,  // to be switched to
+  kRuns
+};
+struct PlacedVersion {
+  Place place = Place::kNowhere;
+  std::string digest = {};  // ContentDigest(); empty: nowhere
+};
+// "runs 9f86d0…", "staged 9f86d0…", "nowhere": what `--step look` prints.
+std::string FormatPlaced(const PlacedVersion& placed);
+PlacedVersion ParsePlaced(const std::string& line);
+// Reads the whole version. A root that is missing has none.
+Result<PlacedVersion> FindVersion(ota::Disk& disk, const std::string& root,
+                                  const std::string& version);
+
 // Writes the version that was sent into the slot that does not run, or into a new root. Refuses
 // what an upgrade refuses: a version that is not newer, an altered file, too little space. Refuses
 // to write over a slot from which a process still runs.
 Result<> StageSlot(ota::Disk& disk, const std::string& root, const std::string& version,
                    ota::InstallOptions options);
 
-// Makes the staged version the one that runs.
+// Makes the staged version the one that runs; one that runs already is left, with its link put
+// right.
 Result<> SwitchSlot(ota::Disk& disk, const std::string& root, const std::string& version);
 
 // Makes the version before `version` run again, where `version` runs. A root with no other version

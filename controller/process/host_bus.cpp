@@ -19,6 +19,7 @@
 
 #include "musher/base/exit_status.hpp"
 #include "musher/base/host.hpp"
+#include "musher/controller/process/host_uptime.hpp"
 #include "musher/controller/process/ssh.hpp"
 
 namespace musher {
@@ -31,14 +32,12 @@ constexpr std::size_t kLongestGreeting = 65'536;          // with what a login m
 constexpr std::size_t kMostErrors = 4'096;
 constexpr std::string_view kGreeting = "musher-host ";
 constexpr std::size_t kBootIdLength = 36;
-// A HostId(), as base/host.cpp makes it, and for how many seconds its first process has run, which
-// is the uptime but in a container; then D-Bus. Another shell than sh may read the line.
+// After kReadRunning: a HostId(), as base/host.cpp makes it, and for how many seconds it has run;
+// then D-Bus.
 constexpr const char* kRemoteCommand =
-    "exec sh -c 'read -r up idle </proc/uptime; read -r first </proc/1/stat; "
-    "set -- ${first##*) }; printf \"musher-host %s/%s %s\\n\" "
+    "printf \"musher-host %s/%s %s\\n\" "
     "\"$(cat /proc/sys/kernel/random/boot_id)\" \"$(stat -Lc %i /proc/self/ns/pid)\" "
-    "\"$((${up%%.*} - ${20} / 100))\" && "
-    "exec systemd-stdio-bridge'";
+    "\"$running\" && exec systemd-stdio-bridge";
 
 BusMessage Own(sd_bus_message* message) {
   return {message, [](sd_bus_message* m) { sd_bus_message_unref(m); }};
@@ -125,7 +124,8 @@ void HostBus::Connect() {
   const UniqueFd their_errors(pipe[1]);
   ProgramSpec spec;
   spec.argv = options_.ssh;
-  spec.argv.emplace_back(kRemoteCommand);
+  // Another shell than sh may read the line.
+  spec.argv.push_back("exec sh -c '" + std::string(kReadRunning) + kRemoteCommand + "'");
   spec.env = {{"LC_ALL", "C"}};
   spec.without = {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID", "SSH_ASKPASS"};
   spec.input = spec.output = theirs.get();
@@ -177,6 +177,7 @@ void HostBus::ReadGreeting() {
       if (!why.empty()) return End(why);
     }
     host_id_ = greeting->host_id;
+    booted_ = loop_.Now() - greeting->running;
     return Subscribe();
   }
 }

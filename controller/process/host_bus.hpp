@@ -66,6 +66,8 @@ class HostBus {
 
   bool is_up() const { return state_ == State::kUp; }
   const std::string& host_id() const { return host_id_; }  // of the last connection
+  // For how long its host has run, by that host's clock; too short by the delay of the link.
+  Duration running() const { return loop_.Now() - booted_; }
   // Why it is not up, with what to do; empty: it has not failed since it was up last.
   const std::string& trouble() const { return trouble_; }
 
@@ -100,6 +102,7 @@ class HostBus {
   const Hooks hooks_;
   State state_ = State::kClosed;
   std::string host_id_;
+  Time booted_{};  // the host of the last connection, by our clock
   std::string trouble_;
   Duration back_off_;
   std::string greeting_;  // what the host has printed so far

@@ -14,7 +14,9 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/controller/process/host_uptime.hpp"
 #include "musher/controller/process/ssh.hpp"
+#include "musher/controller/process/unit_end.hpp"
 
 namespace musher {
 namespace {
@@ -30,6 +32,9 @@ constexpr const char* kProperties = "org.freedesktop.DBus.Properties";
 // not answered. A connection that is just being made needs some time.
 constexpr Duration kFindWithin = Milliseconds(1'000);
 constexpr Duration kExamineAgain = Milliseconds(500);
+// How long a host may carry out a start after it was sent: a greeting that was late by all of the
+// time for it (8 s), a start within its time (10 s), and a margin.
+constexpr Duration kStartValid = Milliseconds(20'000);
 // How long a host may have been off before its connection is found to be lost (ssh: 6 s).
 constexpr Duration kLossSeenWithin = Milliseconds(10'000);
 // What a process leaves behind gets SIGTERM, and SIGKILL after this time.
@@ -185,14 +190,16 @@ void CloseProperty(sd_bus_message* message) {
   sd_bus_message_close_container(message);
 }
 
-// Without the flag systemd replaces $NAME in the arguments.
-void AppendCommand(sd_bus_message* message, const std::vector<std::string>& argv) {
-  OpenProperty(message, "ExecStartEx", "a(sasas)");
+// Of "ExecStartEx" and its kind. Without the flag "no-env-expand" systemd replaces $NAME in the
+// arguments.
+void AppendCommand(sd_bus_message* message, const char* property,
+                   const std::vector<std::string>& argv, const std::vector<std::string>& flags) {
+  OpenProperty(message, property, "a(sasas)");
   sd_bus_message_open_container(message, 'a', "(sasas)");
   sd_bus_message_open_container(message, 'r', "sasas");
   sd_bus_message_append(message, "s", argv.front().c_str());
   AppendTexts(message, argv);
-  AppendTexts(message, {"no-env-expand"});
+  AppendTexts(message, flags);
   sd_bus_message_close_container(message);
   sd_bus_message_close_container(message);
   CloseProperty(message);
@@ -254,6 +261,9 @@ struct HostUnits::Unit {
   std::string job = {};                    // its job
   int signal = 0;                          // to be sent, or sent and not confirmed
   bool refused = false;                    // a signal was, which was reported
+  bool signalled = false;                  // the machine ends its process
+  std::optional<ProcessExit> exit = {};    // of the process, which is not reported yet
+  bool asks_system = false;                // whether its host shuts down
   bool examining = false;
   std::string unread = {};                      // why its state could not be read
   std::uint64_t examined = 0;                   // how often
@@ -354,14 +364,15 @@ void HostUnits::OnUp(Host& host) {
     unit->unread.clear();
     unit->asked = false;
     unit->job.clear();
+    unit->asks_system = false;
     unit->again = nullptr;
   }
   const std::vector<Unit*> units = host.units;
   for (Unit* unit : units) {
-    if (rebooted && unit->pid != 0) {
-      unit->signal = 0;
-      hooks_.on_ended(unit->actuator, std::exchange(unit->pid, 0), {});
-    }
+    if (!rebooted || unit->pid == 0) continue;
+    unit->signal = 0;
+    unit->exit.reset();
+    hooks_.on_ended(unit->actuator, std::exchange(unit->pid, 0), EndOfUnit({}, "", rebooted));
   }
   host.seen = id;
   for (Unit* unit : units) {
@@ -380,7 +391,7 @@ void HostUnits::OnDown(Host& host, bool was_up, bool for_good) {
   for (Unit* unit : host.units) {
     unit->examining = false;
     unit->again = nullptr;
-    if (unit->wanted && for_good && !unit->waits) Await(*unit);
+    if (unit->wanted && for_good && !unit->waits) Await(*unit, Unreached(host));
   }
   if (!std::exchange(host.reported, true)) {
     hooks_.on_reach(false, why + (was_up ? ". What runs there runs on, and is found again" : ""));
@@ -454,8 +465,8 @@ void HostUnits::Examined(Unit& unit) {
   Conclude(unit);
   if (unit.pid != 0 && unit.signal != 0) {
     // The actuator may have recovered while its host was out of reach.
-    hooks_.still_ends(unit.actuator, unit.pid) ? Kill(unit, unit.signal)
-                                               : static_cast<void>(unit.signal = 0);
+    unit.signalled = hooks_.still_ends(unit.actuator, unit.pid);
+    unit.signalled ? Kill(unit, unit.signal) : static_cast<void>(unit.signal = 0);
   }
   AnswerSearches();
 }
@@ -512,6 +523,7 @@ void HostUnits::Conclude(Unit& unit) {
 }
 
 void HostUnits::Started(Unit& unit, pid_t pid, bool found) {
+  if (unit.pid != pid) unit.signalled = false;
   unit.pid = pid;
   unit.refused = false;
   unit.wanted.reset();
@@ -530,21 +542,49 @@ void HostUnits::NotStarted(Unit& unit, const std::string& why) {
 }
 
 // The start stays wanted.
-void HostUnits::Await(Unit& unit) {
+void HostUnits::Await(Unit& unit, const std::string& why) {
   unit.waits = true;
   unit.deadline = nullptr;
-  hooks_.on_not_started(unit.actuator,
-                        Unreached(unit.host) + "; it is started once its host is reached", true);
+  hooks_.on_not_started(unit.actuator, why + "; it is started once its host is reached", true);
 }
 
 void HostUnits::Ended(Unit& unit) {
-  const pid_t pid = std::exchange(unit.pid, 0);
-  unit.signal = 0;
+  if (unit.asks_system) return;
   const ActuatorIndex i = *config_.IndexOf(unit.actuator);
-  const ProcessExit exit = ExitOf(unit.state, pid, config_.actuators[i].limits);
+  if (!unit.exit) unit.exit = ExitOf(unit.state, unit.pid, config_.actuators[i].limits);
+  const bool wanted = unit.signalled || !hooks_.still_starts(unit.actuator);
+  if (NeedsSystemState(*unit.exit, wanted)) return AskSystemState(unit);
+  ReportEnd(unit, *unit.exit);
+}
+
+// If the connection is lost before the reply, the unit is looked at again once the host is reached.
+void HostUnits::AskSystemState(Unit& unit) {
+  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kProperties, "Get");
+  if (!call) return;
+  unit.asks_system = true;
+  sd_bus_message_append(call.get(), "ss", kManager, "SystemState");
+  unit.host.bus->Send(call, [this, &unit](const BusMessage& reply) {
+    if (!std::exchange(unit.asks_system, false) || unit.pid == 0) return;
+    // A host that is short of everything is asked once more, with the unit.
+    if (IsError(reply, SD_BUS_ERROR_NO_REPLY) || IsError(reply, SD_BUS_ERROR_TIMEOUT)) {
+      unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
+      return;
+    }
+    std::string system_state;
+    if (!IsError(reply)) ReadText(reply.get(), system_state);
+    ReportEnd(unit, EndOfUnit(*unit.exit, system_state, false));
+    AnswerSearches();
+  });
+}
+
+void HostUnits::ReportEnd(Unit& unit, const ProcessExit& exit) {
+  const pid_t pid = std::exchange(unit.pid, 0);
+  const ProcessExit reported = exit;  // may be the unit's
+  unit.exit.reset();
+  unit.signal = 0;
   if (unit.state.active == "failed") Reset(unit);
   if (unit.wanted) unit.again = loop_.At(loop_.Now(), [this, &unit] { Examine(unit); });
-  hooks_.on_ended(unit.actuator, pid, exit);
+  hooks_.on_ended(unit.actuator, pid, reported);
 }
 
 // A unit that has failed is kept by systemd, with its name, until it is reset.
@@ -596,7 +636,7 @@ void HostUnits::Start(const ProcessSpec& spec) {
 void HostUnits::ArmDeadline(Unit& unit) {
   unit.deadline = loop_.At(loop_.Now() + start_within_, [this, &unit] {
     if (!unit.wanted) return;
-    if (!unit.host.bus->is_up()) return Await(unit);
+    if (!unit.host.bus->is_up()) return Await(unit, Unreached(unit.host));
     if (unit.asked) Stop(unit);  // it would start after it was given up
     const std::string how = unit.unread.empty()
                                 ? " is " + unit.state.active + " for " +
@@ -627,12 +667,16 @@ void HostUnits::StartUnit(Unit& unit) {
   for (const auto& [name, value] : spec.env) environment.push_back(name + "=" + value);
   AppendTexts(m, environment);
   CloseProperty(m);
-  AppendCommand(m, spec.argv);
+  // What waits in a connection that is lost starts nothing later, when no one may want it any more.
+  const Duration until = unit.host.bus->running() + kStartValid;
+  AppendCommand(m, "ExecConditionEx", UntilHostHasRun(until), {"no-env-expand", "privileged"});
+  AppendCommand(m, "ExecStartEx", spec.argv, {"no-env-expand"});
   sd_bus_message_close_container(m);
   sd_bus_message_append(m, "a(sa(sv))", 0);
   unit.asked = true;
   unit.job.clear();
   unit.state = {};
+  if (unit.waits) ArmDeadline(unit);
   unit.host.bus->Send(call,
                       [this, &unit](const BusMessage& reply) { OnStartAnswered(unit, reply); });
 }
@@ -650,8 +694,14 @@ void HostUnits::OnStartAnswered(Unit& unit, const BusMessage& reply) {
     unit.again = loop_.At(loop_.Now() + Milliseconds(50), [this, &unit] { Examine(unit); });
     return;
   }
-  NotStarted(unit, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
-                       "): " + ErrorText(reply) + (IsDenied(reply) ? kDeniedCure : ""));
+  const std::string host = "host " + unit.host.config.name + " (" + unit.host.config.Login() + ")";
+  // Nothing starts beside the job of its shutdown, until that has ended.
+  if (IsError(reply, "org.freedesktop.systemd1.TransactionIsDestructive")) {
+    unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
+    if (!unit.waits) Await(unit, host + " is shutting down");
+    return;
+  }
+  NotStarted(unit, host + ": " + ErrorText(reply) + (IsDenied(reply) ? kDeniedCure : ""));
 }
 
 // The job of the start has ended. The signals about the unit have arrived before.
@@ -691,6 +741,7 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
 void HostUnits::Signal(const std::string& actuator, pid_t pid, int signal) {
   Unit& unit = *units_.at(actuator);
   if (unit.pid != pid || pid == 0) return;
+  unit.signalled = true;
   if (unit.signal != SIGKILL) unit.signal = signal;
   // Else once it is reached, which the connection sees to, less and less often.
   if (unit.host.bus->is_up()) Kill(unit, signal);

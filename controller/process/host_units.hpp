@@ -10,8 +10,9 @@
 //
 // While a host is out of reach its units run on, and nothing is reported of them. When it is
 // reached again each is looked at: it runs still, or has ended meanwhile; after a reboot of the
-// host all have. A host at its address that has run for longer than it was out of reach is another
-// one: it is not used.
+// host all have. What ends while its host shuts down, with whatever exit code, has ended with that
+// host (unit_end.hpp), and a start waits until the host is back. A host at its address that has run
+// for longer than it was out of reach is another one: it is not used.
 //
 // Threads: loop thread only, callbacks too.
 
@@ -61,9 +62,11 @@ class HostUnits : public HostProcesses {
   void OnJobRemoved(Unit& unit, const std::string& job, const std::string& result);
   void Started(Unit& unit, pid_t pid, bool found);
   void NotStarted(Unit& unit, const std::string& why);
-  void Await(Unit& unit);
+  void Await(Unit& unit, const std::string& why);
   void ArmDeadline(Unit& unit);
   void Ended(Unit& unit);
+  void AskSystemState(Unit& unit);
+  void ReportEnd(Unit& unit, const ProcessExit& exit);
   void Reset(Unit& unit);
   void Kill(Unit& unit, int signal);
   void Stop(Unit& unit);

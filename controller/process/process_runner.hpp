@@ -30,10 +30,11 @@ struct ProcessSpec {
 // How a process exited.
 struct ProcessExit {
   enum class Kind {
-    kExited,   // number = its exit code
-    kKilled,   // number = the signal
-    kUnknown,  // not a child: only its exit is known
-    kNotRun    // its program could not be executed; `last_output` gives the reason
+    kExited,        // number = its exit code
+    kKilled,        // number = the signal
+    kUnknown,       // not a child: only its exit is known
+    kNotRun,        // its program could not be executed; `last_output` gives the reason
+    kHostWentDown,  // another host, which it ran on, was shut down or booted again
   };
 
   Kind kind = Kind::kUnknown;
@@ -49,7 +50,7 @@ struct ProcessExit {
   int code() const { return kind == Kind::kExited ? number : 0; }
 
   // "exit code 3: no such port", "killed by SIGKILL", "out of memory: …", "ended (exit code
-  // unknown)".
+  // unknown)", "its host went down".
   std::string Text() const;
 
   friend bool operator==(const ProcessExit&, const ProcessExit&) = default;

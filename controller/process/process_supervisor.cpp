@@ -111,6 +111,7 @@ std::string ProcessExit::Text() const {
     return "out of memory: its limit (" + out_of_memory + "), or its host, had none left";
   }
   if (kind == Kind::kUnknown) return "ended (exit code unknown)";
+  if (kind == Kind::kHostWentDown) return "its host went down";
   if (kind == Kind::kNotRun) return last_output;
   const std::string text = ExitStatus{kind == Kind::kKilled, number}.Text();
   return kind == Kind::kKilled || last_output.empty() ? text : text + ": " + last_output;

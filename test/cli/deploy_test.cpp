@@ -22,6 +22,7 @@
 #include "musher/test/cli/program.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
+#include "musher/test/support/wait.hpp"
 
 namespace musher::cli::deploy_test {
 
@@ -61,7 +62,13 @@ class Deployed : public ::testing::Test {
     // InterruptAt() may have left a signal that is blocked.
     sigset_t pending;
     int taken = 0;
-    if (sigpending(&pending) == 0 && sigismember(&pending, SIGINT) == 1) sigwait(&pending, &taken);
+    for (const int signal : {SIGINT, SIGTERM}) {
+      if (sigpending(&pending) != 0 || sigismember(&pending, signal) != 1) continue;
+      sigset_t one;
+      sigemptyset(&one);
+      sigaddset(&one, signal);
+      sigwait(&one, &taken);
+    }
   }
   void SetUp() override {
     if (!SupportsHosts()) GTEST_SKIP() << "built without hosts";
@@ -85,6 +92,11 @@ class Deployed : public ::testing::Test {
     Write("there/" + name, "#!/bin/sh\n" + text + "\n");
     Ssh("[ $address != " + address + " ] || PATH=" + (folder_ / "there") + ":$PATH");
   }
+  // Notes from here on which hosts files are sent to.
+  void CountSends() const {
+    Ssh("case \"$*\" in *tar*) echo $address >> " + (folder_ / "sends") + ";; esac");
+  }
+  std::string Sends() const { return ReadFile(folder_ / "sends"); }
   Ran Deploy(const std::string& version) const {
     return RunProgram({"deploy", folder_ / "robot.toml", "--version", version, "--key",
                        folder_ / "dog.key", "--from", folder_ / "from"});
@@ -211,6 +223,92 @@ TEST_F(Deployed, HostsAreSwitchedBackIfOneOfThemIsNotSwitched) {
   Ssh("");
   ASSERT_EQ(Deploy("1.1.0").exit, 0);
   ExpectText("#!/bin/sh\necho 2\n");
+}
+
+// All of it is repeated; what a host has is neither sent nor written again.
+TEST_F(Deployed, DeploymentThatDiedBetweenTwoSwitchesIsRepeated) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  const std::string before = fs::read_symlink(Slot("payload"));
+  ASSERT_EQ(Deploy("1.1.0").exit, 0);
+  ASSERT_EQ(Step("undo", Root("payload"), "1.1.0").exit, 0);
+  ASSERT_EQ(fs::read_symlink(Slot("payload")), before);
+  CountSends();
+  const Ran again = Deploy("1.1.0");
+  ASSERT_EQ(again.exit, 0) << again.err;
+  EXPECT_THAT(again.out, AllOf(HasSubstr("vision: has had version 1.1.0 in "),
+                               HasSubstr("payload: version 1.1.0 in ")));
+  EXPECT_EQ(Sends(), "10.0.0.3\n");
+  ExpectText("#!/bin/sh\necho 2\n");
+  const Ran last = Deploy("1.1.0");
+  EXPECT_EQ(last.exit, 0) << last.err;
+  EXPECT_EQ(Sends(), "10.0.0.3\n");
+}
+
+TEST_F(Deployed, HostThatHasStagedTheVersionIsOnlySwitched) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  // Neither the switch nor the way back reaches it, and the other one is switched back.
+  OnHost("10.0.0.3", "musher",
+         "case \"$*\" in *'--step switch'*|*'--step undo'*) kill -9 $PPID; exit;; esac\nexec " +
+             BinDir() + "/musher \"$@\"");
+  EXPECT_EQ(Deploy("1.1.0").exit, 1);
+  ExpectText("#!/bin/sh\necho 1\n");
+  CountSends();
+  const Ran again = Deploy("1.1.0");
+  ASSERT_EQ(again.exit, 0) << again.err;
+  EXPECT_EQ(Sends(), "10.0.0.2\n");
+  ExpectText("#!/bin/sh\necho 2\n");
+}
+
+TEST_F(Deployed, BoardThatWasReplacedGetsTheVersionOfTheOthers) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  fs::remove_all(Root("payload"));
+  CountSends();
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_EQ(Sends(), "10.0.0.3\n");
+  ExpectText("#!/bin/sh\necho 1\n");
+}
+
+TEST_F(Deployed, HostThatHadTheVersionKeepsItWhereAnotherIsNotSwitched) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  fs::remove_all(Root("payload"));
+  OnHost("10.0.0.3", "musher",
+         "case \"$*\" in *'--step switch'*) echo 'musher: the disk is read-only'; exit 1;; "
+         "esac\nexec " +
+             BinDir() + "/musher \"$@\"");
+  const Ran ran = Deploy("1.0.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("host payload (10.0.0.3): the disk is read-only"),
+                             HasSubstr("version 1.0.0 is on no other host than before: vision")));
+  EXPECT_EQ(ReadFile(Slot("vision") + "/bin/eyes"), "#!/bin/sh\necho 1\n");
+  EXPECT_FALSE(fs::exists(Root("payload")));
+}
+
+// The state is written first, and the link last.
+TEST_F(Deployed, SwitchThatWasCutBeforeItsLinkIsRepeated) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  const std::string before = fs::read_symlink(Slot("vision"));
+  Change("#!/bin/sh\necho 2\n");
+  ASSERT_EQ(Deploy("1.1.0").exit, 0);
+  fs::remove(Slot("vision"));
+  fs::create_directory_symlink(before, Slot("vision"));
+  const Ran again = Deploy("1.1.0");
+  EXPECT_EQ(again.exit, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("vision: version 1.1.0 in "));
+  ExpectText("#!/bin/sh\necho 2\n");
+}
+
+// A file there was altered since: the version is not taken for whole.
+TEST_F(Deployed, VersionThatIsDamagedThereIsNotTakenForTheSame) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  const std::string file = Slot("vision") + "/eyes.toml";
+  fs::permissions(file, fs::perms::owner_write, fs::perm_options::add);
+  std::ofstream(file) << "run = 2\n";
+  const Ran ran = Deploy("1.0.0");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("host vision (10.0.0.2): "), HasSubstr("eyes.toml")));
 }
 
 TEST_F(Deployed, HostThatIsLostWhileItIsSwitchedIsNamedWithWhatToDo) {
@@ -355,6 +453,38 @@ TEST_F(Deployed, InterruptedBeforeTheSwitchLeavesNothingHere) {
   ExpectText("#!/bin/sh\necho 1\n");
   EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
   unsetenv("TMPDIR");
+}
+
+// It went on until the files were sent, for a quarter of an hour at most.
+TEST_F(Deployed, InterruptedWhileItSendsEndsWithItsSsh) {
+  fs::create_directory(folder_ / "tmp");
+  setenv("TMPDIR", (folder_ / "tmp").c_str(), 1);
+  Ssh("case \"$*\" in *tar*) head -c 100 > " + (folder_ / "half") + "; echo $$ > " +
+      (folder_ / "pid") + "; kill -TERM " + std::to_string(getpid()) + "; exec sleep 1000;; esac");
+  const Ran ran = Deploy("1.0.0");
+  unsetenv("TMPDIR");
+  EXPECT_EQ(ran.exit, 130);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("interrupted"), HasSubstr("version 1.0.0 is on no host")));
+  const pid_t ssh = std::stoi(ReadFile(folder_ / "pid"));
+  // Empty also of one that is not reaped yet.
+  const std::string command = "/proc/" + std::to_string(ssh) + "/cmdline";
+  EXPECT_TRUE(testing::Until([&] { return ReadFile(command).empty(); }, std::chrono::seconds(20)));
+  EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
+  EXPECT_FALSE(fs::exists(Root("vision")));
+}
+
+// A part of the files has arrived: it is no version, and does not stand in the way of the next.
+TEST_F(Deployed, HalfOfTheFilesIsNoVersion) {
+  ASSERT_EQ(Deploy("1.0.0").exit, 0);
+  Change("#!/bin/sh\necho 2\n");
+  Ssh("case \"$*\" in *tar*) head -c 3000 | sh -c \"$*\"; exit 1;; esac");
+  EXPECT_EQ(Deploy("1.1.0").exit, 1);
+  EXPECT_EQ(Step("stage", Root("vision"), "1.1.0").exit, 1);
+  EXPECT_EQ(Step("switch", Root("vision"), "1.1.0").exit, 1);
+  ExpectText("#!/bin/sh\necho 1\n");
+  Ssh("");
+  ASSERT_EQ(Deploy("1.1.0").exit, 0);
+  ExpectText("#!/bin/sh\necho 2\n");
 }
 
 TEST_F(Deployed, SwitchThatWasBegunIsNotInterrupted) {

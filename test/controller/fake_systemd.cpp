@@ -1,13 +1,18 @@
 // What a test reaches instead of another host: `controller_fake_systemd FOLDER` is the end of an
 // ssh connection, and answers the calls of D-Bus as systemd does, for one unit. It has no process.
 //
-//   FOLDER/unit           ActiveState, MainPID, one variable of the environment, and Result
+//   FOLDER/unit           ActiveState, MainPID, one variable of the environment, Result, and the
+//   exit
+//                         code of its last process
+//   FOLDER/system         SystemState; without it "running"
+//   FOLDER/ignore-MEMBER  the calls of this member are not answered
 //   FOLDER/refuse-MEMBER  the calls of this member are answered with the error in it
 //   FOLDER/changed        PropertiesChanged is sent once, without the environment; removed after
 //   FOLDER/down           the connection ends; removed before
 //   FOLDER/calls          written: the calls, a line each
 //   FOLDER/reads          written: the same of the calls that read its state
 
+#include <signal.h>
 #include <systemd/sd-bus.h>
 #include <unistd.h>
 
@@ -25,6 +30,9 @@ struct Unit {
   std::uint32_t pid = 0;
   std::string variable;
   std::string result = "success";
+  std::int32_t exit_code = -1;  // of its last process; -1: none has exited
+
+  std::int32_t exec_code() const { return exit_code < 0 ? 0 : CLD_EXITED; }
 };
 
 class FakeSystemd {
@@ -68,6 +76,12 @@ class FakeSystemd {
       file >> name;
       Note(member + " refused");
       sd_bus_reply_method_errorf(call, name.c_str(), "refused by the test");
+    } else if (Has("ignore-" + member)) {
+      Note(member + " ignored");
+    } else if (member == "Get") {
+      std::string state = "running";
+      std::ifstream(folder_ + "/system") >> state;
+      sd_bus_reply_method_return(call, "v", "s", state.c_str());
     } else if (member == "Hello") {
       sd_bus_reply_method_return(call, "s", ":1.1");
     } else if (member == "GetAll") {
@@ -98,8 +112,9 @@ class FakeSystemd {
     if (sd_bus_message_new_method_return(call, &reply) < 0) return;
     const Unit unit = Read();
     if (std::string_view(interface).ends_with(".Service")) {
-      sd_bus_message_append(reply, "a{sv}", 3, "MainPID", "u", unit.pid, "ExecMainPID", "u",
-                            unit.pid, "Environment", "as", 1, unit.variable.c_str());
+      sd_bus_message_append(reply, "a{sv}", 5, "MainPID", "u", unit.pid, "ExecMainPID", "u",
+                            unit.pid, "ExecMainCode", "i", unit.exec_code(), "ExecMainStatus", "i",
+                            unit.exit_code, "Environment", "as", 1, unit.variable.c_str());
     } else {
       sd_bus_message_append(reply, "a{sv}", 1, "ActiveState", "s", unit.active.c_str());
     }
@@ -117,9 +132,10 @@ class FakeSystemd {
       }
       sd_bus_message_set_sender(signal, "org.freedesktop.systemd1");
       if (service) {
-        sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Service", 3, "MainPID",
-                              "u", unit.pid, "ExecMainPID", "u", unit.pid, "Result", "s",
-                              unit.result.c_str(), 0);
+        sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Service", 5, "MainPID",
+                              "u", unit.pid, "ExecMainPID", "u", unit.pid, "ExecMainCode", "i",
+                              unit.exec_code(), "ExecMainStatus", "i", unit.exit_code, "Result",
+                              "s", unit.result.c_str(), 0);
       } else {
         sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Unit", 1, "ActiveState",
                               "s", unit.active.c_str(), 0);
@@ -140,7 +156,7 @@ class FakeSystemd {
       const char* property = nullptr;
       sd_bus_message_read(call, "s", &property);
       const std::string name = property;
-      if (name == "ExecStartEx") {
+      if (name.starts_with("Exec")) {
         std::string words;
         sd_bus_message_enter_container(call, 'v', "a(sasas)");
         sd_bus_message_enter_container(call, 'a', "(sasas)");
@@ -154,7 +170,7 @@ class FakeSystemd {
           sd_bus_message_exit_container(call);
         }
         for (int level = 0; level < 3; ++level) sd_bus_message_exit_container(call);
-        Note("ExecStartEx" + words);
+        Note(name + words);
       } else {
         Note(name + ValueOf(call));
       }
@@ -186,7 +202,8 @@ class FakeSystemd {
 
   Unit Read() const {
     Unit unit;
-    std::ifstream(folder_ + "/unit") >> unit.active >> unit.pid >> unit.variable >> unit.result;
+    std::ifstream(folder_ + "/unit") >> unit.active >> unit.pid >> unit.variable >> unit.result >>
+        unit.exit_code;
     return unit;
   }
   bool Has(const std::string& name) const {

@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "musher/base/files.hpp"
+#include "musher/base/program.hpp"
+#include "musher/controller/process/host_uptime.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
@@ -129,7 +131,18 @@ class UnitOfAnotherHost : public ::testing::Test {
     units_->Start(spec);
   }
   void AwaitCall(const std::string& call) {
+    // A call that is not answered is no event of the loop.
+    transport::LoopHandlePtr look;
+    const std::function<void()> again = [&] {
+      look = loop_.At(loop_.Now() + Milliseconds(5), again);
+    };
+    again();
     Await([&] { return Calls().find(call) != std::string::npos; });
+  }
+  // Its process, which was reported as started, exits.
+  void Exit(int code) {
+    Write("unit", std::string("inactive 41 ") + kOurs + " success " + std::to_string(code) + "\n");
+    Write("changed", "");
   }
   std::string Calls() const { return ReadFile(folder_ / "calls"); }
 
@@ -236,6 +249,73 @@ TEST_F(UnitOfAnotherHost, RunsOnWhenAnotherHostHasTakenTheAddress) {
   EXPECT_THAT(reached_, IsEmpty());
 }
 
+// Its systemd sends SIGTERM, on which a program may exit as one that has done its work.
+TEST_F(UnitOfAnotherHost, ThatEndsWhileItsHostShutsDownHasEndedWithThat) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("system", "stopping");
+  Exit(0);
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "its host went down");
+}
+
+TEST_F(UnitOfAnotherHost, ThatEndsByItselfHasItsExitCode) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Exit(0);
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "exit code 0");
+}
+
+TEST_F(UnitOfAnotherHost, WhoseEndTheMachineWantedHasItsExitCodeOnAHostThatShutsDown) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("system", "stopping");
+  units_->Signal("eyes", 41, SIGTERM);
+  Exit(0);
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "exit code 0");
+}
+
+TEST_F(UnitOfAnotherHost, WhoseHostIsBootedAgainBeforeItAnswersHasEndedWithThat) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("ignore-Get", "");
+  Exit(0);
+  AwaitCall("Get ignored");
+  EXPECT_THAT(ended_, IsEmpty());
+  Greet(kSecondBoot, 1);
+  SetUnit("inactive", 0);
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !reached_.empty(); });
+  EXPECT_THAT(ended_, ElementsAre(41));
+  EXPECT_EQ(exit_, "its host went down");
+}
+
+TEST_F(UnitOfAnotherHost, WhoseHostDoesNotSayWhetherItShutsDownIsAskedAgain) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("refuse-Get", "org.freedesktop.DBus.Error.NoReply");
+  Exit(0);
+  AwaitCall("Get refused\nGet refused\n");
+  EXPECT_THAT(ended_, IsEmpty());
+  Write("system", "stopping");
+  std::filesystem::remove(folder_ / "refuse-Get");
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "its host went down");
+}
+
+// Its starts would all fail, and it would be given up before its host is back.
+TEST_F(UnitOfAnotherHost, WaitsForAHostThatShutsDown) {
+  Write("refuse-StartTransientUnit", "org.freedesktop.systemd1.TransactionIsDestructive");
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  const std::string refused = "StartTransientUnit refused\n";
+  AwaitCall(refused + refused);
+  EXPECT_THAT(waits_, ElementsAre("host vision (10.0.0.2) is shutting down; it is started once its "
+                                  "host is reached"));
+  EXPECT_THAT(not_started_, IsEmpty());
+  std::filesystem::remove(folder_ / "refuse-StartTransientUnit");
+  AwaitCall("ExecStartEx");
+  EXPECT_THAT(not_started_, IsEmpty());
+}
+
 // systemd would replace $HOME.
 TEST_F(UnitOfAnotherHost, HasTheArgumentsOfTheConfig) {
   SetUnit("inactive", 0);
@@ -243,6 +323,29 @@ TEST_F(UnitOfAnotherHost, HasTheArgumentsOfTheConfig) {
   Start();
   AwaitCall("StartTransientUnit");
   EXPECT_THAT(Calls(), HasSubstr("ExecStartEx /opt/eyes $HOME no-env-expand\n"));
+}
+
+// The kernel may deliver it minutes after its connection was lost.
+TEST_F(UnitOfAnotherHost, IsStartedWithinSomeSecondsOfItsHostsClockOrNotAtAll) {
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit");
+  const std::string calls = Calls();
+  const std::string limit = " ] no-env-expand privileged\n";
+  const std::size_t end = calls.find(limit);
+  ASSERT_NE(end, std::string::npos) << calls;
+  const std::size_t begin = calls.rfind(' ', end - 1) + 1;
+  const int until_s = std::stoi(calls.substr(begin, end - begin));
+  EXPECT_GE(until_s, 1020);  // it has run for 1,000 s
+  EXPECT_LE(until_s, 1050);
+  const auto starts = [](Duration limit_of_run) {
+    const auto run = RunProgram({UntilHostHasRun(limit_of_run), "", {}}, "");
+    EXPECT_TRUE(run && run.value().errors.empty()) << run.value().errors;
+    return run && run.value().status.ok();
+  };
+  EXPECT_TRUE(starts(std::chrono::hours(1'000'000)));
+  EXPECT_FALSE(starts(-std::chrono::seconds(1)));
 }
 
 TEST_F(UnitOfAnotherHost, ThatIsAboutToRunIsNotTakenForEnded) {

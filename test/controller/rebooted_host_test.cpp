@@ -8,8 +8,11 @@
 #include <utility>
 
 #include "musher/actuator/actuator_shell.hpp"
+#include "musher/controller/process/host_processes.hpp"
+#include "musher/controller/process/unit_end.hpp"
 #include "musher/simulation/simulated_controller.hpp"
 #include "musher/simulation/simulated_processes.hpp"
+#include "musher/test/controller/empty_host.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -115,6 +118,99 @@ TEST_F(RebootedHost, IsCommandedThoughItPublishedBeforeThePreviousProcessWasLost
   const auto before = std::move(actuator_);
   Start("remote/boot-2", 7);
   EXPECT_TRUE(IsUp());
+}
+
+// The systemd of another host, which does what the test does.
+class There : public HostProcesses {
+ public:
+  void Open(Hooks to) override { hooks = std::move(to); }
+  void Start(const ProcessSpec&) override { ++starts; }
+  void Signal(const std::string&, pid_t, int) override {}
+  void Find(std::function<void(const std::vector<Found>&)> done) override { done({}); }
+  void Close() override {}
+
+  Hooks hooks;
+  int starts = 0;
+};
+
+class UnitOfRebootedHost : public ::testing::Test {
+ protected:
+  UnitOfRebootedHost()
+      : network_(1), config_(testing::MachineOf(1)), node_(network_.MakeNode("controller")) {
+    config_.transport = TransportProfile::kLan;
+    config_.hosts.emplace_back().name = "vision";
+    ActuatorConfig& actuator = config_.actuators[0];
+    actuator.host = "vision";
+    actuator.command = {"run"};
+    actuator.restart.policy = RestartPolicy::kOnFailure;
+    ControllerShell::Dependencies dependencies = here_.DependenciesOf(*node_);
+    dependencies.hosts = &there_;
+    shell_ = ControllerShell::Make(std::move(dependencies), config_, {}).value();
+    shell_->Begin({});
+    AwaitStarts(1);
+    Run("first", 5'000'000);
+    AwaitActive();
+  }
+  void AwaitStarts(int count) {
+    ASSERT_TRUE(network_.RunUntil([&] { return there_.starts == count; },
+                                  network_.now() + std::chrono::seconds(30)));
+  }
+  // Its process runs on that boot of its host.
+  void Run(const std::string& boot, Incarnation incarnation) {
+    there_.hooks.on_started(Name(), 100, boot, false);
+    actuator_ = std::make_unique<RemoteActuator>(network_, config_, boot, incarnation);
+  }
+  void End(const std::string& system_state) {
+    actuator_.reset();
+    const ProcessExit exit{ProcessExit::Kind::kExited, 0};
+    there_.hooks.on_ended(Name(), 100, EndOfUnit(exit, system_state, false));
+  }
+  void AwaitActive() {
+    ASSERT_TRUE(network_.RunUntil([&] { return actuator_->report().state == "Active"; },
+                                  network_.now() + std::chrono::seconds(30)))
+        << actuator_->report().state;
+  }
+  const std::string& Name() const { return config_.actuators[0].name; }
+
+  transport::sim::Network network_;
+  MachineConfig config_;
+  testing::EmptyHost here_;
+  There there_;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<ControllerShell> shell_;
+  std::unique_ptr<RemoteActuator> actuator_;
+};
+
+TEST_F(UnitOfRebootedHost, IsStartedAgainAndDrivenOnceItsHostIsBack) {
+  End("stopping");
+  AwaitStarts(2);
+  there_.hooks.on_not_started(Name(), "host vision is shutting down", true);
+  network_.RunFor(std::chrono::minutes(10));  // it checks its disks
+  EXPECT_EQ(there_.starts, 2);
+  EXPECT_EQ(shell_->machine().actuators[0].restart.count, 1);
+  Run("second", 1'000);
+  AwaitActive();
+}
+
+TEST_F(UnitOfRebootedHost, IsNotStartedAgainWhenItHasDoneItsWork) {
+  End("running");
+  network_.RunFor(std::chrono::minutes(10));
+  EXPECT_EQ(there_.starts, 1);
+}
+
+TEST(EndOfUnit, IsItsHostsIfThatShutsDownOrWasBootedAgain) {
+  const ProcessExit done{ProcessExit::Kind::kExited, 0};
+  const ProcessExit killed{ProcessExit::Kind::kKilled, 9};
+  const ProcessExit host{ProcessExit::Kind::kHostWentDown};
+  EXPECT_EQ(EndOfUnit(done, "stopping", false), host);
+  EXPECT_EQ(EndOfUnit(done, "", true), host);
+  for (const char* state : {"running", "degraded", "maintenance", "starting", ""}) {
+    EXPECT_EQ(EndOfUnit(done, state, false), done) << state;
+  }
+  EXPECT_FALSE(host.clean());
+  EXPECT_TRUE(NeedsSystemState(done, /*wanted=*/false));
+  EXPECT_FALSE(NeedsSystemState(done, /*wanted=*/true));
+  EXPECT_FALSE(NeedsSystemState(killed, /*wanted=*/false));  // is started again in any case
 }
 
 }  // namespace musher::rebooted_host_test

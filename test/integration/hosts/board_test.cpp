@@ -100,6 +100,21 @@ TEST_F(Board, IsBootedAgainAndItsActuatorIsStartedAndDrivenAgain) {
   EXPECT_EQ(Property("MainPID"), std::to_string(PidOfEyes()));
 }
 
+// musher-exec exits with code 0 on the SIGTERM of the shutdown.
+TEST_F(Board, IsShutDownInOrderAndItsActuatorIsStartedAndDrivenAgain) {
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  OnBoard({"systemctl", "poweroff"});
+  board_->Wait();
+  Boot();
+  ASSERT_TRUE(AwaitBoard());
+  ASSERT_TRUE(Until([&] { return Count(History(), "eyes started on host board") == 2; },
+                    std::chrono::seconds(60)))
+      << History();
+  ASSERT_TRUE(AwaitActive());
+  EXPECT_THAT(History(), HasSubstr("its host went down"));
+  EXPECT_LE(robot_->Status()["actuators"]["eyes"]["restarts"], 1);
+}
+
 TEST_F(Board, ThatIsOutOfReachIsNamedWhenTheMachineIsTornDown) {
   ASSERT_NO_FATAL_FAILURE(StartUp());
   Cut();

@@ -1,0 +1,33 @@
+#pragma once
+// What the end of a unit on another host means: its program ended by itself, or with its host.
+//
+// At an orderly shutdown of a host its systemd ends all units by SIGTERM. A program that handles
+// that exits with code 0, as one does that has done its work; but it is to be started again once
+// the host is back.
+//
+// Threads: any.
+
+#include <string_view>
+
+#include "musher/controller/process/process_runner.hpp"
+
+namespace musher {
+
+// SystemState of a systemd that shuts its host down, from the request on: before it ends a unit.
+inline constexpr std::string_view kSystemStops = "stopping";
+
+// Whether EndOfUnit() needs the state of the host's systemd. `wanted`: the machine has ended the
+// process, or is torn down; then its host does not matter.
+inline bool NeedsSystemState(const ProcessExit& exit, bool wanted) {
+  return !wanted && exit.kind == ProcessExit::Kind::kExited;
+}
+
+// `system_state`: that of the host's systemd after the end; empty: unknown. `rebooted`: the host
+// has another boot id than when the process ran.
+inline ProcessExit EndOfUnit(const ProcessExit& exit, std::string_view system_state,
+                             bool rebooted) {
+  if (!rebooted && system_state != kSystemStops) return exit;
+  return {ProcessExit::Kind::kHostWentDown};
+}
+
+}  // namespace musher
