@@ -205,8 +205,9 @@ MachineOrigin Controller::Origin() const {
   const std::string& file = options_.started_from.empty() ? config_.file : options_.started_from;
   std::error_code error;
   const auto absolute = std::filesystem::absolute(file, error);
-  return {config_.name, config_.name_space, domain_id_,
-          error ? file : absolute.lexically_normal().string()};
+  return {config_.name, config_.name_space,
+          domain_id_,   error ? file : absolute.lexically_normal().string(),
+          "",           computer_};
 }
 
 Result<> Controller::OpenStore() {
@@ -221,6 +222,7 @@ Result<> Controller::OpenStore() {
   if (store) {
     store_ = std::make_shared<StateStore>(std::move(store).value());
     ShareStore();
+    if (store_->copied_from()) Trouble(CopiedText());
   } else if (store.error().code == kCodeTargetBusy) {
     return Error{kCodeTargetBusy, store.error().message + "; " +
                                       HowToReplace(StateStore::OwnerOf(config_.state_dir))};
@@ -229,6 +231,13 @@ Result<> Controller::OpenStore() {
   }
   last_config_hash_ = StateStore::ConfigHashIn(config_.state_dir);
   return Ok();
+}
+
+// A robot whose disk was copied, as with an image.
+std::string Controller::CopiedText() const {
+  return config_.state_dir + " was copied from another computer, whose machine has the id " +
+         store_->copied_from()->substr(0, 8) + "; this machine has a new id, " +
+         store_->machine_id().substr(0, 8);
 }
 
 // A robot that runs without readers is better than none.
@@ -316,7 +325,8 @@ Result<> Controller::OpenShell() {
   if (store_) {
     dependencies.machine_id = store_->machine_id();
   } else if (const auto origin = LoadOrigin(config_.state_dir)) {
-    dependencies.machine_id = origin->id;
+    const bool copied = IsOtherComputer(origin->computer, computer_);
+    dependencies.machine_id = copied ? NewMachineId() : origin->id;
   }
   auto shell = ControllerShell::Make(std::move(dependencies), config_, ShellHooks());
   if (!shell) return shell.error();
@@ -480,6 +490,7 @@ void Controller::Begin() {
       store_ ? store_->LoadStopIntent() : StateStore::StopIntentIn(config_.state_dir);
   begin.remote = StateStore::RemoteActuatorsIn(config_.state_dir, HostId());
   shell_->Begin(std::move(begin), children);
+  if (store_ && store_->copied_from()) shell_->Remark(kCodeOk, CopiedText());
   if (!store_) return shell_->OnJournalWritten(NoFolder());
   check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });
 }

@@ -19,6 +19,7 @@
 #include "musher/controller/ros2/ros2_tools.hpp"
 #include "musher/controller/shell/controller_services.hpp"
 #include "musher/controller/shell/controller_shell.hpp"
+#include "musher/controller/storage/computer.hpp"
 #include "musher/controller/storage/log_files.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/transport/disk_writer.hpp"
@@ -91,6 +92,7 @@ class Controller {
   Result<> OpenExtensions();
   void CheckFolder();
   MachineOrigin Origin() const;
+  std::string CopiedText() const;
   Result<> MayTakeOver(pid_t controller) const;
   void TakeStopsHere();
   void BeginAfter(Duration listen);
@@ -117,6 +119,7 @@ class Controller {
 
   transport::Node& node_;
   const int domain_id_;
+  const std::vector<std::string> computer_ = ComputerParts();
   const MachineConfig& config_;
   ControllerOptions options_;
   std::shared_ptr<StateStore> store_;  // null if the folder is unusable; pending saves hold it, too

@@ -155,6 +155,9 @@ class StopLatch {
   // the machine that may run on other hosts belong to it, too.
   EstopReport Report(const StopView& view) const;
 
+  // No second machine is known that it is for.
+  bool IsForOneMachine() const { return addressed_.size() < 2 && Machines().size() < 2; }
+
   // The stop is released: it is published no longer.
   bool withdrawn() const { return withdrawn_; }
 

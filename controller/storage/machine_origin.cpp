@@ -65,17 +65,23 @@ std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir) {
     }
     if (key == "file") origin.file = value;
     if (key == "id") origin.id = value;
+    if (key == "computer") {
+      std::istringstream parts(value);
+      for (std::string part; parts >> part;) origin.computer.push_back(part);
+    }
   }
   if (origin.name.empty() || origin.file.empty()) return std::nullopt;
   return origin;
 }
 
 Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin, bool synced) {
-  return ReplaceFile(OriginFile(state_dir),
-                     Line("name", origin.name) + Line("namespace", origin.name_space) +
-                         Line("domain", std::to_string(origin.domain)) + Line("file", origin.file) +
-                         Line("id", origin.id),
-                     {.synced = synced});
+  std::string text = Line("name", origin.name) + Line("namespace", origin.name_space) +
+                     Line("domain", std::to_string(origin.domain)) + Line("file", origin.file) +
+                     Line("id", origin.id);
+  std::string computer;
+  for (const std::string& part : origin.computer) computer += (computer.empty() ? "" : " ") + part;
+  if (!computer.empty()) text += Line("computer", computer);
+  return ReplaceFile(OriginFile(state_dir), text, {.synced = synced});
 }
 
 std::string NewMachineId() {

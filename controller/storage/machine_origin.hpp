@@ -12,6 +12,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/base/result.hpp"
 
@@ -23,6 +24,7 @@ struct MachineOrigin {
   int domain = 0;
   std::string file;  // absolute: its config, or its upgrade root
   std::string id{};  // a UUID, made at the first start of the machine; empty: none yet
+  std::vector<std::string> computer{};  // what it is known by (computer.hpp); empty: not known
 
   // "robot of /etc/musher/robot.toml (namespace 'fleet', domain 7)"
   std::string Text() const;

@@ -16,6 +16,7 @@
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/own_folder.hpp"
+#include "musher/controller/storage/computer.hpp"
 #include "musher/controller/storage/private_folder.hpp"
 #include "musher/controller/storage/slot_file.hpp"
 
@@ -43,9 +44,22 @@ bool IsAt(const std::string& path, dev_t device, ino_t inode) {
   return lstat(path.c_str(), &info) == 0 && info.st_dev == device && info.st_ino == inode;
 }
 
+std::string BootOfHost() {
+  const std::string host = HostId();
+  return host.substr(0, host.find('/'));
+}
+
+// Whether the folder was used in this boot: then it is on the same computer. `owner`: the text of
+// the lock's file.
+bool IsOfThisBoot(const std::string& owner) {
+  const std::string boot = BootOfHost();
+  return !boot.empty() && owner.ends_with("\n" + boot + "\n");
+}
+
 // The lock counts, not what is in the file: on a full disk it may stay empty.
 void NameOwner(int lock, const MachineOrigin& machine) {
-  const std::string owner = std::to_string(getpid()) + " " + machine.name + "\n";
+  const std::string owner =
+      std::to_string(getpid()) + " " + machine.name + "\n" + BootOfHost() + "\n";
   if (ftruncate(lock, 0) == 0) WriteAll(lock, owner);
 }
 
@@ -183,12 +197,22 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   const auto recorded = LoadOrigin(dir);
   if (recorded && !recorded->IsOf(machine, false)) return Foreign(dir, *recorded, machine, 0);
   MachineOrigin kept = machine;
-  if (recorded) kept.id = recorded->id;
+  std::optional<std::string> copied_from;
+  if (recorded) {
+    kept.id = recorded->id;
+    if (!kept.id.empty() && !IsOfThisBoot(ReadSmall(lock.get())) &&
+        IsOtherComputer(recorded->computer, machine.computer)) {
+      copied_from = std::exchange(kept.id, NewMachineId());
+    } else {
+      kept.computer = ComputerToStore(recorded->computer, machine.computer);
+    }
+  }
   // On a full disk it stays as it is, and the machine starts all the same.
-  if (recorded != kept) static_cast<void>(SaveOrigin(dir, kept));
+  if (recorded != kept) static_cast<void>(SaveOrigin(dir, kept, recorded.has_value()));
   NameOwner(lock.get(), machine);
   Touch(dir);
   StateStore store(dir, std::move(kept), std::move(lock));
+  store.copied_from_ = std::move(copied_from);
   store.ReserveEmergencyStops();
   return store;
 }

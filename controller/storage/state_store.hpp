@@ -59,6 +59,9 @@ class StateStore {
   const std::string& machine_id() const { return machine_.id; }
   void SetMachineId(std::string id) { machine_.id = std::move(id); }
   Result<> SaveMachineId();
+  // The id that the folder had on another computer, from which it was copied, as with an image;
+  // the machine has a new one. nullopt: it was not.
+  const std::optional<std::string>& copied_from() const { return copied_from_; }
 
   // The functions …In(dir) read a folder without its lock: one that cannot be opened for writing,
   // or that another controller may use.
@@ -167,6 +170,7 @@ class StateStore {
 
   std::string dir_;
   MachineOrigin machine_;
+  std::optional<std::string> copied_from_;
   UniqueFd lock_;
   std::map<std::string, Kept> kept_;  // by path
 };

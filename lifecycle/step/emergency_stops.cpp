@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/base/checksum.hpp"
 #include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
@@ -12,7 +13,8 @@ namespace {
 
 // So many ids of emergency stops that are over are remembered, here and on disk.
 constexpr std::size_t kMostReleasedKept = 256;
-// So many sources have a stop engaged beside the first one at most; one more replaces the oldest.
+// So many stops are engaged beside the first one at most; one more replaces the oldest without a
+// source, or the oldest.
 constexpr std::size_t kMostStopsKnown = 64;
 // A release is published again after this time, and ends after the other one; a client waits
 // longer.
@@ -44,6 +46,12 @@ void AddReason(std::string& reasons, const std::string& reason) {
   reasons.append(kThen).append(size <= kMostReasonBytes ? reason : kMore);
 }
 
+// Stands for the last stop of another state folder, among those that are over: that it waited for a
+// request there is known here. It is the id of no stop.
+StopId MarkOf(StopId last) {
+  return StopId(Fnv1a("the last stop of another folder: " + ToString(last)));
+}
+
 }  // namespace
 
 std::string WhyUnread(const UnreadFolder& unread) {
@@ -65,19 +73,30 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
       known != engaged.end()) {
     // An actuator that had latched it may have reported before the sample that engaged it arrived.
     if (!known->by.empty() || stop.by.empty()) return false;
-    *known = stop;
+    const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
+    if (same == engaged.end()) {
+      *known = stop;
+    } else {
+      AddReleased(stops, std::exchange(same->id, stop.id));
+      AddReason(same->reason, stop.reason);
+      engaged.erase(known);
+    }
     return true;
   }
-  if (const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
-      same != engaged.end()) {
+  const bool full = engaged.size() > kMostStopsKnown;
+  // Two stops without a source may be of two sources: each is kept while there is room for it.
+  const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
+  if (same != engaged.end() && (full || !stop.by.empty())) {
     AddReleased(stops, same->id);
     same->id = stop.id;
     AddReason(same->reason, stop.reason);
     return true;
   }
-  if (engaged.size() > kMostStopsKnown) {
-    AddReleased(stops, engaged.front().id);
-    engaged.erase(engaged.begin());
+  if (full) {
+    const auto unnamed = std::ranges::find(engaged, "", &EmergencyStop::by);
+    const auto replaced = unnamed != engaged.end() ? unnamed : engaged.begin();
+    AddReleased(stops, replaced->id);
+    engaged.erase(replaced);
   }
   engaged.push_back(stop);
   return true;
@@ -95,18 +114,19 @@ StoredStops WithoutReleased(const StoredStops& stored, StoredStops received) {
 
 StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopId unnamed) {
   const auto is_released = [&](StopId id) { return std::ranges::count(known.released, id) != 0; };
-  const auto is_engaged = [&](StopId id) {
-    return std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
-  };
   for (EmergencyStop& stop : elsewhere.engaged) {
     if (stop.id == kUnknownStop && unnamed != 0) stop.id = unnamed;
   }
   StopId last = elsewhere.released.empty() ? kUnknownStop : elsewhere.released.back();
   if (!elsewhere.engaged.empty()) last = elsewhere.engaged.back().id;
-  const bool last_is_over = last != kUnknownStop && is_released(last);
+  const bool last_is_over =
+      last != kUnknownStop && (is_released(last) || is_released(MarkOf(last)));
   elsewhere.awaits_request = elsewhere.awaits_request && !last_is_over;
   std::erase_if(elsewhere.engaged, [&](const EmergencyStop& stop) { return is_released(stop.id); });
-  std::erase_if(elsewhere.released, is_engaged);
+  elsewhere.released.clear();
+  if (elsewhere.awaits_request && elsewhere.engaged.empty() && last != kUnknownStop) {
+    elsewhere.released.push_back(MarkOf(last));
+  }
   return elsewhere;
 }
 

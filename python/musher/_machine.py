@@ -4,6 +4,7 @@ import contextlib
 import dataclasses
 import datetime
 import errno
+import logging
 import os
 import select
 import sys
@@ -23,6 +24,7 @@ _NEWS, _END = range(2)  # as in native/client.cpp
 _TIMEOUT = 107  # Robot (100) + TIMEOUT
 _NET_ERROR = 105
 _TARGET_BUSY = 111
+_LOG = logging.getLogger("musher")
 _LOOK_S = 0.1  # between two looks at the processes of this host
 _STOPS_KEPT = 8
 _SHORTEST_ID = 4  # characters of an id that a person gives
@@ -237,7 +239,7 @@ class Machine:
         raises musher.Failure if one of them or the controller has not confirmed it in time, or if the machine may have
         more of them. The stop stays engaged in any case, and reaches actuators that join until this machine is
         closed. One that not all have confirmed is then published for a minute by a process of its own, however this
-        one ends."""
+        one ends; so is one without a controller, which is on no disk: a warning of the logger "musher" says so."""
         end = time.monotonic() + timeout_s
         engaged = _native.NewStop(by or default_by(), reason)
         native = self._native()
@@ -265,7 +267,11 @@ class Machine:
                        f"in {timeout_s} s without a controller not every actuator may have been found")
         if unknown:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but {unknown}")
-        stop.confirm()
+        if led:
+            stop.confirm()
+        else:
+            _LOG.warning("not on disk: no controller leads that saves the emergency stop; it is lost if the actuators "
+                         "end; it stays published for a minute after the end of this program")
         return [name for name, _, _, _ in actuators]
 
     def _publisher(self) -> List[str]:

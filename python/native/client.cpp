@@ -319,9 +319,11 @@ class Stop : public OnLoop<EngagedStop> {
   // It names a machine: a release may withdraw it.
   bool NamesMachine() const { return !message_.machine.empty(); }
   // Whether a machine that releases the stops with these ids releases it as a whole: it is for no
-  // other machine.
-  bool IsOneOf(const std::vector<std::string>& ids) const {
-    return NamesMachine() &&
+  // other machine. One by a name is for each robot of that name that was found.
+  bool IsOneOf(const std::vector<std::string>& ids) {
+    bool is_for_one = false;
+    Run([&](EngagedStop& stop) { is_for_one = stop.latch->IsForOneMachine(); });
+    return NamesMachine() && is_for_one &&
            std::ranges::count(ids, transport::StopIdText(StopId(message_.id))) != 0;
   }
   pid_t PublisherPid() {

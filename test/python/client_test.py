@@ -594,6 +594,22 @@ class Stops(unittest.TestCase):
         dog.release_estop(seen=seen)
         self.assertEqual(dog._stops, [])
 
+    # It was not published any more to a second robot of the name.
+    def test_a_release_by_one_of_two_robots_of_a_name_does_not_end_a_stop_of_both(self):
+        node = self.node()
+        self.publish(node, DOG, latched=True)
+        publish_legs(self.node(), SECOND_DOG)
+        node.serve("musher/release_emergency_stop", ReleaseEmergencyStop, lambda _: ReleaseEmergencyStop.Response())
+        received = node.subscribe("musher/emergency_stop", EmergencyStop, latched=True)
+        dog = self.dog()
+        with self.assertRaisesRegex(musher.Failure, "several machines have received the stop"):
+            dog.estop("smoke", timeout_s=3.0)
+        own = received.take(DEADLINE_S)
+        seen = MachineStatus(machine="dog", machine_id=DOG, emergency_stop=True, stop_ids=[f"{own.id:016x}"])
+        with contextlib.suppress(musher.Failure):
+            dog.release_estop(seen=seen)
+        self.assertEqual(len(dog._stops), 1)
+
     def dog(self):
         machine = musher.Machine(namespace=self.NAMESPACE, machine="dog")
         self.addCleanup(machine.close)

@@ -13,6 +13,9 @@ namespace {
 
 constexpr Duration kStopPeriod = Milliseconds(50);
 constexpr Duration kStopKept = std::chrono::minutes(1);  // as by `musher estop`
+constexpr const char* kNotOnDisk =                       // as it says
+    "not on disk: no controller leads that saves it; the stop is lost if the actuators end; it "
+    "stays published for a minute";
 
 void RespondJson(const http::Respond& respond, std::string json) {
   http::Response response;
@@ -355,7 +358,7 @@ void RobotRequests::AnswerStop(Stopping& stop, const EstopReport& report,
   } else if (!missing.empty()) {
     RespondCode(respond, kCodeFailed, missing);
   } else {
-    RespondCode(respond, kCodeOk, "");
+    RespondCode(respond, kCodeOk, report.controller ? "" : kNotOnDisk);
   }
 }
 

@@ -66,8 +66,9 @@ class RobotRequests {
   void Set(const Caller& caller, const std::string& target, const std::string& actuator,
            const http::Respond& respond);
   void Restart(const Caller& caller, const std::string& actuator, const http::Respond& respond);
-  // {"code":0,"reason":""} once the controller and all actuators that can have latched it; else,
-  // after kStopTime, which have not. Only the last kMostStops are followed and stay published.
+  // {"code":0,"reason":""} once the controller and all actuators that can have latched it, without
+  // a controller with the reason that the stop is on no disk; else, after kStopTime, which have
+  // not. Only the last kMostStops are followed and stay published.
   void Stop(const Caller& caller, const std::string& reason, const http::Respond& respond);
   // Only if no other stop than these is engaged. `seen`: MachineStatus.stop_ids, as the page has
   // shown them; empty: all that are engaged.

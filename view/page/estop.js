@@ -14,15 +14,17 @@ const OCTAGON = 'M5 0.500h6L15.500 5v6L11 15.500H5L0.500 11V5z';
 async function done(answer) {
   const {code, reason} = await answer;
   if (code) throw new Error(reason || t('code', {code}));
+  return reason || '';
 }
 
 async function engage(ctx) {
   ctx.ui.stopping = true;
   ctx.redraw();
   try {
-    await done(post('api/estop', {...shownMachine(ctx.state), reason: t('stop.reason')},
+    const lasts = await done(post('api/estop', {...shownMachine(ctx.state), reason: t('stop.reason')},
       {within_ms: ANSWER_MS}));
-    ctx.say(t('stop.sent'));
+    if (lasts) ctx.alarm(t('stop.not_kept', {why: lasts}));
+    else ctx.say(t('stop.sent'));
   } catch (error) {
     ctx.alarm(t('stop.failed', {why: error.message || t('no_answer')}));
   }

@@ -412,6 +412,30 @@ TEST_F(RequestsOfAPage, ReportAStopThatHasNotArrivedBesideAnEarlierOne) {
                                          HasSubstr("this one has not arrived"))));
 }
 
+// `musher estop` said so, and the button said no more than that the robot is stopped.
+TEST_F(RequestsOfAPage, SayThatAStopIsOnNoDiskWhileNoControllerLeads) {
+  own_ = {{.identity = {"dog", "uuid-a"}, .actuators = {"legs"}}};
+  Open();
+  const auto node = network_.MakeNode("legs");
+  const auto statuses = transport::MakePublisher<msg::ActuatorStatus>(
+                            *node, transport::ActuatorStatusTopic(""), transport::kLatchedQos)
+                            .value();
+  const auto stops = transport::SubscribeToStops(
+      *node, "", [&](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
+        msg::ActuatorStatus legs;
+        legs.name = "legs";
+        legs.machine = "dog";
+        legs.machine_id = "uuid-a";
+        legs.emergency_stop = stop.id;
+        EXPECT_TRUE(statuses->Publish(legs).ok());
+      });
+  network_.RunFor(Milliseconds(500));
+  Stop();
+  network_.RunFor(RobotRequests::kStopTime);
+  EXPECT_THAT(bodies_, ElementsAre(AllOf(HasSubstr(R"(200 {"code":0,)"),
+                                         HasSubstr("not on disk: no controller leads"))));
+}
+
 TEST_F(RequestsOfAPage, StopWithoutWaitingForASearchOfThisHostThatHangs) {
   searches_ = true;
   Open();
@@ -441,7 +465,7 @@ TEST_F(RequestsOfAPage, StopWithoutWaitingForASearchOfThisHostThatHangs) {
   EXPECT_THAT(bodies_, IsEmpty());
   Find({});
   Find({});
-  EXPECT_THAT(bodies_, ElementsAre(R"(200 {"code":0,"reason":""})"));
+  EXPECT_THAT(bodies_, ElementsAre(HasSubstr(R"(200 {"code":0,"reason":"not on disk)")));
 }
 
 TEST_F(RequestsOfAPage, KeepOnlyTheLastStops) {

@@ -1,0 +1,154 @@
+#include "musher/controller/storage/computer.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "musher/controller/storage/state_store.hpp"
+#include "musher/test/support/temp_folder.hpp"
+
+namespace musher::computer_test {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+using Parts = std::vector<std::string>;
+
+const Parts kRobot{"mac:eth", "mac:wifi", "serial:a1", "uuid:a"};
+
+TEST(Computer, IsAnotherOneIfBothAreKnownAndHaveNothingInCommon) {
+  struct Row {
+    const char* what;
+    Parts stored;
+    Parts now;
+    bool other;
+  };
+  const std::vector<Row> rows{
+      {"the same", kRobot, kRobot, false},
+      {"the image on a second robot", kRobot, {"mac:eth2", "uuid:b"}, true},
+      {"read without root's rights", kRobot, {"mac:eth", "mac:wifi"}, false},
+      {"another network card", kRobot, {"mac:new", "mac:wifi"}, false},
+      {"another network card, and the board", kRobot, {"mac:new", "uuid:a"}, false},
+      {"its only card is all that was known", {"mac:a"}, {"mac:b"}, true},
+      {"an ARM board", {"device-tree:1"}, {"device-tree:2"}, true},
+      {"an earlier version had stored nothing", {}, kRobot, false},
+      {"a container", kRobot, {}, false},
+      {"a container on another computer", {}, {}, false},
+  };
+  for (const Row& row : rows) {
+    EXPECT_EQ(IsOtherComputer(row.stored, row.now), row.other) << row.what;
+  }
+}
+
+TEST(Computer, KeepsWhatThisUserCannotRead) {
+  EXPECT_EQ(ComputerToStore(kRobot, {"mac:eth"}), (Parts{"mac:eth", "serial:a1", "uuid:a"}));
+  EXPECT_EQ(ComputerToStore(kRobot, {}), (Parts{"mac:eth", "mac:wifi", "serial:a1", "uuid:a"}));
+  EXPECT_EQ(ComputerToStore({}, kRobot), kRobot);
+}
+
+class ComputerFiles : public ::testing::Test {
+ protected:
+  void Write(const std::string& file, const std::string& text) const {
+    const fs::path path = folder_ / file;
+    fs::create_directories(path.parent_path());
+    std::ofstream(path) << text;
+  }
+  void AddCard(const std::string& name, const std::string& address, const std::string& type,
+               bool is_device = true) const {
+    Write("sys/class/net/" + name + "/address", address + "\n");
+    Write("sys/class/net/" + name + "/addr_assign_type", type + "\n");
+    if (is_device) Write("sys/class/net/" + name + "/device/vendor", "x");
+  }
+  Parts Found() const { return ComputerParts(folder_.path()); }
+
+  const TempFolder folder_;
+};
+
+TEST_F(ComputerFiles, ShowItsNumbersAndItsPermanentAddresses) {
+  EXPECT_THAT(Found(), IsEmpty());
+  AddCard("wlan0", "02:11:22:33:44:55", "0");
+  AddCard("eth0", "00:11:22:33:44:56", "0");
+  AddCard("wlan1", "6a:11:22:33:44:57", "3");           // set by a program
+  AddCard("docker0", "02:42:22:33:44:58", "0", false);  // no device
+  AddCard("lo", "00:00:00:00:00:00", "0");
+  EXPECT_THAT(Found(), ElementsAre("mac:001122334456", "mac:021122334455"));
+  Write("sys/class/dmi/id/product_uuid", "4C4C4544-0042-4810-8056-B2C04F4B3333\n");
+  Write("sys/class/dmi/id/product_serial", "Default string\n");
+  Write("proc/device-tree/serial-number", std::string("1423522012345\0", 14));
+  EXPECT_THAT(Found(), ElementsAre("device-tree:1423522012345", "mac:001122334456",
+                                   "mac:021122334455", "uuid:4c4c4544004248108056b2c04f4b3333"));
+}
+
+TEST_F(ComputerFiles, WithNumbersThatAVendorHasLeftUnsetShowNone) {
+  for (const char* unset :
+       {"03000200-0400-0500-0006-000700080009", "00000000-0000-0000-0000-000000000000",
+        "ffffffff-ffff-ffff-ffff-ffffffffffff", "To be filled by O.E.M.", "0123456789", "", "N/A",
+        "System Serial Number"}) {
+    Write("sys/class/dmi/id/product_uuid", unset);
+    Write("sys/class/dmi/id/product_serial", unset);
+    EXPECT_THAT(Found(), IsEmpty()) << unset;
+  }
+}
+
+class CopiedFolder : public ::testing::Test {
+ protected:
+  // As after a boot: without `same_boot` the lock's file is of an earlier one.
+  StateStore OpenOn(const Parts& computer, bool same_boot = false) {
+    if (!same_boot) std::ofstream(folder_ / "state/controller.lock") << "7 robot\nanother boot\n";
+    MachineOrigin machine{"robot", "", 0, folder_ / "robot.toml"};
+    machine.computer = computer;
+    auto store = StateStore::Open(folder_ / "state", machine);
+    EXPECT_TRUE(store) << store.error().message;
+    return std::move(store).value();
+  }
+  std::string Id() const { return LoadOrigin(folder_ / "state").value().id; }
+
+  const TempFolder folder_;
+};
+
+// Two robots with one image: a stop, a command and a release of one of them were the other one's,
+// too.
+TEST_F(CopiedFolder, GetsAnIdOfItsOwnOnAnotherComputer) {
+  {
+    StateStore first = OpenOn(kRobot);
+    first.SetMachineId("5982c7ee-4f4e");
+    ASSERT_TRUE(first.SaveMachineId());
+  }
+  EXPECT_FALSE(OpenOn({"mac:new", "mac:wifi"}).copied_from());
+  EXPECT_FALSE(OpenOn({}).copied_from()) << "nothing is known";
+  EXPECT_EQ(Id(), "5982c7ee-4f4e");
+  const StateStore copy = OpenOn({"mac:second", "uuid:b"});
+  EXPECT_EQ(copy.copied_from(), "5982c7ee-4f4e");
+  EXPECT_NE(copy.machine_id(), "5982c7ee-4f4e");
+  EXPECT_EQ(copy.machine_id().size(), 36U);
+  EXPECT_EQ(Id(), copy.machine_id());
+}
+
+// Its actuators run on, with that id.
+TEST_F(CopiedFolder, IsNoneInOneBootWhateverIsPluggedIn) {
+  {
+    StateStore first = OpenOn({"mac:first"});
+    first.SetMachineId("5982c7ee-4f4e");
+    ASSERT_TRUE(first.SaveMachineId());
+  }
+  EXPECT_EQ(OpenOn({"mac:second"}, true).machine_id(), "5982c7ee-4f4e");
+  EXPECT_TRUE(OpenOn({"mac:third"}).copied_from());
+}
+
+TEST_F(CopiedFolder, KeepsTheIdOfItsOwnAtTheNextStart) {
+  {
+    StateStore first = OpenOn(kRobot);
+    first.SetMachineId("5982c7ee-4f4e");
+    ASSERT_TRUE(first.SaveMachineId());
+  }
+  const Parts second{"mac:second", "uuid:b"};
+  const std::string id = OpenOn(second).machine_id();
+  const StateStore again = OpenOn({"mac:second"});
+  EXPECT_EQ(again.machine_id(), id);
+  EXPECT_FALSE(again.copied_from());
+  EXPECT_NE(id, "5982c7ee-4f4e");
+}
+
+}  // namespace musher::computer_test
