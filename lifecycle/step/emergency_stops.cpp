@@ -73,14 +73,7 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
       known != engaged.end()) {
     // An actuator that had latched it may have reported before the sample that engaged it arrived.
     if (!known->by.empty() || stop.by.empty()) return false;
-    const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
-    if (same == engaged.end()) {
-      *known = stop;
-    } else {
-      AddReleased(stops, std::exchange(same->id, stop.id));
-      AddReason(same->reason, stop.reason);
-      engaged.erase(known);
-    }
+    *known = stop;
     return true;
   }
   const bool full = engaged.size() > kMostStopsKnown;

@@ -87,19 +87,6 @@ TEST_F(ReceivedStops, ThatAnActuatorHadLatchedGetTheirSourcesWhenTheirSamplesArr
                                                      EmergencyStop{9, "panel 9", "smoke"}));
 }
 
-// Found by simulation: the list was filled by one panel, and its newest stop fell out of it.
-TEST_F(ReceivedStops, ThatAnActuatorHadLatchedReplaceThoseOfTheirSourceWhenTheirSamplesArrive) {
-  StartUp();
-  for (StopId id = 7; id < 17; ++id) {
-    ActuatorReport report = Of(0).report;
-    report.emergency_stop = id;
-    report.stamp += Milliseconds(1);
-    Say(0, report);
-    Do(event::EmergencyStopSeen{{id, "a panel", "smoke"}});
-    EXPECT_THAT(StopsOf(machine_).engaged, ElementsAre(EmergencyStop{id, "a panel", "smoke"}));
-  }
-}
-
 TEST_F(ReceivedStops, OfAFloodWithoutASourceReplaceNoStopThatHasOne) {
   StartUp();
   Do(event::EmergencyStopSeen{{1000, "the door", "open"}});
