@@ -13,8 +13,7 @@ namespace {
 
 // So many ids of emergency stops that are over are remembered, here and on disk.
 constexpr std::size_t kMostReleasedKept = 256;
-// So many stops are engaged beside the first one at most; one more replaces the oldest without a
-// source, or the oldest.
+// So many sources have a stop engaged beside the first one at most; one more replaces the oldest.
 constexpr std::size_t kMostStopsKnown = 64;
 // A release is published again after this time, and ends after the other one; a client waits
 // longer.
@@ -76,20 +75,16 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
     *known = stop;
     return true;
   }
-  const bool full = engaged.size() > kMostStopsKnown;
-  // Two stops without a source may be of two sources: each is kept while there is room for it.
-  const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
-  if (same != engaged.end() && (full || !stop.by.empty())) {
+  if (const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
+      same != engaged.end()) {
     AddReleased(stops, same->id);
     same->id = stop.id;
     AddReason(same->reason, stop.reason);
     return true;
   }
-  if (full) {
-    const auto unnamed = std::ranges::find(engaged, "", &EmergencyStop::by);
-    const auto replaced = unnamed != engaged.end() ? unnamed : engaged.begin();
-    AddReleased(stops, replaced->id);
-    engaged.erase(replaced);
+  if (engaged.size() > kMostStopsKnown) {
+    AddReleased(stops, engaged.front().id);
+    engaged.erase(engaged.begin());
   }
   engaged.push_back(stop);
   return true;
