@@ -148,17 +148,16 @@ void Controller::BeginUnlessLed() {
   if (shell_->refused()) return;
   TakeIdOfActuators();
   if (const auto refusal = WhyNotBeside()) return shell_->Refuse(*refusal);
-  const Time deadline = node_.loop().Now() + kStatusWithin;
   if (!options_.before_begin) {
     CountHeld();
-    return BeginOnceReceived(deadline);
+    return BeginOnceReceived(node_.loop().Now() + kStatusWithin);
   }
   options_.before_begin();
   CountHeld();
   // In a later turn: what was ended has left by then, or has sent its last.
-  begin_later_ = node_.loop().At(node_.loop().Now(), [this, deadline] {
+  begin_later_ = node_.loop().At(node_.loop().Now(), [this] {
     shell_->ForgetEnded(RunsHere());
-    BeginOnceReceived(deadline);
+    BeginOnceReceived(node_.loop().Now() + kStatusWithin);  // the hook may have taken seconds
   });
 }
 
@@ -546,7 +545,9 @@ StoredPolicy Controller::LoadPolicy() {
             other.state_dir + ", where this machine had its files when it was started otherwise");
   }
   if (!is_new || !store_) return policy;
-  disk_.Do("battery level", [store = store_, policy, marks]() -> Result<> {
+  // With the key of the policy's saves: a retry of this one overwrites no newer one. Without its
+  // marks the level is taken again at the next start.
+  disk_.Do(std::string(StoredName(Stored::kPolicy)), [store = store_, policy, marks]() -> Result<> {
     if (auto saved = store->SavePolicy(policy); !saved) return saved;
     return store->SaveLevelsTaken(marks);
   });

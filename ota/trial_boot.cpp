@@ -37,15 +37,18 @@ std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Mac
                                           const UnderStop& stop) {
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) return std::nullopt;
   bool settled = machine.phase == Phase::kRunning && !machine.current;
+  bool from_stop = false;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const auto& fault = machine.actuators[i].fault;
     const bool coming_back = machine.actuators[i].restart.at.has_value();
     if (fault && config.actuators[i].critical && !coming_back) {
-      if (stop.faults.contains(i)) return std::nullopt;
-      return Result<>(Error{fault->code, Why(config, i, *fault)});
+      if (!stop.faults.contains(i)) return Result<>(Error{fault->code, Why(config, i, *fault)});
+      from_stop = true;
+      continue;
     }
     settled = settled && !coming_back && Settled(config, machine, i);
   }
+  if (from_stop) return std::nullopt;
   if (machine.phase == Phase::kFailed && stop.start_refused) return std::nullopt;
   if (machine.phase == Phase::kFailed) return Result<>(Error{kCodeFailed, "the start-up failed"});
   return settled ? std::optional(Ok()) : std::nullopt;

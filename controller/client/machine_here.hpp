@@ -16,8 +16,6 @@ struct MachineHere {
   std::vector<std::string> actuators{};   // of its config; empty: it cannot be read
   std::vector<std::string> elsewhere{};   // that its last controller knew on other hosts
   std::string unread{};                   // what of it this user may not read; empty: nothing
-  std::string state_dir{};                // where its next start finds its files; empty: not known
-  std::string file{};                     // absolute, that it is started from: of its MachineOrigin
 
   // Whether one of these actuators, which run on this host, may be one of it.
   bool HasOneOf(const std::vector<std::string>& running_here) const {

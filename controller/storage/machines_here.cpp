@@ -88,8 +88,6 @@ class Search {
     if (!origin || origin->name_space != name_space_ || origin->domain != domain_id_) return;
     MachineHere machine{{origin->name, origin->id}};
     machine.elsewhere = ElsewhereBy(folder);
-    machine.state_dir = folder;
-    machine.file = origin->file;
     const auto config = Read(origin->file);  // none of a root of upgrades, which is a folder
     if (config && IsHere(*config) && config->name == origin->name) Take(machine, *config);
     found_.push_back(std::move(machine));
@@ -101,11 +99,10 @@ class Search {
     if (!config || !IsHere(*config)) return config.has_value();
     MachineHere machine{{config->name, ""}};
     Take(machine, *config);
-    machine.state_dir = config->state_dir;
-    machine.file = fs::absolute(file).lexically_normal().string();
     if (transport == "lan") machine.lan = true;
+    const std::string absolute = fs::absolute(file).lexically_normal().string();
     std::vector<std::string> folders =
-        DefaultStateDirs({config->name, name_space_, domain_id_, machine.file});
+        DefaultStateDirs({config->name, name_space_, domain_id_, absolute});
     folders.push_back(config->state_dir);
     for (const std::string& folder : folders) {
       const auto origin = LoadOrigin(folder);

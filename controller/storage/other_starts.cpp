@@ -160,6 +160,7 @@ std::optional<SeenFolder> UnreadIn(const std::string& folder, const MachineOrigi
     const Readable readable = ReadableIn(folder);
     if (readable == Readable::kYes) return std::nullopt;
     if (readable == Readable::kToOthers) unread.owner = UserOf(info.st_uid).name;
+    seen.shows_starts = readable == Readable::kToOthers;  // on a disk that fails no start is seen
     stamp = StampOf(StateStore::EmergencyStopFileIn(folder));
   } else if (errno == EACCES) {
     unread.folder = fs::path(folder).parent_path();
