@@ -466,7 +466,7 @@ TEST_F(Deployed, InterruptedWhileItSendsEndsWithItsSsh) {
   EXPECT_EQ(ran.exit, 130);
   EXPECT_THAT(ran.err, AllOf(HasSubstr("interrupted"), HasSubstr("version 1.0.0 is on no host")));
   const pid_t ssh = std::stoi(ReadFile(folder_ / "pid"));
-  // Empty also of one that is not reaped yet.
+  // Empty also where it was killed and not reaped yet.
   const std::string command = "/proc/" + std::to_string(ssh) + "/cmdline";
   EXPECT_TRUE(testing::Until([&] { return ReadFile(command).empty(); }, std::chrono::seconds(20)));
   EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
