@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include "musher/base/checksum.hpp"
 #include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
@@ -43,12 +42,6 @@ void AddReason(std::string& reasons, const std::string& reason) {
   if (Names(reasons, kMore)) return;
   const std::size_t size = reasons.size() + 2 * kThen.size() + reason.size() + kMore.size();
   reasons.append(kThen).append(size <= kMostReasonBytes ? reason : kMore);
-}
-
-// Stands for the last stop of another state folder, among those that are over: that it waited for a
-// request there is known here. It is the id of no stop.
-StopId MarkOf(StopId last) {
-  return StopId(Fnv1a("the last stop of another folder: " + ToString(last)));
 }
 
 }  // namespace
@@ -102,19 +95,18 @@ StoredStops WithoutReleased(const StoredStops& stored, StoredStops received) {
 
 StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopId unnamed) {
   const auto is_released = [&](StopId id) { return std::ranges::count(known.released, id) != 0; };
+  const auto is_engaged = [&](StopId id) {
+    return std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
+  };
   for (EmergencyStop& stop : elsewhere.engaged) {
     if (stop.id == kUnknownStop && unnamed != 0) stop.id = unnamed;
   }
   StopId last = elsewhere.released.empty() ? kUnknownStop : elsewhere.released.back();
   if (!elsewhere.engaged.empty()) last = elsewhere.engaged.back().id;
-  const bool last_is_over =
-      last != kUnknownStop && (is_released(last) || is_released(MarkOf(last)));
+  const bool last_is_over = last != kUnknownStop && is_released(last);
   elsewhere.awaits_request = elsewhere.awaits_request && !last_is_over;
   std::erase_if(elsewhere.engaged, [&](const EmergencyStop& stop) { return is_released(stop.id); });
-  elsewhere.released.clear();
-  if (elsewhere.awaits_request && elsewhere.engaged.empty() && last != kUnknownStop) {
-    elsewhere.released.push_back(MarkOf(last));
-  }
+  std::erase_if(elsewhere.released, is_engaged);
   return elsewhere;
 }
 
