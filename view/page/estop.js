@@ -1,5 +1,5 @@
-// The emergency stop: in the header of every view, always: what the page shows may be old. One press engages it, without
-// a confirmation; its release needs one.
+// The emergency stop, in every header: what the page shows may be old. One press engages it; its release
+// needs a confirmation.
 import {post} from './connection.js';
 import {h} from './dom.js';
 import {t} from './i18n.js';
@@ -10,20 +10,20 @@ import {mayAct, mayStop, shownMachine, statusOf} from './store.js';
 export const ANSWER_MS = 4500;
 const OCTAGON = 'M5 0.500h6L15.500 5v6L11 15.500H5L0.500 11V5z';
 
-// What is done has code 0; else the answer has the reason.
+// 0: done.
 async function done(answer) {
-  const {code, reason} = await answer;
+  const {code, reason = ''} = await answer;
   if (code) throw new Error(reason || t('code', {code}));
-  return reason || '';
+  return reason;
 }
 
 async function engage(ctx) {
   ctx.ui.stopping = true;
   ctx.redraw();
   try {
-    const lasts = await done(post('api/estop', {...shownMachine(ctx.state), reason: t('stop.reason')},
+    const note = await done(post('api/estop', {...shownMachine(ctx.state), reason: t('stop.reason')},
       {within_ms: ANSWER_MS}));
-    if (lasts) ctx.alarm(t('stop.not_kept', {why: lasts}));
+    if (note) ctx.alarm(t('stop.not_kept', {why: note}));
     else ctx.say(t('stop.sent'));
   } catch (error) {
     ctx.alarm(t('stop.failed', {why: error.message || t('no_answer')}));

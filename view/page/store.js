@@ -237,7 +237,7 @@ export function acknowledgement({history, ...state}) {
 }
 
 // The faults of the last minutes that no person has acknowledged, the newest first: a robot that is well again hides
-// nothing. Compared by place: clocks go back, epochs begin again with a lost file, and some entries have no id.
+// nothing. Compared by place: clocks go back, epochs begin again, and some entries have no id.
 export function recentFaults(state, now, acknowledged) {
   const {epoch, id, ms} = acknowledged[shownMachine(state).machine_id] ?? {};
   const seen = state.history.findLastIndex(e => (e.id ? e.epoch === epoch && e.id <= id && e.ms <= ms : e.ms === ms));

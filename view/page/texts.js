@@ -71,7 +71,7 @@ export const TEXTS = {
   'stop.confirm.no': ['Stay stopped', '保持急停'],
   'stop.failed': ['The stop is NOT confirmed: {why}. Press again, or use the robot’s own button or `musher estop`.',
     '急停未得到确认：{why}。请再按一次，或用机器人自己的按钮或运行 `musher estop`。'],
-  'stop.not_kept': ['The robot is stopped. {why}.', '机器人已急停。{why}。'],
+  'stop.not_kept': ['Stopped. {why}.', '已急停。{why}。'],
   'stop.sent': ['The emergency stop was sent.', '急停已发出。'],
   'stop.released': ['The emergency stop was released.', '急停已解除。'],
 
