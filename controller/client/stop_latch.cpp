@@ -47,6 +47,13 @@ std::string TroubleOf(const msg::ActuatorInfo& actuator) {
   return exit_unknown ? kExitUnknown : actuator.health;
 }
 
+// Whether both are of one boot of a host, or it is not known: a status from before a reboot is
+// known until its writer is lost. A host is named by its boot id, and what follows a '/'.
+bool MayBeOneBoot(const std::string& host, const std::string& other) {
+  const auto boot = [](std::string_view name) { return name.substr(0, name.find('/')); };
+  return host.empty() || other.empty() || boot(host) == boot(other);
+}
+
 bool IsIn(const std::vector<MachineIdentity>& machines, const MachineIdentity& machine) {
   return std::ranges::any_of(machines, [&](const auto& one) { return SameMachine(one, machine); });
 }
@@ -301,9 +308,10 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   const bool has_it =
       latched == StopId(stop_.id) || std::ranges::count(status.other_stops, stop_.id) != 0;
   const bool changed = last.writer != info.writer || last.latched != latched ||
-                       last.has_it != has_it || last.trouble != status.stop_trouble;
+                       last.has_it != has_it || last.trouble != status.stop_trouble ||
+                       last.host != status.host;
   if (!changed) return;
-  last = {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_};
+  last = {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_, status.host};
   if (options_.on_change) options_.on_change();
 }
 
@@ -339,6 +347,10 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
     for (const msg::ActuatorInfo& actuator : controller->actuators) {
       if (!MayMove(actuator, controller->host) && !received_.contains(actuator.name)) continue;
       auto& taken = Take(report, actuator.name, TroubleOf(actuator));
+      const auto received = received_.find(actuator.name);
+      const bool outdated =
+          received != received_.end() && !MayBeOneBoot(actuator.host, received->second.host);
+      if (outdated) taken.stopped = taken.before = false;
       taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);
       if (taken.unsupported) {
         taken.trouble = "emergency stop not supported (" + actuator.protocol + ")";

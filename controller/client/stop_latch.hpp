@@ -173,6 +173,7 @@ class StopLatch {
     bool has_it = false;  // this stop is engaged, too
     std::string trouble;  // what it has not done at the stop
     Duration after{};
+    std::string host;  // of its process, as in msg::ActuatorStatus; "": not known
   };
   // A controller, or a release that its machine's controller may have published.
   struct Origin {

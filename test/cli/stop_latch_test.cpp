@@ -128,6 +128,26 @@ TEST_F(Stop, ReachesAnActuatorThatStartsLater) {
   EXPECT_TRUE(report.complete());
 }
 
+// The simulation found it: its host was rebooted, and the new process was switched on before it had
+// received the stop.
+TEST_F(Stop, IsNotConfirmedByTheStatusOfAnActuatorFromBeforeItsHostWasRebooted) {
+  const auto listed_in = [](const std::string& boot) {
+    msg::MachineStatus status = Controller();
+    for (msg::ActuatorInfo& actuator : status.actuators) {
+      if (actuator.name == "legs") actuator.host = boot;
+    }
+    return status;
+  };
+  legs_->BelongTo("", "", "boot 1");
+  Engage();
+  ASSERT_TRUE(AfterASecond(listed_in("boot 1")).complete());
+  const EstopReport report = AfterASecond(listed_in("boot 2"));
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(report.Missing(), ElementsAre("legs"));
+  legs_->BelongTo("", "", "boot 2");
+  EXPECT_TRUE(AfterASecond(listed_in("boot 2")).complete());
+}
+
 TEST_F(Stop, NamesThoseThatDoNotLatchIt) {
   eyes_->TurnDeaf();
   Engage();

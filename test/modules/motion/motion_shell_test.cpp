@@ -235,10 +235,8 @@ TEST_F(MotionShellWithFrames, LatchesWhatIsFixedOnTheBody) {
 class MotionShellOfOneOfTwoRobots : public MotionShellTest {
  protected:
   MotionShellOfOneOfTwoRobots()
-      : MotionShellTest({true,
-                         "dog1/odom",
-                         "dog1/base_link",
-                         {{"dog1/imu_link", "dog1/base_link", {}, {}}}}) {}
+      : MotionShellTest(
+            {true, "dog1/odom", "dog1/base_link", {{"dog1/imu_link", "dog1/base_link", {}, {}}}}) {}
 };
 
 TEST_F(MotionShellOfOneOfTwoRobots, PublishesItsOwnFramesOnly) {

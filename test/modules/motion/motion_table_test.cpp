@@ -288,10 +288,11 @@ TEST(MotionConfigFile, RefusesAMountThatClosesACycleOfFrames) {
       "[tf]\n[[tf.mount]]\nframe = \"finger\"\nparent = \"hand\"\n"
       "[[tf.mount]]\nframe = \"hand\"\nparent = \"arm\"\n";
   EXPECT_TRUE(ReadMotionConfigText(chain + "[[tf.mount]]\nframe = \"arm\"\n", "m.toml").config);
-  const auto reading = ReadMotionConfigText(
-      chain + "[[tf.mount]]\nframe = \"arm\"\nparent = \"finger\"\n"
-              "[[tf.mount]]\nframe = \"laser\"\nparent = \"hand\"\n",
-      "m.toml");
+  const auto reading =
+      ReadMotionConfigText(chain +
+                               "[[tf.mount]]\nframe = \"arm\"\nparent = \"finger\"\n"
+                               "[[tf.mount]]\nframe = \"laser\"\nparent = \"hand\"\n",
+                           "m.toml");
   EXPECT_FALSE(reading.config);
   ASSERT_EQ(reading.diagnostics.size(), 1U);
   EXPECT_EQ(reading.diagnostics[0].line, 10);
