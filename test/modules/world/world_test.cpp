@@ -65,7 +65,7 @@ RC_GTEST_PROP(WorldProperty, NeverHasABodyInsideAnObstacle, ()) {
   World world(FullYard());
   Commander commander(world);
   const auto commands = *rc::gen::container<std::vector<std::tuple<int, int, int, int>>>(
-      40, rc::gen::tuple(rc::gen::inRange(-160, 160), rc::gen::inRange(-55, 55),
+      15, rc::gen::tuple(rc::gen::inRange(-160, 160), rc::gen::inRange(-55, 55),
                          rc::gen::inRange(-250, 250), rc::gen::inRange(0, 12)));
   for (const auto& [x, y, yaw, what] : commands) {
     if (what == 0) {
