@@ -157,8 +157,7 @@ int Serve(const ViewOptions& options, const std::string& token) {
   dds.domain_id = options.domain;
   const auto domain = transport::DomainId(dds);
   live.domain_id = domain ? domain.value() : 0;
-  const auto profile = transport::Profile({});
-  live.lan = !profile || profile.value() == TransportProfile::kLan;
+  live.lan = transport::ReachesOtherHosts();
   live.machine = options.machine;
   live.token = token;
   live.sessions = SessionsFile(options);

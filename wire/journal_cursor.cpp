@@ -50,7 +50,7 @@ std::optional<msg::GetHistory::Response> JournalCursor::Take(
       entries, [this](const auto& entry) { return known_.contains(IdOf(entry)); });
   const auto first_known = static_cast<std::size_t>(known - entries.begin());
   if (!IsComplete(entries, first_known)) {
-    limit_ = most_;
+    limit_ = std::min(10 * limit_, most_);
     return std::nullopt;
   }
   const bool none_known = first_known == entries.size();
@@ -60,7 +60,7 @@ std::optional<msg::GetHistory::Response> JournalCursor::Take(
   // A long journal of which nothing is known is another one, with a past of its own.
   const bool other = begun_ && none_known && entries.size() >= std::min(kFewEntries, most_);
   const std::int64_t after_ns = other ? newest_ns_ : since_ns_;
-  limit_ = std::min(kFewEntries, most_);
+  limit_ = std::min(kNextEntries, most_);
   for (std::size_t i = begin; i < entries.size(); ++i) {
     const bool is_after = (begun_ && !other) || entries[i].wall_ns > after_ns;
     if (!Remember(IdOf(entries[i])) || !is_after) continue;

@@ -24,7 +24,8 @@ namespace musher {
 
 class JournalCursor {
  public:
-  static constexpr std::uint32_t kFewEntries = 200;
+  static constexpr std::uint32_t kFewEntries = 200;  // of the first request
+  static constexpr std::uint32_t kNextEntries = 20;  // of the next: mostly nothing is new
 
   // Of what is in the journal already, only entries after `since_ns` are new (wall clock, since
   // 1970); INT64_MAX: none. `most`: entries of one answer; after a gap of more of them the older
@@ -39,7 +40,7 @@ class JournalCursor {
   // Of the next request, whose `since_wall_ns` is 0.
   std::uint32_t limit() const { return limit_; }
   // The new entries of an answer, with their events. nullopt: entries before them may be missing in
-  // it; it is to be asked again, with the limit that has grown.
+  // it; it is to be asked again, with the limit that has grown tenfold.
   std::optional<msg::GetHistory::Response> Take(const msg::GetHistory::Response& answer);
 
  private:

@@ -85,11 +85,6 @@ GlobalOptions Reach(const GlobalOptions& global, const MachineIdentity& machine,
   return options;
 }
 
-bool ReachesOtherHosts() {
-  const auto profile = transport::Profile({});
-  return !profile || profile.value() == TransportProfile::kLan;
-}
-
 // A stop, and for whom it is.
 struct Stop {
   msg::EmergencyStop message;
@@ -100,7 +95,7 @@ struct Stop {
                                              DetachedPublisher::Notes notes = {}) const {
     StopOptions options;
     options.with_keys = !global.keys.empty();
-    options.lan = ReachesOtherHosts();
+    options.lan = transport::ReachesOtherHosts();
     options.notes = std::move(notes);
     auto latch = StopLatch::Begin(node, global.name_space, message, std::move(options));
     if (latch && !id_begins.empty()) latch.value()->AddBeginningOfId(id_begins, by_id);
@@ -131,7 +126,7 @@ class Confirmation {
                std::vector<MachineHere> machines)
       : link_(link),
         latch_(latch),
-        scope_{global.name_space, transport::DomainId({}).value(), ReachesOtherHosts(),
+        scope_{global.name_space, transport::DomainId({}).value(), transport::ReachesOtherHosts(),
                std::move(machines)} {}
 
   Duration DefaultTimeout() const { return scope_.lan ? kLanStopTimeout : kStopTimeout; }
@@ -397,7 +392,7 @@ class Attempt {
     const ExitCode exit =
         complete ? ExitCode::kDone : NotComplete(report, link, latch, publishers, console);
     if (report.not_on_disk.empty()) return exit;
-    stays_published_ = complete && !led;
+    stays_published_ = complete && !latch.withdrawn();
     const char* lost = led ? "; the stop is lost if the controller and the actuators end"
                            : "; the stop is lost if the actuators end";
     const std::string kept = stays_published_ ? StaysPublished(publishers) : "";

@@ -163,11 +163,6 @@ bool HasUnlistedHere(const msg::MachineStatus& status) {
   });
 }
 
-bool IsLan() {
-  const auto profile = transport::Profile({});
-  return !profile || profile.value() == TransportProfile::kLan;
-}
-
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::OpenForCalls(global, &console);
   if (options.follow) return Watch(*link, console);
@@ -188,7 +183,7 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
                              link->LeaderHere() != 0, console);
   }
   msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
-  if (!running && (IsLan() || HasUnlistedHere(status))) {
+  if (!running && (transport::ReachesOtherHosts() || HasUnlistedHere(status))) {
     if (auto looks = look_at_all(); !looks) return console.Fail(looks.error());
   }
   if (running) running->OnlyOf({status.machine, status.machine_id});

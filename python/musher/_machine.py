@@ -28,6 +28,7 @@ _LOG = logging.getLogger("musher")
 _LOOK_S = 0.1  # between two looks at the processes of this host
 _STOPS_KEPT = 8
 _SHORTEST_ID = 4  # characters of an id that a person gives
+_SAVED_S = 1.0  # a save takes less on a disk that works
 _OTHERS_S = 0.3  # machines of other hosts are found one after the other
 # Its arguments: the folder of the extension, and those of publish_stop().
 _PUBLISHER = ("import sys; sys.path.insert(0, sys.argv[1]); import _native; "
@@ -239,7 +240,8 @@ class Machine:
         raises musher.Failure if one of them or the controller has not confirmed it in time, or if the machine may have
         more of them. The stop stays engaged in any case, and reaches actuators that join until this machine is
         closed. One that not all have confirmed is then published for a minute by a process of its own, however this
-        one ends; so is one without a controller, which is on no disk: a warning of the logger "musher" says so."""
+        one ends; so is one that is on no disk, because no controller leads or its disk fails: a warning of the logger
+        "musher" says so."""
         end = time.monotonic() + timeout_s
         engaged = _native.NewStop(by or default_by(), reason)
         native = self._native()
@@ -255,7 +257,7 @@ class Machine:
             if _may_begin_id(self._name):
                 with contextlib.suppress(Failure):  # the stop is published without it
                     statuses = opened.enter_context(_Closing(self._watch()))
-            over, led, actuators, unknown = self._await_stop(stop, mailbox, statuses, end, not meant[1])
+            over, led, actuators, unknown, not_on_disk = self._await_stop(stop, mailbox, statuses, end, not meant[1])
         missing = [f"{name} ({trouble})" if trouble else name for name, stopped, _, trouble in actuators if not stopped]
         if missing:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
@@ -267,11 +269,13 @@ class Machine:
                        f"in {timeout_s} s without a controller not every actuator may have been found")
         if unknown:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but {unknown}")
-        if led:
-            stop.confirm()
+        if not led:
+            not_on_disk = "no controller leads that saves the emergency stop"
+        if not_on_disk:
+            _LOG.warning("not on disk: %s; it is lost if the %sactuators end; it stays published for a minute after the "
+                         "end of this program", not_on_disk, "controller and the " if led else "")
         else:
-            _LOG.warning("not on disk: no controller leads that saves the emergency stop; it is lost if the actuators "
-                         "end; it stays published for a minute after the end of this program")
+            stop.confirm()
         return [name for name, _, _, _ in actuators]
 
     def _publisher(self) -> List[str]:
@@ -282,18 +286,20 @@ class Machine:
         return [sys.executable, "-I", "-c", _PUBLISHER, folder, *self.node._joined_with]
 
     def _await_stop(self, stop: _native.Stop, mailbox: _native.Mailbox, statuses: "Optional[_Statuses]", end: float,
-                    others: bool) -> Tuple[bool, bool, List[Tuple[str, bool, float, str]], str]:
-        """Its report once it is over. `others`: other machines may be meant, too, and are found after the first."""
+                    others: bool) -> Tuple[bool, bool, List[Tuple[str, bool, float, str]], str, str]:
+        """Its report once it is over and saved. `others`: other machines may be meant, too, and are found after the
+        first."""
         since: Optional[float] = None  # each actuator that is known has stopped
         while True:
             status = statuses.take(0.0) if statuses is not None else None
             if status is not None and status.machine != self._name and _begins_id(status, self._name):
                 stop.follow(status.machine, status.machine_id)
                 statuses = None
-            report = over, _, actuators, _ = stop.report()
+            report = over, _, actuators, _, not_on_disk = stop.report()
             now = time.monotonic()
             since = (now if since is None else since) if over and actuators else None
-            until = end if since is None else min(end, since + (_OTHERS_S if others else 0.0))
+            wait_s = max(_OTHERS_S if others else 0.0, _SAVED_S if not_on_disk else 0.0)
+            until = end if since is None else min(end, since + wait_s)
             if now >= until:
                 return report
             mailbox.pop(min(until - now, _LOOK_S))

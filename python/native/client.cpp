@@ -211,13 +211,6 @@ struct NewStop {
   }
 };
 
-bool IsLan(std::optional<int> domain) {
-  transport::DdsOptions options;
-  options.domain_id = domain;
-  const auto profile = transport::Profile(options);
-  return !profile || profile.value() == TransportProfile::kLan;
-}
-
 // An emergency stop that is published as long as this exists, and a minute longer by a process of
 // its own, unless it is released or confirmed.
 class Stop : public OnLoop<EngagedStop> {
@@ -234,9 +227,11 @@ class Stop : public OnLoop<EngagedStop> {
                  stop.machine = machine;
                  stop.machine_id = machine_id;
                  const auto on_change = [mailbox] { mailbox->PushLatest({}); };
-                 auto latch = StopLatch::Begin(
-                     on, node->name_space, stop,
-                     {node->thread->credentials().has_value(), IsLan(domain), on_change, {}});
+                 auto latch = StopLatch::Begin(on, node->name_space, stop,
+                                               {node->thread->credentials().has_value(),
+                                                transport::ReachesOtherHosts(),
+                                                on_change,
+                                                {}});
                  if (!latch) return latch.error();
                  if (!word.empty()) latch.value()->AddBeginningOfId(word);
                  auto engaged = std::make_unique<EngagedStop>(
@@ -256,7 +251,7 @@ class Stop : public OnLoop<EngagedStop> {
     transport::DdsOptions options;
     options.domain_id = domain;
     const auto id = transport::DomainId(options);
-    scope_ = {node->name_space, id ? id.value() : 0, IsLan(domain)};
+    scope_ = {node->name_space, id ? id.value() : 0, transport::ReachesOtherHosts()};
     std::vector<std::string> configs;
     if (!config.empty()) configs.push_back(config);
     search_ =
@@ -265,9 +260,9 @@ class Stop : public OnLoop<EngagedStop> {
 
   // Which actuators are stopped: (there is nothing to wait for any more, a controller leads,
   // [(name, stopped, after_s, trouble)], why there may be more of them or this stop does not hold
-  // them, else "").
+  // them, else "", why the controller has not saved the stop, else "").
   using Actuators = std::vector<std::tuple<std::string, bool, double, std::string>>;
-  std::tuple<bool, bool, Actuators, std::string> Report() {
+  std::tuple<bool, bool, Actuators, std::string, std::string> Report() {
     if (auto found = search_ ? search_->found() : std::nullopt) {
       scope_.machines = *std::move(found);
       search_ = nullptr;
@@ -287,12 +282,12 @@ class Stop : public OnLoop<EngagedStop> {
     }
     if (report.unknown.empty()) report.unknown = report.WhyNotHeld();
     Actuators actuators;
-    if (!report.found()) return {over, report.controller, {}, report.unknown};
+    if (!report.found()) return {over, report.controller, {}, report.unknown, ""};
     for (const EstopReport::Actuator& one : report.actuators) {
       actuators.emplace_back(one.name, one.stopped,
                              std::chrono::duration<double>(one.after).count(), one.trouble);
     }
-    return {over, report.controller, std::move(actuators), report.unknown};
+    return {over, report.controller, std::move(actuators), report.unknown, report.not_on_disk};
   }
   bool Searches() const { return search_ != nullptr; }
   // From now on another process publishes the stop for a minute once this object or this process
@@ -363,8 +358,8 @@ void PublishStop(const std::string& name_space, const std::string& domain, const
   const auto publish = [&](const DetachedPublisher::Notes& notes) {
     const PyNodePtr node = MakeNode("", name_space, id, keys, identity, interface);
     OnLoop<StopLatch> latch(node, [&](transport::Node& on) {
-      auto begun =
-          StopLatch::Begin(on, name_space, stop.value(), {!keys.empty(), IsLan(id), {}, notes});
+      auto begun = StopLatch::Begin(on, name_space, stop.value(),
+                                    {!keys.empty(), transport::ReachesOtherHosts(), {}, notes});
       if (begun && !word.empty()) begun.value()->AddBeginningOfId(word);
       return begun;
     });

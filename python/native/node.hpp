@@ -25,7 +25,7 @@ struct PyNode {
   PyNode(const PyNode&) = delete;
   PyNode& operator=(const PyNode&) = delete;
   ~PyNode() {
-    if (services) thread->RunOnLoop([this] { services.reset(); });
+    if (services) WithoutGil([this] { thread->RunOnLoop([this] { services.reset(); }); });
   }
 
   std::string Resolve(const std::string& name) const {

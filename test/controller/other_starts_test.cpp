@@ -263,6 +263,17 @@ TEST_F(ClosedStart, WhoseBatteryCannotBeReadLeavesItOpenToo) {
   EXPECT_EQ(Unread().size(), 1U);
 }
 
+// What was written since an answer was passed over: a disk that fails changes no time of its files.
+TEST_F(ClosedStart, OnADiskThatFailsIsOpenAtEachStartHoweverOftenItWasAnswered) {
+  StopIn(by_service_, robot_);
+  Close(by_service_, 0755);
+  Close(by_service_ + "/emergency_stop", 0644);
+  ASSERT_EQ(mkfifo((by_service_ + "/policy").c_str(), 0644), 0) << "no file that can be read";
+  const auto answered = Answered(Unread());
+  ASSERT_EQ(answered.size(), 1U);
+  EXPECT_FALSE(Unread(answered).at(0).answered);
+}
+
 TEST_F(ClosedStart, OfAnotherMachineLeavesNothingOpen) {
   MachineOrigin other = robot_;
   other.file = folder_ / "moved.toml";

@@ -66,6 +66,22 @@ TEST_F(Trials, AreNotKnownWhereAnEmergencyStopHasKeptTheMachineFromStarting) {
   EXPECT_TRUE(EvaluateTrialBoot(config_, machine_, {.start_refused = true, .faults = {}}));
 }
 
+// The new version's fault was seen only if its actuator stood before the other one in the config.
+TEST_F(Trials, FailByACriticalFaultBesideOneFromUnderAnEmergencyStop) {
+  config_.actuators[1].critical = true;
+  UnderStop stop;
+  stop.Note(machine_);
+  machine_.emergency.stop = EmergencyStop{7, "alice", "smoke"};
+  machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "roll-back failed"};
+  stop.Note(machine_);
+  machine_.emergency.stop.reset();
+  machine_.actuators[1].fault = ActuatorFault{kCodeFailed, "no microphone"};
+  stop.Note(machine_);
+  const auto verdict = EvaluateTrialBoot(config_, machine_, stop);
+  ASSERT_TRUE(verdict);
+  EXPECT_THAT(verdict->error().message, HasSubstr("no microphone"));
+}
+
 // A person stopped the robot in its trial boot, which failed the switch of an actuator without a
 // way back: a good version was rolled back.
 TEST_F(Trials, AreNotKnownWhileACriticalActuatorHasAFaultFromUnderAnEmergencyStop) {

@@ -355,13 +355,15 @@ machine.close()
 """
 
 
-def publish_dog(node, namespace, machine_id, latched, host="another boot/1", pid=7, stop_ids=(), receives=True):
+def publish_dog(node, namespace, machine_id, latched, host="another boot/1", pid=7, stop_ids=(), receives=True,
+                not_on_disk=()):
     """The statuses of dog's controller and of its only actuator, which is stopped, and latches further stops if it
     `receives` them; so does the controller, if it is `latched`."""
     legs = ActuatorInfo(name="legs", presence="present", health="well", protocol="musher", pid=7)
     status = MachineStatus(machine="dog", machine_id=machine_id, name_space=namespace, host=host, pid=pid,
                            phase="running", state="Active", actuators=[legs], emergency_stop=latched,
-                           emergency_stop_by="anna" if latched else "", stop_ids=list(stop_ids))
+                           emergency_stop_by="anna" if latched else "", stop_ids=list(stop_ids),
+                           not_on_disk=list(not_on_disk))
     statuses = node.publisher("musher/machine_status", MachineStatus, latched=True)
     statuses.publish(status)
     shown = copy.deepcopy(status)
@@ -453,6 +455,22 @@ class StopsOfEndedPrograms(unittest.TestCase):
             self.assertNotEqual(pids[0], 0)
             with self.assertRaises(ProcessLookupError):
                 os.kill(pids[0], 0)
+
+    # It was lost if the robot lost its power within the minute.
+    def test_one_that_the_controller_cannot_save_goes_on_to_be_published(self):
+        namespace = "python_unsaved"
+        node = musher.Node(namespace=namespace)
+        self.addCleanup(node.close)
+        publish_dog(node, namespace, DOG, latched=True, not_on_disk=["emergency stop (4 s): no space left"])
+        with musher.Machine(namespace=namespace, machine="dog") as dog:
+            with self.assertLogs("musher", "WARNING") as logs:
+                self.assertEqual(dog.estop("smoke", timeout_s=DEADLINE_S), ["legs"])
+            self.assertIn("not on disk: emergency stop (4 s): no space left; it is lost if the controller and the",
+                          logs.output[0])
+            publisher = dog._stops[-1].publisher_pid()
+            self.assertNotEqual(publisher, 0)
+            self.addCleanup(self.end, publisher)
+        self.assertEqual(self.stop_in(namespace).reason, "smoke")
 
     # A controller ends the processes of an actuator with it, and finds them by its environment.
     def test_the_process_that_publishes_has_not_the_mark_of_an_actuator(self):

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 
 namespace musher::journal_cursor_test {
 
@@ -40,7 +41,7 @@ class Journal {
 std::vector<std::uint64_t> Take(JournalCursor& cursor, const Journal& journal,
                                 std::size_t lacking = 0) {
   auto fresh = cursor.Take(journal.Newest(cursor.limit(), lacking));
-  if (!fresh) fresh = cursor.Take(journal.Newest(cursor.limit(), lacking));
+  while (!fresh) fresh = cursor.Take(journal.Newest(cursor.limit(), lacking));
   std::vector<std::uint64_t> ids;
   for (const msg::HistoryEntry& entry : fresh.value().entries) ids.push_back(entry.id);
   EXPECT_THAT(fresh.value().events, SizeIs(ids.size()));
@@ -85,9 +86,40 @@ TEST(JournalCursor, AsksForMoreOnceManyWereAppended) {
   EXPECT_THAT(Take(cursor, journal), SizeIs(1));
   for (std::uint64_t id = 2; id < 2 + 3 * JournalCursor::kFewEntries; ++id) journal.Append(id, 7);
   EXPECT_FALSE(cursor.Take(journal.Newest(cursor.limit())));
+  EXPECT_EQ(cursor.limit(), 10 * JournalCursor::kNextEntries);
+  EXPECT_FALSE(cursor.Take(journal.Newest(cursor.limit())));
   EXPECT_EQ(cursor.limit(), kMost);
   EXPECT_THAT(Take(cursor, journal), SizeIs(3 * JournalCursor::kFewEntries));
-  EXPECT_EQ(cursor.limit(), JournalCursor::kFewEntries);
+  EXPECT_EQ(cursor.limit(), JournalCursor::kNextEntries);
+}
+
+// An idle `history -f` asked for 200 entries three times a second, over a robot's radio link.
+TEST(JournalCursor, AsksForFewEntriesWhileNothingIsNew) {
+  Journal journal;
+  JournalCursor cursor(0, kMost);
+  for (std::uint64_t id = 1; id <= 500; ++id) journal.Append(id, 7);
+  EXPECT_THAT(Take(cursor, journal), SizeIs(500));
+  EXPECT_THAT(Take(cursor, journal), IsEmpty());
+  EXPECT_LE(cursor.limit(), 20u);
+  for (std::uint64_t id = 501; id <= 650; ++id) journal.Append(id, 7);
+  EXPECT_THAT(Take(cursor, journal), SizeIs(150));
+}
+
+// The history is read again and again, and each time the newest entries of it.
+RC_GTEST_PROP(JournalCursorProperty, HoweverOftenAJournalIsReadEachEntryIsTakenOnce, ()) {
+  Journal journal;
+  JournalCursor cursor(-1, kMost);
+  std::vector<std::uint64_t> expected, taken;
+  const auto reads = *rc::gen::inRange(1, 12);
+  for (int read = 0; read < reads; ++read) {
+    const auto appended = *rc::gen::inRange(0, 300);
+    for (int i = 0; i < appended; ++i) {
+      expected.push_back(expected.size() + 1);
+      journal.Append(expected.back(), *rc::gen::inRange(0, 50));  // the wall clock may be set
+    }
+    for (const std::uint64_t id : Take(cursor, journal)) taken.push_back(id);
+  }
+  RC_ASSERT(taken == expected);
 }
 
 TEST(JournalCursor, OfMoreThanTheMostTakesTheNewest) {
@@ -104,7 +136,7 @@ TEST(JournalCursor, KnowsALongJournalFromBeforeItsBegin) {
   JournalCursor nothing(INT64_MAX, kMost);
   for (std::uint64_t id = 1; id <= 1000; ++id) journal.Append(id, 7);
   EXPECT_THAT(Take(nothing, journal), IsEmpty());
-  EXPECT_EQ(nothing.limit(), JournalCursor::kFewEntries);
+  EXPECT_EQ(nothing.limit(), JournalCursor::kNextEntries);
   journal.Append(1001, 3);
   EXPECT_THAT(Take(nothing, journal), ElementsAre(1001));
 }

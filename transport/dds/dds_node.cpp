@@ -245,6 +245,11 @@ Result<TransportProfile> Profile(const DdsOptions& options) {
   return dds::ChosenProfile(options.profile);
 }
 
+bool ReachesOtherHosts(const DdsOptions& options) {
+  const Result<TransportProfile> profile = Profile(options);
+  return !profile || profile.value() == TransportProfile::kLan;
+}
+
 Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& options) {
   const Result<int> domain_id = DomainId(options);
   if (!domain_id) return domain_id.error();

@@ -80,6 +80,8 @@ RosDistro ChosenDistro(std::optional<RosDistro> configured);
 
 // The profile from `options` and the environment; an Error when the environment's is invalid.
 Result<TransportProfile> Profile(const DdsOptions& options);
+// Whether a node with these options may reach other hosts: its profile is kLan, or has an error.
+bool ReachesOtherHosts(const DdsOptions& options = {});
 
 // Joins the domain. Fails if the configuration is invalid or the network cannot be used, with
 // Cyclone's reason; and if the credentials are invalid, with the file and its error. The loop must

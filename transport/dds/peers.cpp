@@ -36,7 +36,6 @@ void ReadAll(dds_entity_t participant, dds_entity_t topic,
   }
 }
 
-// By Cyclone's name of the property, or by the name in another DDS.
 // The text is the peer's.
 std::string Shown(std::string_view text) {
   constexpr std::size_t kLongest = 256;
@@ -45,6 +44,7 @@ std::string Shown(std::string_view text) {
   return shown;
 }
 
+// By Cyclone's name of the property, or by the name in another DDS.
 std::string PropertyOf(const dds_qos_t* qos, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     char* value = nullptr;

@@ -29,7 +29,8 @@ class RosNodes {
   // "/dog1/planner"; empty: not known.
   std::string NodeOf(EndpointId endpoint) const;
   // The nodes of `participant` with a client of `service` ("dog1/musher/set_state"): one, or
-  // several, separated by ", ". If their process has not published all of them, Node::RosNodeOf().
+  // several, separated by ", ", with "a node that is not known" for those of several clients whose
+  // node is not published. Of one such client, or none, Node::RosNodeOf().
   std::string CallersOf(const std::string& service, ParticipantId participant) const;
   // Calls `then` once, on the loop, as soon as CallersOf() knows these, at the latest kKnownWithin
   // after the first such call for `participant`. Returns false, and does not call it, if that time

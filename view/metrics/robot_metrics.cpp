@@ -11,7 +11,6 @@
 namespace musher::view {
 namespace {
 
-constexpr std::size_t kMostEpochs = 16;
 constexpr std::size_t kMostBegun = 64;  // one switch of the machine runs at a time
 // Of a switch that was refused before it got a number: the history has no target then.
 const std::string kUnknownState = "unknown";
@@ -68,29 +67,9 @@ void RobotMetrics::OnControllerLost() {
 }
 
 void RobotMetrics::On(const msg::HistoryEntry& entry, std::string_view event) {
-  if (entry.id == 0 || !IsNew(entry)) return;  // 0: not a decision, for example of the journal
+  if (entry.id == 0) return;  // not a decision, for example of the journal
   if (entry.kind == "switch") return OnSwitch(entry, event);
   if (!entry.actuator.empty()) OnFault(entry, event);
-}
-
-bool RobotMetrics::IsNew(const msg::HistoryEntry& entry) {
-  const Epoch epoch(entry.epoch);
-  const RecordId id(entry.id);
-  Mark& mark = marks_[epoch];
-  if (id > mark.id && entry.wall_ns >= mark.not_before) {
-    mark.id = id;
-    mark.wall_ns = std::max(mark.wall_ns, entry.wall_ns);
-  } else if (id <= mark.id && entry.wall_ns > mark.wall_ns) {
-    // A machine without its disk counts its epochs from the beginning again.
-    mark = {id, entry.wall_ns, entry.wall_ns};
-  } else {
-    return false;
-  }
-  if (marks_.size() > kMostEpochs) {
-    const bool is_lowest = marks_.begin()->first == epoch;
-    marks_.erase(is_lowest ? std::next(marks_.begin()) : marks_.begin());
-  }
-  return true;
 }
 
 void RobotMetrics::OnSwitch(const msg::HistoryEntry& entry, std::string_view event) {

@@ -3,9 +3,8 @@
 // system reads (exposition.hpp). docs/many-robots.md lists the families.
 //
 // Counters begin with this object, and only grow. They count entries of the controller's history,
-// each once: the same entry may be handed over again and again, and the history of a restarted
-// controller, whose ids begin again under a higher epoch, neither resets a counter nor counts
-// twice. Outcomes and faults are recognised by event names and by the data of an entry, never by
+// each of which is to be handed over once (JournalCursor), also those of a restarted controller.
+// Outcomes and faults are recognised by event names and by the data of an entry, never by
 // its sentence.
 //
 // The number of time series is bounded: only the actuators of the last status have any, at most
@@ -83,14 +82,7 @@ class RobotMetrics {
     PerOutcome switches{};
     DurationHistogram durations;
   };
-  // How far the history of an epoch was counted.
-  struct Mark {
-    RecordId id = 0;
-    std::int64_t wall_ns = INT64_MIN;     // the latest
-    std::int64_t not_before = INT64_MIN;  // when the controller began that uses this epoch again
-  };
 
-  bool IsNew(const msg::HistoryEntry& entry);
   Actuator* Find(std::string_view name);
   // The name of the state as it is exposed: kUnknownState if there are too many.
   const std::string& Know(const std::string& state);
@@ -110,7 +102,6 @@ class RobotMetrics {
   std::vector<Actuator> actuators_;  // in the order of the config
   std::vector<std::string> states_;  // the built-in ones, then others in the order of arrival
   std::map<std::string, Target> targets_;
-  std::map<Epoch, Mark> marks_;
   std::map<CommandNumber, std::int64_t> begun_;  // switch number -> wall_ns
   std::uint64_t lost_samples_ = 0;
   std::pair<std::size_t, std::size_t> clients_;

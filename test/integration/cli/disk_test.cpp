@@ -92,6 +92,7 @@ TEST_F(Disk, ThatIsFullIsSaidByAnEmergencyStop) {
   const Ended estop = Musher({"estop"});
   EXPECT_EQ(estop.exit, 0) << "every actuator is stopped";
   EXPECT_THAT(estop.err, HasSubstr("not on disk: emergency stop ("));
+  End(PublisherOf(estop));  // a reboot within a minute is stopped again
 }
 
 TEST_F(Disk, ThatCannotBeWrittenAtTheStartKeepsTheMachineFromActive) {

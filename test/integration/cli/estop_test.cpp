@@ -229,17 +229,6 @@ class EmergencyStop : public MachineByCli {
     loop.RunUntil([&] { return published.id != 0; }, loop.Now() + std::chrono::seconds(30));
     return published;
   }
-  // The process that goes on to publish a stop, by what its command prints.
-  static pid_t PublisherOf(const Ended& estop) {
-    const std::string kept = "the stop stays published for a minute (pid ";
-    const std::size_t at = estop.err.find(kept);
-    EXPECT_NE(at, std::string::npos) << estop.err;
-    return at == std::string::npos ? 0 : std::stoi(estop.err.substr(at + kept.size()));
-  }
-  static void End(pid_t publisher) {
-    kill(publisher, SIGKILL);
-    waitpid(publisher, nullptr, 0);
-  }
   void ExpectLatchedByAll(bool latched) const {
     for (const char* actuator : {"legs", "voice", "eyes"}) {
       EXPECT_TRUE(AwaitReport([&](const auto& report) {

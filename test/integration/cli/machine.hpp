@@ -1,6 +1,9 @@
 #pragma once
 // A machine of three musher-exec actuators.
 
+#include <signal.h>
+#include <sys/wait.h>
+
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -34,6 +37,17 @@ class MachineByCli : public MachineFixture {
     std::string line = "exec";
     for (const std::string& word : Command(std::move(words))) line += " '" + word + "'";
     return {"script", "-qefc", line, "/dev/null"};
+  }
+  // The process that goes on to publish a stop, by what its command prints.
+  static pid_t PublisherOf(const Ended& estop) {
+    const std::string kept = "the stop stays published for a minute (pid ";
+    const std::size_t at = estop.err.find(kept);
+    EXPECT_NE(at, std::string::npos) << estop.err;
+    return at == std::string::npos ? 0 : std::stoi(estop.err.substr(at + kept.size()));
+  }
+  static void End(pid_t publisher) {
+    kill(publisher, SIGKILL);
+    waitpid(publisher, nullptr, 0);
   }
   // See testing::UpDetached().
   Ended UpDetached() const { return testing::UpDetached(config_); }

@@ -98,7 +98,8 @@ TEST_F(HistoryOfAPage, HasTheNewestEntriesOfAFlood) {
   Report();
   network_.RunFor(Milliseconds(200));
   EXPECT_THAT(received_, SizeIs(MachineFeed::kKeptEntries));
-  EXPECT_THAT(limits_, ElementsAre(JournalCursor::kFewEntries, MachineFeed::kKeptEntries));
+  EXPECT_THAT(limits_, ElementsAre(JournalCursor::kNextEntries, 10 * JournalCursor::kNextEntries,
+                                   MachineFeed::kKeptEntries));
 }
 
 }  // namespace musher::view::machine_feed_test
