@@ -326,6 +326,22 @@ TEST(FoundScenario, AControllerRemembersTheSecondProcessAlsoOfAnActuatorThatIsSt
   EXPECT_EQ(ViolationOf(662601, {2, 3, 4, 5, 7}), "");
 }
 
+// Beyond a cut link two controllers each led a part of the machine. The checker took the policy's
+// switch of one for ended when the other changed its state.
+TEST(FoundScenario, ThePolicyOfEachOfTwoControllersRaisesWhatItLeads) {
+  EXPECT_EQ(ViolationOf(92217, {7, 8, 12, 13, 17, 19, 20, 21}), "");
+  EXPECT_EQ(ViolationOf(187286, {4, 7, 16, 20, 26, 27, 28, 31, 33}), "");
+  EXPECT_EQ(ViolationOf(590686, {3, 4, 6, 7, 10, 12, 14, 15}), "");
+  EXPECT_EQ(ViolationOf(817804, {4, 8, 9}), "");
+}
+
+// The level was one of another host, or in a file that was lost. The checker held it against the
+// controller that had not seen it.
+TEST(FoundScenario, ABatteryLevelThatAControllerCannotKnowHoldsBackNoRaise) {
+  EXPECT_EQ(ViolationOf(337987, {1, 3, 8, 9, 16}), "");
+  EXPECT_EQ(ViolationOf(641015, {7, 11, 17, 19, 20}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");
