@@ -342,6 +342,15 @@ TEST(FoundScenario, ABatteryLevelThatAControllerCannotKnowHoldsBackNoRaise) {
   EXPECT_EQ(ViolationOf(641015, {7, 11, 17, 19, 20}), "");
 }
 
+// Its epoch was lost with its disk. While it waited for the heartbeat of the controller that leads
+// its actuators, a person's takeover beyond the cut link became complete; it raised its epoch
+// above.
+TEST(FoundScenario, ASupervisorUndoesNoTakeoverThatBecomesCompleteMeanwhile) {
+  EXPECT_EQ(ViolationOf(121823, {5, 7, 11, 16, 17, 18, 19}), "");
+  EXPECT_EQ(ViolationOf(369878, {3, 4, 5, 9}), "");
+  EXPECT_EQ(ViolationOf(566195, {1, 10, 14, 16, 17, 18}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");
