@@ -351,6 +351,12 @@ TEST(FoundScenario, ASupervisorUndoesNoTakeoverThatBecomesCompleteMeanwhile) {
   EXPECT_EQ(ViolationOf(566195, {1, 10, 14, 16, 17, 18}), "");
 }
 
+// After the other controller had ended, the actuator went to the machine's state by itself, and
+// counted as well, although it refused each command.
+TEST(FoundScenario, AnActuatorThatAnotherControllerHadStaysDegradedUntilItIsRestarted) {
+  EXPECT_EQ(ViolationOf(153414, {2, 3, 4, 5}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");
