@@ -357,6 +357,10 @@ TEST(FoundScenario, AnActuatorThatAnotherControllerHadStaysDegradedUntilItIsRest
   EXPECT_EQ(ViolationOf(153414, {2, 3, 4, 5}), "");
 }
 
+TEST(FoundScenario, ATearDownThatWaitsRefusesTheSwitchThatWaitedBeforeIt) {
+  EXPECT_EQ(ViolationOf(642188, {2, 3, 5}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");
