@@ -361,6 +361,17 @@ TEST(FoundScenario, ATearDownThatWaitsRefusesTheSwitchThatWaitedBeforeIt) {
   EXPECT_EQ(ViolationOf(642188, {2, 3, 5}), "");
 }
 
+// The last samples of /clock before its pause were lost. The checker counted them.
+TEST(FoundScenario, AKeepMayCountTheTimeOfSamplesThatWereLostBeforeAPause) {
+  EXPECT_EQ(ViolationOf(613754, {1, 2, 6, 7, 8, 10, 11, 12}), "");
+}
+
+// It hangs in its TearDown on a host where no controller can kill it, and each start finishes the
+// TearDown that it finds. The operator did not end it.
+TEST(FoundScenario, AnOperatorEndsAProcessOfAnotherHostThatHangsInItsTearDown) {
+  EXPECT_EQ(ViolationOf(719211, {1, 17, 18, 21}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");
