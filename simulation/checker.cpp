@@ -26,7 +26,7 @@ Checker::Checker(SimRobot& robot) : context_(robot), robot_(robot), config_(robo
   };
   robot_.on_record_of = [this](const SimulatedController& controller,
                                const action::Record& record) {
-    policy_.OnRecordOn(controller.host());
+    policy_.OnRecord(controller, record);
     authority_.NoteReasons(controller, record);
     release_.NoteRequest(controller, record);
     policy_time_.CheckPolicyTime(controller, record);
@@ -173,7 +173,6 @@ void Checker::OnRecord(const action::Record& record) {
     default:
       break;
   }
-  policy_.OnRecord(record);
 }
 
 std::uint64_t Checker::OnPolicyRequest(const SimulatedController& controller,

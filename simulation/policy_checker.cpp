@@ -34,38 +34,45 @@ void PolicyChecker::CheckCeiling(const SimulatedController& controller, bool at_
   const bool waits = machine.current || machine.fallback.target || policy.keep || policy.power ||
                      machine.state == kOta || (!at_rest && !policy.loaded);
   if (!config_.policy || !config_.policy->battery) return;
-  if (policy.battery) {
-    NoteLevels(*config_.policy->battery, *policy.battery);
-    level_on_[controller.host()] = {*policy.battery, policy.charging};
-  }
+  NoteLevels(controller);
   const auto rank = config_.RankOf(machine.state);
   if (waits || machine.phase != Phase::kRunning || !rank) return;
   // Without a sample, what the controller before it on this host knew last still holds.
-  const auto known = level_on_.find(controller.host());
-  if (known == level_on_.end()) return;
+  const Host& known = hosts_[controller.host()];
+  if (!known.percent) return;
   if (!policy.battery && (context_.state_lost || !policy.battery_silent)) return;
-  const Level& level = known->second;
-  const auto most = MostAt(*config_.policy->battery, level.percent, level.charging);
+  const auto most = MostAt(*config_.policy->battery, *known.percent, known.charging);
   if (!most || *rank <= *most) return;
   ReportViolation(Invariant::kWithinBattery,
                   "the machine is in " + machine.state + " while " +
                       (policy.battery ? BatteryText(policy)
                                       : "nothing publishes the battery, which was at " +
-                                            std::to_string(level.percent) + " %"));
+                                            std::to_string(*known.percent) + " %"));
 }
 
-// A level is left at `hysteresis` above its threshold; from then on only the threshold counts.
-void PolicyChecker::NoteLevels(const BatteryPolicy& policy, int percent) {
-  const std::array begins = {policy.protected_at, policy.low_power_at};
-  for (std::size_t i = 0; i < begins.size(); ++i) {
-    if (percent <= begins[i]) left_[i] = false;
-    if (percent >= begins[i] + policy.hysteresis && percent > begins[i]) left_[i] = true;
+// A level is left at `hysteresis` above its threshold; from then on only the threshold counts. A
+// controller that finds no level of its predecessor begins without one.
+void PolicyChecker::NoteLevels(const SimulatedController& controller) {
+  const PolicyState& policy = controller.shell().machine().policy;
+  if (!policy.battery) return;
+  const BatteryPolicy& battery = *config_.policy->battery;
+  const int percent = *policy.battery;
+  Host& host = hosts_[controller.host()];
+  const bool begins = !std::exchange(seen_[controller.serial()].noted_levels, true);
+  if (begins && context_.state_lost) host.left = {true, true};
+  const std::array levels = {battery.protected_at, battery.low_power_at};
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (percent <= levels[i]) host.left[i] = false;
+    if (percent >= levels[i] + battery.hysteresis && percent > levels[i]) host.left[i] = true;
   }
+  host.percent = percent;
+  host.charging = policy.charging;
 }
 
 // Follows the policy's decisions by their records: a decision, and then the beginning of its
 // switch. Refusals of requests that wait may be between them.
-void PolicyChecker::OnRecord(const action::Record& record) {
+void PolicyChecker::OnRecord(const SimulatedController& controller, const action::Record& record) {
+  Seen& seen = seen_[controller.serial()];
   switch (record.event) {
     case EventName::kPolicyRequested:
       power_requested_ = record.id;
@@ -73,23 +80,25 @@ void PolicyChecker::OnRecord(const action::Record& record) {
     case EventName::kPowerOffStarted:
       return CheckPowerOffStarted(record);
     case EventName::kSwitchStarted:
-      if (std::exchange(lowering_begins_, false)) NoteLowering(record.of_switch->state);
+      if (std::exchange(seen.lowering_begins, false)) {
+        NoteLowering(controller, record.of_switch->state);
+      }
       return;
     case EventName::kBatteryLimitsStart:  // which would have led to Active
       lowered_ = {State(kActive), TargetOf(record)};
-      lowered_on_[recording_host_] = State(kActive);
+      hosts_[controller.host()].lowered_from = State(kActive);
       return;
     case EventName::kBatterySwitchUp:
-      policy_up_to_.push_back(TargetOf(record));
-      raised_at_ = PercentOf(record);
+      seen.up_to.push_back(TargetOf(record));
+      seen.raised_at = PercentOf(record);
       return;
     case EventName::kBatterySwitchDown:
-      policy_down_to_.push_back(TargetOf(record));
-      lowering_begins_ = true;
+      seen.down_to.push_back(TargetOf(record));
+      seen.lowering_begins = true;
       return;
     case EventName::kLyingStillSwitch:
-      policy_down_to_.push_back(TargetOf(record));
-      lowering_begins_ = false;
+      seen.down_to.push_back(TargetOf(record));
+      seen.lowering_begins = false;
       lowered_.reset();
       return;
     default:
@@ -98,35 +107,39 @@ void PolicyChecker::OnRecord(const action::Record& record) {
 }
 
 // The battery takes the machine down from the state `from`.
-void PolicyChecker::NoteLowering(const State& from) {
+void PolicyChecker::NoteLowering(const SimulatedController& controller, const State& from) {
+  Seen& seen = seen_[controller.serial()];
   // The raise to `from` has ended in this step.
-  if (std::erase(policy_up_to_, from) != 0) {
-    CheckRaise(from, raised_at_.value_or(0));
-    checked_raise_ = from;
+  if (std::erase(seen.up_to, from) != 0) {
+    CheckRaise(controller, from, seen.raised_at.value_or(0));
+    seen.checked_raise = from;
   }
   if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
-  lowered_on_[recording_host_] = lowered_->first;
-  lowered_->second = policy_down_to_.back();
+  hosts_[controller.host()].lowered_from = lowered_->first;
+  lowered_->second = seen.down_to.back();
 }
 
-bool PolicyChecker::ByPolicy(const State& state) const {
+bool PolicyChecker::ByPolicy(const SimulatedController& controller, const State& state) {
+  const Seen& seen = seen_[controller.serial()];
   const auto has = [&](const std::vector<State>& all) {
     return std::find(all.begin(), all.end(), state) != all.end();
   };
-  return has(policy_up_to_) || has(policy_down_to_) || checked_raise_ == state;
+  return has(seen.up_to) || has(seen.down_to) || seen.checked_raise == state;
 }
 
-void PolicyChecker::CheckPolicyChange(const Machine& machine, const State& from) {
+void PolicyChecker::CheckPolicyChange(const SimulatedController& controller, const State& from) {
+  const Machine& machine = controller.shell().machine();
+  Seen& seen = seen_[controller.serial()];
   const auto before = config_.RankOf(from);
   if (!config_.policy || !before) return;  // a step of a start
-  if (std::exchange(checked_raise_, std::nullopt) == machine.state) return;
-  if (ByPolicy(machine.state)) {
-    const bool up = std::erase(policy_up_to_, machine.state) != 0;
-    const bool down = std::erase(policy_down_to_, machine.state) != 0;
+  if (std::exchange(seen.checked_raise, std::nullopt) == machine.state) return;
+  if (ByPolicy(controller, machine.state)) {
+    const bool up = std::erase(seen.up_to, machine.state) != 0;
+    const bool down = std::erase(seen.down_to, machine.state) != 0;
     // The battery may have fallen during the switch.
-    const int percent = raised_at_.value_or(machine.policy.battery.value_or(0));
-    if (up && !down) CheckRaise(machine.state, percent);
-    return ForgetEndedPolicySwitches(machine);  // several may have ended in one step
+    const int percent = seen.raised_at.value_or(machine.policy.battery.value_or(0));
+    if (up && !down) CheckRaise(controller, machine.state, percent);
+    return ForgetEndedPolicySwitches(controller);  // several may have ended in one step
   }
   if (lowered_ && lowered_->first == machine.state) {  // it is lowered from here at once
     if (std::exchange(raise_requested_, false)) lowered_->first = State(kActive);
@@ -134,7 +147,7 @@ void PolicyChecker::CheckPolicyChange(const Machine& machine, const State& from)
   }
   // A client requested this switch. The policy may raise the machine later, or has begun to: the
   // battery may have left its ceiling in the step that ended this switch.
-  ForgetEndedPolicySwitches(machine);
+  ForgetEndedPolicySwitches(controller);
   lowered_.reset();
   if (std::exchange(raise_requested_, false)) lowered_ = {State(kActive), machine.state};
 }
@@ -189,29 +202,33 @@ void PolicyChecker::CheckQuiet(const SimulatedController& controller) {
   check(seen.protected_at, kProtected);
 }
 
-void PolicyChecker::ForgetEndedPolicySwitches(const Machine& machine) {
+void PolicyChecker::ForgetEndedPolicySwitches(const SimulatedController& controller) {
+  const Machine& machine = controller.shell().machine();
+  Seen& seen = seen_[controller.serial()];
   const auto ended = [&](const State& target) {
     return !machine.current || machine.current->purpose != Purpose::kPolicy ||
            machine.current->target != target;
   };
-  std::erase_if(policy_up_to_, ended);
-  std::erase_if(policy_down_to_, ended);
+  std::erase_if(seen.up_to, ended);
+  std::erase_if(seen.down_to, ended);
 }
 
-void PolicyChecker::CheckRaise(const State& raised_to, int percent) {
+void PolicyChecker::CheckRaise(const SimulatedController& controller, const State& raised_to,
+                               int percent) {
   const Rank rank = *config_.RankOf(raised_to);
   const std::string what = "the policy has raised the machine to " + raised_to;
   // A controller of another host may have led in between, of which this one does not know.
-  const auto own = lowered_on_.find(recording_host_);
-  const bool by_own = !robot_.OneHost() && own != lowered_on_.end() &&
-                      rank <= config_.RankOf(own->second).value_or(0);
+  const Host& host = hosts_[controller.host()];
+  const bool by_own = !robot_.OneHost() && host.lowered_from &&
+                      rank <= config_.RankOf(*host.lowered_from).value_or(0);
   const bool back = by_own || (lowered_ && rank <= config_.RankOf(lowered_->first).value_or(0));
   if (!back && !context_.state_lost) {
     ReportViolation(Invariant::kNoFlapping, what + ", which it had not lowered from there");
   }
   const BatteryPolicy& battery = *config_.policy->battery;
   const std::tuple<std::string_view, int, bool> levels[] = {
-      {kProtected, battery.protected_at, left_[0]}, {kLowPower, battery.low_power_at, left_[1]}};
+      {kProtected, battery.protected_at, host.left[0]},
+      {kLowPower, battery.low_power_at, host.left[1]}};
   for (const auto& [state, at, left] : levels) {
     // It may have been left before: a raise is retried after one that was undone.
     const bool still_left = left && percent > at;

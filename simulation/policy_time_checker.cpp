@@ -35,12 +35,13 @@ Duration PolicyTimeChecker::PolicyTime() const {
 // The last samples of /clock may be on their way to the controller.
 PolicyTimeChecker::Mark PolicyTimeChecker::MarkNow() const {
   const Time now = robot_.network().now();
-  if (config_.clock == ClockSource::kSteady) return {now, now.time_since_epoch()};
-  Duration passed = clock_samples_.empty() ? Duration::zero() : clock_samples_.front().second;
+  if (config_.clock == ClockSource::kSteady) return {now, now.time_since_epoch(), now};
+  Mark mark{now, {}, now};
   for (const auto& [at, by_clock] : clock_samples_) {
-    if (at <= now - kClockLag) passed = by_clock;
+    const bool first = at == clock_samples_.front().first;
+    if (first || at <= now - kClockLag) mark = {now, by_clock, at};
   }
-  return {now, passed};
+  return mark;
 }
 
 void PolicyTimeChecker::OnMotion(std::int32_t motion) {
@@ -107,8 +108,9 @@ void PolicyTimeChecker::CheckWaited(const SimulatedController& controller,
                                     const std::optional<Mark>& since, Duration limit,
                                     const std::string& what) {
   const Time now = robot_.network().now();
-  // What a controller has received late, or not at all, it times by itself.
-  const Time from = since ? since->at - std::chrono::seconds(1) : now;
+  // What a controller has received late, or not at all, it times by itself. The sample before a
+  // pause of /clock is long ago.
+  const Time from = since ? std::min(since->at, since->sampled) - std::chrono::seconds(1) : now;
   const bool late = (context_.link_faults_until && *context_.link_faults_until >= from) ||
                     controller.frozen || (controller.thawed && *controller.thawed >= from);
   if (late) return;

@@ -29,6 +29,7 @@ class PolicyTimeChecker : public SubjectChecker {
   struct Mark {
     Time at{};            // of the network
     Duration by_clock{};  // the least that the policy's clock may have shown then
+    Time sampled{};       // when the sample of /clock with that time was published
   };
   struct Seen {  // of a controller
     // Since when, by the policy's clock, the machine is in Active or Protected, and is kept.

@@ -835,6 +835,7 @@ void Scenario::Repair() {
   // The TearDown of a client that found no controller may reach the first one that starts.
   for (int tries = 0; tries < 3 && robot_.machine().phase == Phase::kStopped; ++tries) {
     Note("the machine was torn down; the operator starts it again");
+    if (tries > 0) EndTornDown();
     robot_.CrashController();
     for (const ActuatorIndex i : config_.actuators.Indices()) {
       if (!IsByHand(i)) continue;
@@ -853,6 +854,23 @@ void Scenario::Repair() {
   RepairActuators();
   if (!ReachStableState("after its repair")) return;
   if (RecoverHome() && !Over()) CheckAllAvailable();
+}
+
+// A start finishes a TearDown that it finds. A process of another host that hangs in it, which no
+// controller can kill, is ended by the operator.
+void Scenario::EndTornDown() {
+  bool any = false;
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const ActuatorReport* report = robot_.processes().ReportOf(actuator.name, host);
+      const bool hangs = report != nullptr && report->target == kTearDown;
+      if (!hangs || host == robot_.layout().controllers[0]) continue;
+      Note("the operator ends " + actuator.name + " on host " + robot_.hosts().name(host));
+      robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
+      any = true;
+    }
+  }
+  if (any) RunFor(kUntilMissed);
 }
 
 // The operator starts a controller where none is left: of two, each may have been replaced.

@@ -145,6 +145,7 @@ class Scenario {
   const std::optional<Violation>& violation() const;
 
   bool ReachStableState(const std::string& when);
+  void EndTornDown();
   void RepairActuators();
   bool EndSurplus();
   void EndElsewhere(const ActuatorConfig& actuator);

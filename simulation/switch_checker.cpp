@@ -22,7 +22,7 @@ void SwitchChecker::CheckChange(const SimulatedController& controller) {
   if (before && rank && *rank > *before) {
     // Several switches may have ended since.
     const bool requested =
-        seen.requested_state == machine.state || policy_.ByPolicy(machine.state) ||
+        seen.requested_state == machine.state || policy_.ByPolicy(controller, machine.state) ||
         std::any_of(just_replied_.begin(), just_replied_.end(), [&](const State& state) {
           const auto other = config_.RankOf(state);
           return other && *other >= *rank;
@@ -39,7 +39,7 @@ void SwitchChecker::CheckChange(const SimulatedController& controller) {
         Invariant::kStatesRecorded,
         "the machine is in " + machine.state + ", the journal records " + machine.recorded_state);
   }
-  if (seen.state != machine.state) policy_.CheckPolicyChange(machine, seen.state);
+  if (seen.state != machine.state) policy_.CheckPolicyChange(controller, seen.state);
   seen.state = machine.state;
   seen.stopped = machine.emergency.stop.has_value();
   const bool requested = (seen.requested && machine.state == seen.requested_state) ||

@@ -20,10 +20,14 @@ void Authority::On(const event::RivalSeen& rival) {
 
 bool Authority::ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report) {
   const KnownActuator& known = Of(i);
-  const bool own = report.incarnation != 0 && report.incarnation == known.control.incarnation &&
-                   report.host == known.report.host;
+  const bool here = report.incarnation != 0 && report.host == known.report.host;
+  const bool own = here && report.incarnation == known.control.incarnation;
+  // Meanwhile a controller has begun to lead it, whose heartbeat does not arrive here.
+  const bool taken = here && machine_.start_up.by_supervisor && known.control.rival_until &&
+                     report.incarnation == known.report.incarnation &&
+                     report.epoch > known.report.epoch;
   const bool higher = report.epoch > machine_.epoch && report.epoch < kLastEpoch;
-  if (!own || !higher || !AtWork()) return false;
+  if (!(own || taken) || !higher || !AtWork()) return false;
   Release("which " + ConfigOf(i).name + " follows", report.epoch);
   return true;
 }

@@ -37,10 +37,11 @@ enum class Phase {
 std::string_view PhaseName(Phase phase);  // "idle", "starting", …
 
 struct StartUpState {
-  bool by_hand = false;    // a program drives it (MachineController's calls)
-  bool finishing = false;  // a supervisor's start, which finishes the TearDown before it
-  bool restarted = false;  // a supervisor's start, and the disk has an epoch
-  bool raised = false;     // this controller has raised its epoch, which it may do once
+  bool by_hand = false;        // a program drives it (MachineController's calls)
+  bool finishing = false;      // a supervisor's start, which finishes the TearDown before it
+  bool by_supervisor = false;  // a supervisor restarts it after a crash
+  bool restarted = false;      // the same, and the disk had an epoch
+  bool raised = false;         // this controller has raised its epoch, which it may do once
   // It is no person's start, or found running processes, or an emergency stop was engaged since.
   bool requests_nothing = false;
   bool set_up = false;              // the actuators of the first stage are present, or given up
@@ -156,6 +157,7 @@ inline constexpr std::tuple kFields<StartUpState> = {
     Field{"stage", &StartUpState::stage},
     Field{"set_up_requests", &StartUpState::requests},
     Field{"supervised", &StartUpState::requests_nothing},
+    Field{"by_supervisor", &StartUpState::by_supervisor},
 };
 
 template <>

@@ -81,10 +81,14 @@ RecordId StepPart::RecordPolicy(std::int32_t code, const RecordText& text, Recor
   return Record(Filled("policy", code, text, cause));
 }
 
-// The same sentence with another event is the same fault.
+// The same sentence with another event is the same fault. That another controller has the actuator
+// says more than that it refuses a command.
 void StepPart::Degrade(ActuatorIndex i, std::int32_t code, const RecordText& text, RecordId cause) {
   const auto& known = Of(i).fault;
   if (known && known->code == code && known->message == text.message) return;
+  const bool says_less = known && known->event == EventName::kControlledByAnother &&
+                         text.event != known->event && code == kCodePermissionDenied;
+  if (says_less) return;
   Of(i).fault = ActuatorFault{code, text.message, text.event};
   Of(i).cause = RecordActuator(i, code, texts::Degraded(ConfigOf(i).name, text), cause);
 }

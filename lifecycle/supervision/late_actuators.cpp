@@ -14,7 +14,7 @@ bool LateActuators::DriveLateOnes() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const KnownActuator& known = Of(i);
     const bool unchecked = IsToBeChecked(i);
-    if (!IsFree(i) || known.held) continue;
+    if (!IsFree(i) || known.held || IsOfAnother(i)) continue;
     if (!known.due && !unchecked) {
       const bool had_a_fault = known.fault.has_value();
       commands_.ReportUnchecked(i);
@@ -37,6 +37,12 @@ bool LateActuators::DriveLateOnes() {
     changed = true;
   }
   return changed;
+}
+
+// Until it is attached again it refuses each command.
+bool LateActuators::IsOfAnother(ActuatorIndex i) const {
+  const auto& fault = Of(i).fault;
+  return fault && fault->event == EventName::kControlledByAnother;
 }
 
 // Whether it has had no self-check yet, or one has failed and is to be repeated: not while it works

@@ -17,6 +17,7 @@ class LateActuators : StepPart {
   bool DriveLateOnes();
 
  private:
+  bool IsOfAnother(ActuatorIndex i) const;
   bool IsToBeChecked(ActuatorIndex i);
   bool LowerLateOnes();
   bool Lower(ActuatorIndex i);

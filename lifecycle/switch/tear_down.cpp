@@ -49,6 +49,7 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
         texts::SwitchWaiting(Describe(config_, plan.target, std::nullopt), wait,
                              ConfigOf(*silent).name + " may run, and has not announced itself yet"),
         cause);
+    switches_.EndWaiting(Refused<Refusal::kBeingTornDown>(), cause);
   }
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     KnownActuator& known = Of(i);

@@ -326,6 +326,52 @@ TEST(FoundScenario, AControllerRemembersTheSecondProcessAlsoOfAnActuatorThatIsSt
   EXPECT_EQ(ViolationOf(662601, {2, 3, 4, 5, 7}), "");
 }
 
+// Beyond a cut link two controllers each led a part of the machine. The checker took the policy's
+// switch of one for ended when the other changed its state.
+TEST(FoundScenario, ThePolicyOfEachOfTwoControllersRaisesWhatItLeads) {
+  EXPECT_EQ(ViolationOf(92217, {7, 8, 12, 13, 17, 19, 20, 21}), "");
+  EXPECT_EQ(ViolationOf(187286, {4, 7, 16, 20, 26, 27, 28, 31, 33}), "");
+  EXPECT_EQ(ViolationOf(590686, {3, 4, 6, 7, 10, 12, 14, 15}), "");
+  EXPECT_EQ(ViolationOf(817804, {4, 8, 9}), "");
+}
+
+// The level was one of another host, or in a file that was lost. The checker held it against the
+// controller that had not seen it.
+TEST(FoundScenario, ABatteryLevelThatAControllerCannotKnowHoldsBackNoRaise) {
+  EXPECT_EQ(ViolationOf(337987, {1, 3, 8, 9, 16}), "");
+  EXPECT_EQ(ViolationOf(641015, {7, 11, 17, 19, 20}), "");
+}
+
+// Its epoch was lost with its disk. While it waited for the heartbeat of the controller that leads
+// its actuators, a person's takeover beyond the cut link became complete; it raised its epoch
+// above.
+TEST(FoundScenario, ASupervisorUndoesNoTakeoverThatBecomesCompleteMeanwhile) {
+  EXPECT_EQ(ViolationOf(121823, {5, 7, 11, 16, 17, 18, 19}), "");
+  EXPECT_EQ(ViolationOf(369878, {3, 4, 5, 9}), "");
+  EXPECT_EQ(ViolationOf(566195, {1, 10, 14, 16, 17, 18}), "");
+}
+
+// After the other controller had ended, the actuator went to the machine's state by itself, and
+// counted as well, although it refused each command.
+TEST(FoundScenario, AnActuatorThatAnotherControllerHadStaysDegradedUntilItIsRestarted) {
+  EXPECT_EQ(ViolationOf(153414, {2, 3, 4, 5}), "");
+}
+
+TEST(FoundScenario, ATearDownThatWaitsRefusesTheSwitchThatWaitedBeforeIt) {
+  EXPECT_EQ(ViolationOf(642188, {2, 3, 5}), "");
+}
+
+// The last samples of /clock before its pause were lost. The checker counted them.
+TEST(FoundScenario, AKeepMayCountTheTimeOfSamplesThatWereLostBeforeAPause) {
+  EXPECT_EQ(ViolationOf(613754, {1, 2, 6, 7, 8, 10, 11, 12}), "");
+}
+
+// It hangs in its TearDown on a host where no controller can kill it, and each start finishes the
+// TearDown that it finds. The operator did not end it.
+TEST(FoundScenario, AnOperatorEndsAProcessOfAnotherHostThatHangsInItsTearDown) {
+  EXPECT_EQ(ViolationOf(719211, {1, 17, 18, 21}), "");
+}
+
 // The checker took an epoch for a raise that the disk of a restarted controller had.
 TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPersonHasSeen) {
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");

@@ -383,6 +383,25 @@ TEST_F(OutbidController, TakesAReportOfAnActuatorThatAnotherOneHasForNoNewLoss) 
   EXPECT_FALSE(machine_.current);
 }
 
+// It went to the machine's state by itself, without its controller, and counted as well.
+TEST_F(OutbidController, KeepsAnActuatorDegradedThatAControllerOfTheSameEpochHas) {
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower"});
+  ActuatorReport report = Report(0, "Active");
+  Do(event::Replied{0, Of(0).command.value().number, false, Verdict::kRefused,
+                    kCodePermissionDenied, "of another controller", report});
+  ObeyAll();
+  ASSERT_EQ(machine_.state, "LowPower");
+  const auto of_another = Is(texts::ControlledByAnother(machine_.epoch));
+  EXPECT_THAT(Of(0).fault, of_another);
+  Forget();
+  now_ += Milliseconds(1);
+  report = Report(0, "LowPower");
+  Say(0, report);
+  EXPECT_THAT(Of(0).fault, of_another);
+  EXPECT_THAT(Did<action::SendSwitch>(), IsEmpty());
+}
+
 // An echo, or a process of another name space.
 TEST_F(OutbidController, IsNotReplacedByAReportOfAProcessThatItHasNotTakenControlOf) {
   StartUp();

@@ -467,6 +467,31 @@ TEST_F(TwoLinks, ASupervisorDoesNotUndoATakeover) {
   EXPECT_EQ(robot_.EpochOf("c"), Epoch(6));
 }
 
+// Its epoch was lost as well, and the takeover is not complete yet when it begins.
+TEST_F(TwoLinks, ASupervisorDoesNotUndoATakeoverThatItSeesBecomeComplete) {
+  robot_.Start(1);
+  robot_.RunFor(Milliseconds(300));
+  ASSERT_EQ(robot_.EpochOf("c"), Epoch(5));
+  first().disk().epoch = 0;
+  robot_.Start(0, /*restarted=*/true);
+  robot_.RunFor(std::chrono::seconds(25));
+  EXPECT_EQ(first().machine().phase, Phase::kFenced);
+  EXPECT_EQ(first().epochs, (std::vector<Epoch>{1}));
+  EXPECT_TRUE(second().leads());
+  EXPECT_EQ(robot_.EpochOf("c"), Epoch(6));
+}
+
+TEST_F(TwoLinks, APersonWhoStartsWithoutADiskDuringATakeoverHasTheNewerWord) {
+  robot_.Start(1);
+  robot_.RunFor(Milliseconds(300));
+  first().disk().epoch = 0;
+  robot_.Start(0);
+  robot_.RunFor(std::chrono::seconds(25));
+  EXPECT_TRUE(first().leads());
+  EXPECT_FALSE(second().leads());
+  EXPECT_EQ(robot_.EpochOf("c"), Epoch(7));
+}
+
 TEST_F(TwoLinks, APersonMayTakeTheMachineBack) {
   TakeOverOnB();
   robot_.Start(0);

@@ -83,6 +83,28 @@ TEST_F(WaitingSwitches, AMoreUrgentRequestBeginsInstead) {
   }
 }
 
+// Its deadline passed while the TearDown waited for another actuator, and nothing ended it.
+TEST_F(WaitingSwitches, ATearDownThatWaitsItselfRefusesTheWaitingSwitchAtOnce) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "b").stage = 2;
+  ActuatorNamed(config, "c").stage = 3;
+  Harness t(config);
+  t.On("b", "SelfCheck").takes = Milliseconds(80);
+  t.disk().remote = {{"c", "another host"}};  // where an earlier controller has left it
+  t.Begin();
+  ASSERT_TRUE(t.RunUntil(
+      [&] { return t.machine().phase == Phase::kRunning && t.RecordOf("b").command.has_value(); }));
+  const RequestId waiting = t.RequestSwitch("OTA", "b");
+  ASSERT_FALSE(Answered(t, waiting));
+  t.RequestSwitch("TearDown");
+  ASSERT_TRUE(t.machine().stopping);
+  ASSERT_TRUE(t.machine().stopping->announced_by) << "it waits for c";
+  ASSERT_TRUE(Answered(t, waiting));
+  EXPECT_EQ(t.answers.at(waiting).outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(t.answers.at(waiting).code, kCodeStateInvalid);
+  EXPECT_GT(NextDeadline(t.config(), t.machine()), t.now());
+}
+
 TEST_F(WaitingSwitches, ASwitchThatWaitsForAHungActuatorIsRefusedWithinItsTime) {
   Harness& t = WithALateOne("LowPower");
   t.On("c", "LowPower").hangs = true;
