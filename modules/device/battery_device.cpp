@@ -35,9 +35,10 @@ Result<> BatteryDevice::Connect() {
   status_ = endpoints_.Advertise<msg::BmsStatus>("bms_status");
   motor_power_ = endpoints_.Advertise<msg::Bool>("world/motor_power", transport::kLatchedQos);
   endpoints_.Serve<Command>("bms_cmd", [this](const Command::Request& request, auto reply) {
-    const Result<> done = Execute(request);
-    if (!done) dependencies_.log("bms_cmd refused: " + done.error().message);
-    reply({done.ok(), done ? kCodeOk : done.error().code});
+    Execute(request, [this, reply](const Result<>& done) {
+      if (!done) dependencies_.log("bms_cmd refused: " + done.error().message);
+      reply({done.ok(), done ? kCodeOk : done.error().code});
+    });
   });
   if (config_.source == BatterySource::kWorld) {
     transport::SubscriptionEvents events;
@@ -53,7 +54,19 @@ Result<> BatteryDevice::Connect() {
     poll_ = dependencies_.clock.Every(config_.period, [this] { ReadHost(); });
     ReadHost();
   }
+  if (endpoints_.opened() && config_.source == BatterySource::kCan) OpenCan();
   return endpoints_.opened();
+}
+
+void BatteryDevice::OpenCan() {
+  CanBattery::Events events;
+  events.on_reading = [this](const BatteryReading& reading) { OnReading(reading); };
+  events.on_motors = [this](bool powered) { motors_powered_ = powered; };
+  events.on_refused = [this](const std::string& why) { Refuse(why); };
+  events.on_fault = [this](const std::string& why) { Lose(why); };
+  events.log = [this](const std::string& line) { dependencies_.log("battery: " + line); };
+  can_ = std::make_unique<CanBattery>(dependencies_.node.loop(), dependencies_.open_can,
+                                      config_.frames, config_.silence, std::move(events));
 }
 
 void BatteryDevice::ReadHost() {
@@ -85,6 +98,7 @@ void BatteryDevice::OnReading(const BatteryReading& reading) {
 }
 
 void BatteryDevice::RestartSilenceTimer() {
+  if (config_.source == BatterySource::kCan) return;  // its link knows which frame is missing
   silence_ = dependencies_.clock.At(dependencies_.clock.Now() + config_.silence, [this] {
     Lose("silent for " + std::to_string(ToMilliseconds(config_.silence)) + " ms");
   });
@@ -135,10 +149,12 @@ Result<> BatteryDevice::Check() const {
   return Ok();
 }
 
-Result<> BatteryDevice::Execute(const Command::Request& request) {
+void BatteryDevice::Execute(const Command::Request& request, const Done& done) {
   const std::uint8_t motors = request.electric_machine_command;
   const std::uint8_t charging = request.wireless_charging_command;
-  const auto refuse = [](KeyCode key, const std::string& why) { return Error{BmsCode(key), why}; };
+  const auto refuse = [&done](KeyCode key, const std::string& why) {
+    done(Error{BmsCode(key), why});
+  };
   if (motors != 0 && motors != BmsCmd::kMotorsUp && motors != BmsCmd::kMotorsDown) {
     return refuse(KeyCode::kParametersInvalid,
                   "unknown motor command " + std::to_string(motors) + "; 1 is up, 2 is down");
@@ -152,12 +168,20 @@ Result<> BatteryDevice::Execute(const Command::Request& request) {
     return refuse(KeyCode::kParametersInvalid, "the command is empty");
   if (charging != 0) return refuse(KeyCode::kUnSupport, "this battery has no wireless charging");
   if (motors == BmsCmd::kMotorsUp) {
-    if (Result<> may = dependencies_.may_power_motors(); !may) return may;
+    if (const Result<> may = dependencies_.may_power_motors(); !may) return done(may);
   }
-  if (Result<> sent = motor_power_->Publish({motors == BmsCmd::kMotorsUp}); !sent) return sent;
-  motors_powered_ = motors == BmsCmd::kMotorsUp;
-  dependencies_.log(std::string("motors powered ") + (motors_powered_ ? "up" : "down"));
-  return Ok();
+  PowerMotors(motors == BmsCmd::kMotorsUp, done);
+}
+
+void BatteryDevice::PowerMotors(bool up, const Done& done) {
+  const auto ended = [this, up, done](const Result<>& result) {
+    if (result) {
+      motors_powered_ = up;
+      dependencies_.log(std::string("motors powered ") + (up ? "up" : "down"));
+    }
+    done(result);
+  };
+  can_ ? can_->PowerMotors(up, ended) : ended(motor_power_->Publish({up}));
 }
 
 }  // namespace musher::device

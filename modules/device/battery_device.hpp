@@ -1,6 +1,6 @@
 #pragma once
-// The battery: takes readings from the world or the host, publishes `bms_status` and serves
-// `bms_cmd`. When the source is silent this is logged, and its last value is not repeated.
+// The battery: takes readings from the world, the host or a CAN bus, publishes `bms_status` and
+// serves `bms_cmd`. When the source is silent this is logged, and its last value is not repeated.
 //
 // Threads: the loop's.
 
@@ -12,6 +12,7 @@
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/device/battery.hpp"
+#include "musher/modules/device/can_battery.hpp"
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -40,6 +41,7 @@ class BatteryDevice {
   BatteryDevice(const Dependencies& dependencies, const BatteryConfig& config, OnStatus on_status);
   Result<> Connect();
 
+  void OpenCan();
   void ReadHost();
   void OnReading(const BatteryReading& reading);
   void Refuse(const std::string& reason);
@@ -47,7 +49,9 @@ class BatteryDevice {
   void Lose(const std::string& why);
   void PublishWhenDue();
   void Publish();
-  Result<> Execute(const Command::Request& request);
+  using Done = CanBattery::Done;
+  void Execute(const Command::Request& request, const Done& done);
+  void PowerMotors(bool up, const Done& done);
 
   const Dependencies dependencies_;
   const BatteryConfig config_;
@@ -65,6 +69,7 @@ class BatteryDevice {
   transport::Publisher<msg::BmsStatus>* status_ = nullptr;
   transport::Publisher<msg::Bool>* motor_power_ = nullptr;
   transport::Subscription* readings_ = nullptr;  // null: not of the world
+  std::unique_ptr<CanBattery> can_;              // null: not on a CAN bus
   transport::Endpoints endpoints_;               // last: its callbacks use the rest
 };
 

@@ -6,6 +6,7 @@
 
 #include "musher/lifecycle/state.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
+#include "musher/modules/device/can_socket.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/node.hpp"
 
@@ -19,6 +20,7 @@ struct Dependencies {
   std::function<void(const std::string&)> log;  // one line, without its end
   std::function<State()> state;                 // of the actuator
   std::function<Result<>()> may_power_motors;   // or why it is refused
+  CanBus::Open open_can = CanSocket::Open;
 };
 
 }  // namespace musher::device

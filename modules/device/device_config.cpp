@@ -1,14 +1,18 @@
 #include "musher/modules/device/device_config.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/toml/rows.hpp"
+#include "musher/modules/device/can_battery.hpp"
 #include "musher/modules/device/self_check.hpp"
 
 namespace musher::device {
@@ -47,26 +51,56 @@ Row DeviceNames(std::string_view key, std::vector<std::string>& devices,
   };
 }
 
-// What only a source "host" uses.
-void CheckHost(TableReader& reader, const BatteryConfig& battery,
-               std::optional<BatterySource> source) {
-  if (source == BatterySource::kHost) {
-    if (battery.silence > battery.period) return;
-    return reader.Fault(reader.At("silence_ms"), "silence_ms",
-                        "expected more than period_ms, or every reading comes too late");
-  }
-  for (const std::string_view key : {"folder", "name", "period_ms"}) {
-    if (source && reader.Has(key)) {
-      reader.Warn(reader.At(key), key, "has no effect: only a source \"host\" uses it");
-    }
+// Keys that only a source of that name uses.
+void WarnOfUnused(TableReader& reader, std::string_view source,
+                  std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    if (!reader.Has(key)) continue;
+    reader.Warn(reader.At(key), key,
+                "has no effect: only a source " + config_toml::Quote(source) + " uses it");
   }
 }
 
+// What only some sources use.
+void CheckSource(TableReader& reader, const BatteryConfig& battery,
+                 std::optional<BatterySource> source) {
+  if (!source) return;
+  if (source == BatterySource::kCan) {
+    reader.Require("frames", "the file of the battery's frames");
+  } else {
+    WarnOfUnused(reader, "can", {"frames"});
+  }
+  if (source != BatterySource::kHost) {
+    return WarnOfUnused(reader, "host", {"folder", "name", "period_ms"});
+  }
+  if (battery.silence > battery.period) return;
+  reader.Fault(reader.At("silence_ms"), "silence_ms",
+               "expected more than period_ms, or every reading comes too late");
+}
+
+// A file of frames that another one names: its own diagnostics, and its content.
+class CanFiles {
+ public:
+  explicit CanFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  std::optional<CanProtocol> Read(const std::string& file, const CanNames& names) {
+    auto parsed = ReadCanFile(config_toml::Absolute(folder_, file), names);
+    std::ranges::move(parsed.diagnostics, std::back_inserter(diagnostics));
+    return std::move(parsed.config);
+  }
+
+  std::vector<Diagnostic> diagnostics;
+
+ private:
+  const std::filesystem::path folder_;
+};
+
 Rows BatteryRows(BatteryConfig& battery, std::optional<BatterySource>& source,
-                 const std::filesystem::path& folder) {
+                 const std::filesystem::path& folder, CanFiles& files) {
   const auto read_source = [&](TableReader& reader) {
     source = reader.Choice<BatterySource>("source", {{"world", BatterySource::kWorld},
                                                      {"host", BatterySource::kHost},
+                                                     {"can", BatterySource::kCan},
                                                      {"none", BatterySource::kNone}});
     battery.source = source.value_or(battery.source);
   };
@@ -78,13 +112,21 @@ Rows BatteryRows(BatteryConfig& battery, std::optional<BatterySource>& source,
       reader.Fault(name->at, "name", "expected the name of a supply, found a path");
     }
   };
+  const auto read_frames = [&](TableReader& reader) {
+    const auto file = reader.String("frames");
+    if (!file || source != BatterySource::kCan) return;
+    if (auto frames = files.Read(file->text, BatteryCanNames())) {
+      battery.frames = *std::move(frames);
+    }
+  };
   return {
-      row::Required("source", "\"world\", \"host\" or \"none\"", read_source),
+      row::Required("source", "\"world\", \"host\", \"can\" or \"none\"", read_source),
       row::File("folder", battery.folder, folder),
       read_name,
       row::Time("period_ms", battery.period, kLeastPeriodMs),
       row::Time("silence_ms", battery.silence, kLeastPeriodMs),
-      [&](TableReader& reader) { CheckHost(reader, battery, source); },
+      read_frames,
+      [&](TableReader& reader) { CheckSource(reader, battery, source); },
   };
 }
 
@@ -96,19 +138,11 @@ Row SourceOfKeys(KeySource& source) {
                                     {"none", KeySource::kNone}}));
 }
 
-// Of keys that only a source "input" uses.
-void WarnOfInput(TableReader& reader, std::initializer_list<std::string_view> names) {
-  for (const std::string_view name : names) {
-    if (!reader.Has(name)) continue;
-    reader.Warn(reader.At(name), name, "has no effect: only a source \"input\" uses it");
-  }
-}
-
 // What only a source "input" uses.
 void CheckInput(TableReader& reader, const PowerKeyConfig& key) {
   const bool is_input = key.source == KeySource::kInput;
   if (is_input) reader.Require("device", "the file of an input device, \"/dev/input/event0\"");
-  if (!is_input) WarnOfInput(reader, {"device", "key_code"});
+  if (!is_input) WarnOfUnused(reader, "input", {"device", "key_code"});
 }
 
 // The same of a touch pad.
@@ -121,7 +155,7 @@ void CheckTouch(TableReader& reader, const TouchConfig& touch) {
   } else if (is_input && !reader.Has("device_name")) {
     reader.Require("device", "the file of an input device, \"/dev/input/event0\", or device_name");
   }
-  if (!is_input) WarnOfInput(reader, {"device", "device_name", "codes"});
+  if (!is_input) WarnOfUnused(reader, "input", {"device", "device_name", "codes"});
   if (touch.codes == TouchCodes{}) {
     reader.Fault(reader.At("codes"), "codes",
                  "expected the number of a key for tap, single, double or hold");
@@ -157,13 +191,49 @@ Rows PowerKeyRows(PowerKeyConfig& key, const std::filesystem::path& folder) {
   };
 }
 
+// The lights: names of LEDs, or files of frames.
+Rows LedRows(LedConfig& led, const std::filesystem::path& folder, CanFiles& files) {
+  constexpr std::array<std::string_view, kLedTargets.size()> kKeys = {"head", "tail", "mini"};
+  const auto read_light = [&led, &files](TableReader& reader, std::string_view key, std::size_t i) {
+    const auto word = reader.String(key);
+    if (!word) return false;
+    if (led.source == LedSource::kCan) {
+      led.frames.at(i) = files.Read(word->text, LightCanNames());
+    } else if (led.source == LedSource::kHost) {
+      led.names.at(i) = word->text;
+      if (word->text.empty() || word->text.find('/') != std::string::npos) {
+        reader.Fault(word->at, key, "expected the name of an LED, found a path");
+      }
+    } else {
+      reader.Warn(word->at, key, "has no effect: only a source \"host\" or \"can\" uses it");
+    }
+    return true;
+  };
+  const auto read_lights = [&led, kKeys, read_light](TableReader& reader) {
+    bool any = false;
+    for (std::size_t i = 0; i < kKeys.size(); ++i) any |= read_light(reader, kKeys.at(i), i);
+    if (led.source != LedSource::kHost) WarnOfUnused(reader, "host", {"folder"});
+    const bool needs_one = led.source == LedSource::kHost || led.source == LedSource::kCan;
+    if (any || !needs_one) return;
+    reader.Fault(reader.At("source"), "source", "expected a key head, tail or mini beside it");
+  };
+  return {row::Required("source", "\"world\", \"host\", \"can\" or \"none\"",
+                        row::Choice("source", led.source,
+                                    {{"world", LedSource::kWorld},
+                                     {"host", LedSource::kHost},
+                                     {"can", LedSource::kCan},
+                                     {"none", LedSource::kNone}})),
+          row::File("folder", led.folder, folder), read_lights};
+}
+
 // Whether a device of the world exists.
 Row WorldSource(bool& present) {
   return row::Required("source", "\"world\" or \"none\"",
                        row::Choice("source", present, {{"world", true}, {"none", false}}));
 }
 
-DeviceConfig Read(const Table& table, const std::string& path, Findings& findings) {
+DeviceConfig Read(const Table& table, const std::string& path, Findings& findings,
+                  CanFiles& files) {
   DeviceConfig config;
   const std::filesystem::path folder = config_toml::FolderOf(path);
   const std::vector<std::string> none;
@@ -174,9 +244,10 @@ DeviceConfig Read(const Table& table, const std::string& path, Findings& finding
             DeviceNames("skip", config.skip, none, findings),
             DeviceNames("critical", config.critical, config.skip, findings),
             row::Required("battery", "a table [battery] with the source of its readings",
-                          row::Sub("battery", BatteryRows(config.battery, source, folder))),
+                          row::Sub("battery", BatteryRows(config.battery, source, folder, files))),
             row::Sub("touch", TouchRows(config.touch, folder)),
-            row::Sub("led", {WorldSource(config.led)}), row::Sub("uwb", {WorldSource(config.uwb)}),
+            row::Sub("led", LedRows(config.led, folder, files)),
+            row::Sub("uwb", {WorldSource(config.uwb)}),
             row::Sub("power_key", PowerKeyRows(config.power_key, folder))});
   return config;
 }
@@ -184,9 +255,15 @@ DeviceConfig Read(const Table& table, const std::string& path, Findings& finding
 }  // namespace
 
 Parsed<DeviceConfig> ReadDeviceText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<Parsed<DeviceConfig>>(
+  CanFiles files(config_toml::FolderOf(path));
+  auto parsed = config_toml::ReadTextWith<Parsed<DeviceConfig>>(
       text, path,
-      [&](const Table& root, Findings& findings) { return Read(root, path, findings); });
+      [&](const Table& root, Findings& findings) { return Read(root, path, findings, files); });
+  for (Diagnostic& one : files.diagnostics) {
+    if (one.severity == Severity::kError) parsed.config.reset();
+    parsed.diagnostics.push_back(std::move(one));
+  }
+  return parsed;
 }
 
 Parsed<DeviceConfig> ReadDeviceFile(const std::string& path) {

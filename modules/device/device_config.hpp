@@ -8,13 +8,16 @@
 
 #include "musher/base/time.hpp"
 #include "musher/base/toml/parsed.hpp"
+#include "musher/modules/device/can_lights.hpp"
+#include "musher/modules/device/can_protocol.hpp"
+#include "musher/modules/device/host_lights.hpp"
 #include "musher/modules/device/input_device.hpp"
 #include "musher/modules/device/input_key.hpp"
 #include "musher/modules/device/power_supply.hpp"
 
 namespace musher::device {
 
-enum class BatterySource : std::uint8_t { kNone, kWorld, kHost };
+enum class BatterySource : std::uint8_t { kNone, kWorld, kHost, kCan };
 
 struct BatteryConfig {
   BatterySource source = BatterySource::kNone;
@@ -22,6 +25,7 @@ struct BatteryConfig {
   std::string name;                         // host; empty: the first
   Duration period = Milliseconds(1000);     // host: how often it is read
   Duration silence = Milliseconds(5000);    // timeout without a reading
+  CanProtocol frames;                       // can
 
   friend bool operator==(const BatteryConfig&, const BatteryConfig&) = default;
 };
@@ -56,14 +60,25 @@ struct TouchConfig {
   friend bool operator==(const TouchConfig&, const TouchConfig&) = default;
 };
 
+enum class LedSource : std::uint8_t { kNone, kWorld, kHost, kCan };
+
+struct LedConfig {
+  LedSource source = LedSource::kNone;
+  std::string folder = kLedFolder;  // host: absolute
+  LedNames names;                   // host
+  LightProtocols frames;            // can
+
+  friend bool operator==(const LedConfig&, const LedConfig&) = default;
+};
+
 struct DeviceConfig {
   Duration self_check_time = Milliseconds(3000);  // how long SelfCheck waits for the devices
   std::vector<std::string> skip;                  // not checked
   std::vector<std::string> critical;              // a failure fails SelfCheck with its code
   BatteryConfig battery;
   TouchConfig touch;
-  bool led = false;  // there is one, on the world's topic
-  bool uwb = false;  // the same
+  LedConfig led;
+  bool uwb = false;  // there is one, on the world's topic
   PowerKeyConfig power_key;
 
   friend bool operator==(const DeviceConfig&, const DeviceConfig&) = default;

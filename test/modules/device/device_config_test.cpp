@@ -47,10 +47,13 @@ hold_ms = 5000
   expected.self_check_time = Milliseconds(700);
   expected.skip = {"uwb"};
   expected.critical = {"bms", "touch"};
-  expected.battery = {BatterySource::kHost, "/robot/supplies", "BAT1", Milliseconds(500),
-                      Milliseconds(2000)};
+  expected.battery.source = BatterySource::kHost;
+  expected.battery.folder = "/robot/supplies";
+  expected.battery.name = "BAT1";
+  expected.battery.period = Milliseconds(500);
+  expected.battery.silence = Milliseconds(2000);
   expected.touch.source = KeySource::kWorld;
-  expected.led = true;
+  expected.led.source = LedSource::kWorld;
   expected.uwb = true;
   expected.power_key = {KeySource::kInput, "/dev/input/event3", 142, Milliseconds(5000)};
   EXPECT_EQ(*reading.config, expected);
@@ -76,7 +79,8 @@ TEST(DeviceConfig, ReportsWhatIsWrongAndWhere) {
          "\"bms\"?",
          ":4:13: error: critical: a device that is skipped cannot be critical",
          ":5:17: error: self_check_ms: expected an integer from 1",
-         ":7:10: error: battery.source: expected one of world, host and none, found \"wrld\"; did "
+         ":7:10: error: battery.source: expected one of world, host, can and none, found \"wrld\"; "
+         "did "
          "you mean \"world\"?",
          ":8:13: error: battery.period_ms: expected an integer from 100",
          ":9:1: error: touch: the key \"source\" is missing",
@@ -100,6 +104,25 @@ TEST(DeviceConfig, ReportsWhatIsWrongAndWhere) {
         "[battery]\nsource = \"none\"\n[touch]\nsource = \"input\"\ndevice = \"event0\"\n"
         "codes = {}\n",
         {":6:9: error: touch.codes: expected the number of a key for tap"}},
+       {"a battery on a CAN bus without its file",
+        "[battery]\nsource = \"can\"\n",
+        {"battery: the key \"frames\" is missing"}},
+       {"a file of frames that is missing",
+        "[battery]\nsource = \"can\"\nframes = \"nowhere.toml\"\n",
+        {"/robot/nowhere.toml: error: "}},
+       {"frames without effect",
+        host + "frames = \"nowhere.toml\"\n",
+        {":3:10: warning: battery.frames: has no effect: only a source \"can\" uses it"}},
+       {"no LED",
+        "[battery]\nsource = \"none\"\n[led]\nsource = \"host\"\n",
+        {":4:10: error: led.source: expected a key head, tail or mini beside it"}},
+       {"a path for an LED",
+        "[battery]\nsource = \"none\"\n[led]\nsource = \"host\"\nhead = \"a/b\"\n",
+        {":5:8: error: led.head: expected the name of an LED, found a path"}},
+       {"an LED without effect",
+        "[battery]\nsource = \"none\"\n[led]\nsource = \"world\"\nfolder = \"/sys\"\n"
+        "tail = \"x\"\n",
+        {":5:10: warning: led.folder: has no effect", ":6:8: warning: led.tail: has no effect"}},
        {"a path for a name",
         host + "name = \"../BAT0\"\n",
         {"expected the name of a supply, found a path"}},
@@ -118,6 +141,19 @@ TEST(DeviceConfig, OfTheDemoIsGoodAndNamesEveryKey) {
                           "name", "period_ms"}) {
     EXPECT_THAT(text, HasSubstr(std::string(key) + " = ")) << key;
   }
+}
+
+TEST(DeviceConfig, OfACyberDog2HasItsFrames) {
+  const Parsed<DeviceConfig> reading =
+      ReadDeviceFile(SourceDir() + "/config/device/cyberdog2.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(reading.config->battery.source, BatterySource::kCan);
+  EXPECT_TRUE(reading.config->battery.frames.HasField("batt_soc"));
+  EXPECT_TRUE(reading.config->led.frames[0]);
+  EXPECT_FALSE(reading.config->led.frames[1]);
+  EXPECT_EQ(reading.config->led.frames[0]->network_interface, "can1");
+  EXPECT_EQ(reading.config->touch.codes, (TouchCodes{0, 301, 303, 307}));
 }
 
 TEST(DeviceConfig, ReportsWhyAFileCannotBeRead) {

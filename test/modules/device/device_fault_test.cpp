@@ -51,7 +51,7 @@ TEST(TheDeviceManager, PowersMotorsInActiveOnlyAndNeverInAnEmergencyUnderInjecte
   testing::ModuleFaultTest<DeviceManager, Desk> test;
   test.make = [] {
     DeviceConfig config;
-    config.led = true;
+    config.led.source = LedSource::kWorld;
     config.critical = {"led"};
     return std::make_unique<DeviceManager>("device_manager", config);
   };

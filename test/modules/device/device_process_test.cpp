@@ -12,6 +12,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/device/led_device.hpp"
 #include "musher/test/modules/module_process.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::device::device_process_test {
 
@@ -87,6 +88,14 @@ TEST_F(DeviceManagerProcess, FailsItsSelfCheckWithTheCriticalCodeAndNamesAllThat
   EXPECT_EQ(Failure(kSelfCheck),
             "1409 bms (critical): no publisher of world/battery, 1409; "
             "touch: no publisher of world/touch, 1509; led: no subscriber of world/led, 1109");
+}
+
+TEST_F(DeviceManagerProcess, StartsWithoutItsCanBusAndSaysWhatIsMissing) {
+  Start("critical = [\"bms\"]\nself_check_ms = 300\n[battery]\nsource = \"can\"\nframes = \"" +
+        SourceDir() + "/config/device/can/battery.toml\"\n");
+  const std::string failure = Failure(kSelfCheck);
+  EXPECT_THAT(failure, ::testing::StartsWith("1409 bms (critical): "));
+  EXPECT_THAT(failure, ::testing::AnyOf(HasSubstr("'can0'"), HasSubstr("can0: ")));
 }
 
 TEST_F(DeviceManagerProcess, AnswersItsServicesByTheRulesAndWakesTheRobotByADoubleTap) {

@@ -17,7 +17,7 @@ class DevicesOnANetwork : public test::ModuleOnNetwork {
   DevicesOnANetwork() {
     config_.battery.source = BatterySource::kWorld;
     config_.touch.source = KeySource::kWorld;
-    config_.led = true;
+    config_.led.source = LedSource::kWorld;
   }
 
   void Start() {

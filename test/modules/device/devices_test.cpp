@@ -111,7 +111,7 @@ TEST_F(Lights, FollowTheLifecycle) {
 }
 
 TEST_F(Lights, AreCheckedButNotPublishedWithoutLights) {
-  config_.led = false;
+  config_.led.source = LedSource::kNone;
   Start();
   EXPECT_EQ(RequestEffect("vp", 4), 0);
   EXPECT_EQ(RequestEffect("vp", 77), 1124);

@@ -39,7 +39,7 @@ class TouchInput : public DevicesOnANetwork {
  protected:
   TouchInput() {
     robot_ = std::make_unique<transport::SocketNode>(std::move(robot_));
-    config_.led = false;
+    config_.led.source = LedSource::kNone;
     config_.battery.source = BatterySource::kNone;
     config_.touch.source = KeySource::kInput;
     config_.touch.input.file = folder_ / "event0";
