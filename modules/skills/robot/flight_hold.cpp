@@ -59,7 +59,7 @@ void FlightHold::NoteOther(const navigation::Velocity& command) {
 }
 
 void FlightHold::WatchOther(const navigation::Pose* pose, Duration step) {
-  Other& other = *other_;
+  OtherProgram& other = *other_;
   other.silent += step;
   if (pose != nullptr) NoteFollowed(*pose);
   if (other.flies) landed_ = false;
@@ -72,7 +72,7 @@ void FlightHold::WatchOther(const navigation::Pose* pose, Duration step) {
 
 // One that is only carried while another program sends does not follow its commands.
 void FlightHold::NoteFollowed(const navigation::Pose& pose) {
-  Other& other = *other_;
+  OtherProgram& other = *other_;
   const navigation::Point was = std::exchange(other.was_at, pose.at).value_or(pose.at);
   if (other.silent >= kOtherEnds) return;
   const navigation::Velocity towards = navigation::InBodyFrame(other.command, -pose.yaw_rad);
@@ -86,7 +86,7 @@ void FlightHold::NoteFollowed(const navigation::Pose& pose) {
 }
 
 void FlightHold::AfterOther(const navigation::Pose* pose, Duration step) {
-  Other& other = *other_;
+  OtherProgram& other = *other_;
   if (other.command.z_m_s >= 0) return Use();
   if (pose == nullptr) return;  // it may have landed
   if (!other.left_at) other.left_at = pose->at;

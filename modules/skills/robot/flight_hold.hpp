@@ -30,6 +30,17 @@
 
 namespace musher::skills {
 
+// Another program that commands a flyer, or has just done so.
+struct OtherProgram {
+  navigation::Velocity command;  // its last one, in the frame of the body
+  Duration silent{};             // since then
+  std::optional<navigation::Point> was_at;
+  double followed_m = 0;                     // by the flyer, in the direction of its commands
+  bool flies = false;                        // it has done so in the air
+  std::optional<navigation::Point> left_at;  // once it was silent
+  Duration stood{};                          // since then
+};
+
 class FlightHold {
  public:
   static constexpr double kInTheAirM = 0.05;  // above the zero of the frame; a lower one stands
@@ -82,19 +93,8 @@ class FlightHold {
   void NoteFollowed(const navigation::Pose& pose);
   void AfterOther(const navigation::Pose* pose, Duration step);
 
-  // Another program that commands it, or has just done so.
-  struct Other {
-    navigation::Velocity command;  // its last one, in the frame of the body
-    Duration silent{};             // since then
-    std::optional<navigation::Point> was_at;
-    double followed_m = 0;                     // by the flyer, in the direction of its commands
-    bool flies = false;                        // it has done so in the air
-    std::optional<navigation::Point> left_at;  // once it was silent
-    Duration stood{};                          // since then
-  };
-
   PositionHold hold_;
-  std::optional<Other> other_;
+  std::optional<OtherProgram> other_;
   std::optional<navigation::Point> restored_;  // until the first pose
   bool armed_ = false;
   bool landed_ = false;  // and no skill or drive has moved it since then
