@@ -41,7 +41,8 @@ Result<> SkillsActuator::RegisterSkills(skill::Registry& registry) {
 
 void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
   const auto log = [this](LogLevel level, const std::string& line) { Log(level, line); };
-  robot_.Open(topics, machine_config().name_space, log);
+  robot_.Open(topics, machine_config().name_space, log,
+              machine_config().state_dir + "/" + name() + "_flight.toml");
   const auto nav2 = std::make_shared<Nav2Goals>(
       Nav2Goals::Context{robot_, manager(), [this] { return CheckMayMove(); }, log},
       robot_.config().names, topics);

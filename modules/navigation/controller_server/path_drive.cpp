@@ -19,6 +19,9 @@ constexpr double kStandsMS = 0.05;                     // m/s; a slower body sta
 constexpr double kAlignedRad = 0.35;  // between the motion and a path on which it goes on
 constexpr double kMapWithinM = 0.15;  // a point so near to a wall of the map is of it
 constexpr double kAsideGain = 0.7;    // rad/m: how much an aside velocity turns a differential body
+constexpr double kStandsRadS = 0.05;
+constexpr Duration kRests = std::chrono::seconds(1);  // beside its path
+constexpr int kMostJoins = 3;                         // of a path, beside which it rests
 
 // Of the trajectories and the reference. The command of a body with a lag leads its velocity by
 // lag_s times the acceleration, which changes at once; what is left lets the command follow.
@@ -234,6 +237,7 @@ std::optional<DriveEnd> PathDrive::Start(const Path& path, Time now) {
   }
   const Path joined = JoinedPath(path, PoseNow(now), robot_.join_m, !robot_.flies);
   const double aligned_m_s = joined.empty() ? 0 : AlignedSpeed(joined);
+  joined_again_ = 0;
   if (driving_ && aligned_m_s == 0 && Speed(motion_->velocity) >= kStandsMS) {
     next_ = path;
     follower_.Halt();
@@ -276,6 +280,7 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
     limit_.Begin(now);
   }
   fault_.reset();
+  rests_since_.reset();
   reference_ = {};
   driving_ = true;
   begins_ = true;
@@ -321,6 +326,20 @@ Velocity PathDrive::BodyCommand(const Velocity& velocity, double yaw_rad) const 
   return command;
 }
 
+// A control without a velocity aside balances the turn to the path with the turn along it, and the
+// body stands there.
+bool PathDrive::RestsOffItsPath(bool waits, const Command& command, const Step& step, Time now) {
+  const auto is_rest = [](const Velocity& velocity) {
+    return Speed(velocity) < kStandsMS && std::abs(velocity.yaw_rad_s) < kStandsRadS;
+  };
+  const bool rests = robot_.differential && waits && !next_ &&
+                     command.progress == Progress::kFollowing && step.held.empty() &&
+                     is_rest(step.command) && is_rest(motion_->velocity);
+  if (!rests) rests_since_.reset();
+  if (rests && !rests_since_) rests_since_ = now;
+  return rests && now - *rests_since_ >= kRests && joined_again_ < kMostJoins;
+}
+
 double PathDrive::DistanceLeft(Duration reference) const {
   const auto index = static_cast<std::size_t>(reference / kTrajectoryStep);
   return lengths_m_.back() - lengths_m_[std::min(index, lengths_m_.size() - 1)];
@@ -351,7 +370,7 @@ PathDrive::Step PathDrive::Update(Time now) {
     return step;
   }
   step.begins = std::exchange(begins_, false);
-  reference_ = command.reference;
+  const Duration was = std::exchange(reference_, command.reference);
   step.distance_m = DistanceLeft(reference_);
   if (command.failure) return end(Failure(*command.failure));
   if (command.progress == Progress::kArrived) {
@@ -374,6 +393,10 @@ PathDrive::Step PathDrive::Update(Time now) {
                             command.obstruction ? ": an obstacle is in the way" : "")});
   }
   if (auto held = Gate(command, pose, now, step)) return end(std::move(*held));
+  if (RestsOffItsPath(was == reference_, command, step, now)) {
+    ++joined_again_;
+    if (auto refused = Begin(PathAhead(), 0, now)) return end(std::move(*refused));
+  }
   return step;
 }
 

@@ -13,7 +13,9 @@
 //   left out, as long as the path fits the map: they do not slow the body down. Those that are on
 //   its way stop it.
 // - The velocity is in the frame of the body. A differential body gets none aside: its distance
-//   from the path turns it.
+//   from the path turns it. One that comes to rest beside its path, or its goal, because its
+//   localisation was corrected or it was pushed, goes on from there by a new trajectory along the
+//   rest of the path, a few times.
 // - From one command to the next the velocity changes no more than the limits say, unless it brakes
 //   for an obstacle, the gate slows it down, or the drive ends. A body with a known lag is driven
 //   with a part of its accelerations: the command leads it, and so changes more.
@@ -87,7 +89,7 @@ class PathDrive {
     Velocity command;             // in the frame of the body
     bool begins = false;          // with a new trajectory()
     std::optional<DriveEnd> end;  // then the command is 0
-    std::string held;             // what the gate slows it down for
+    std::string held;             // what the gate slows it down for; empty: it does not
     double distance_m = 0;        // to the goal, along the path
     double speed_m_s = 0;         // of the body
   };
@@ -107,6 +109,9 @@ class PathDrive {
   // The first place of a path in the cells to keep out of; a body that is in them may leave.
   std::optional<Point> EntersKeepOut(const Path& path) const;
   Path PathAhead() const;
+  // Whether it has come to rest off its path: it can turn to it and go there. `waits`: the
+  // reference does.
+  bool RestsOffItsPath(bool waits, const Command& command, const Step& step, Time now);
   void CompareWithMap(Time now);
   double AlignedSpeed(const Path& joined) const;
   Pose PoseNow(Time now) const;
@@ -121,8 +126,10 @@ class PathDrive {
   std::shared_ptr<const Clearance> map_;
   bool leaves_out_map_ = false;  // points that the map has do not count
   bool driving_ = false;
-  bool begins_ = false;            // the trajectory has not been reported yet
-  std::optional<Path> next_;       // while it brakes
+  bool begins_ = false;       // the trajectory has not been reported yet
+  std::optional<Path> next_;  // while it brakes
+  std::optional<Time> rests_since_;
+  int joined_again_ = 0;           // times since Start()
   std::vector<double> lengths_m_;  // of the trajectory up to each point
   std::optional<Motion> motion_;
   Time motion_at_;

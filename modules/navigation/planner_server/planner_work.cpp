@@ -352,16 +352,21 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
   }
   if (IsClear(plan.value().path, seen, keep_m)) return {std::move(plan), PathCode::kNone, false};
   auto around = FindAround(planner, request, plan.value(), seen, robot, stop);
-  if (!around) {
-    // What closes the way farther off may have gone before the robot is there.
-    std::vector<Point> near = seen;
-    std::erase_if(near, [&](const Point& point) {
-      return std::hypot(point.x_m - request.start.at.x_m, point.y_m - request.start.at.y_m) >
-             kNearM;
+  const auto find_around_part = [&](const std::function<bool(double)>& counts) {
+    std::vector<Point> part = seen;
+    std::erase_if(part, [&](const Point& point) {
+      const Point& start = request.start.at;
+      return !counts(std::hypot(point.x_m - start.x_m, point.y_m - start.y_m));
     });
-    const bool in_the_way = near.size() < seen.size() && !IsClear(plan.value().path, near, keep_m);
-    if (in_the_way) around = FindAround(planner, request, plan.value(), near, robot, stop);
-  }
+    if (around || part.size() == seen.size() || IsClear(plan.value().path, part, keep_m)) return;
+    around = FindAround(planner, request, plan.value(), part, robot, stop);
+  };
+  // What the robot stands beside, such as a person right behind it, leaves no room to start; its
+  // gate lets it go away from that.
+  const double beside_m = keep_m + 2 * map.resolution_m;
+  find_around_part([&](double away_m) { return away_m > beside_m; });
+  // What closes the way farther off may have gone before the robot is there.
+  find_around_part([](double away_m) { return away_m <= kNearM; });
   if (!around) return {std::move(plan), PathCode::kNone, false};
   return {std::move(*around), PathCode::kNone, true};
 }

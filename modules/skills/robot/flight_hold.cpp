@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -22,6 +23,10 @@ constexpr double kSurelyInTheAirM = 0.3;
 constexpr double kOffPlaceM = 0.3;
 constexpr double kUnmovedM = 0.05;
 constexpr Duration kUnmoved = std::chrono::seconds(1);
+// Of a flyer that another program commands, and after that.
+constexpr double kFlownM = 0.2;
+constexpr double kDriftsM = 0.1;
+constexpr double kLiftedM = 0.05;
 
 }  // namespace
 
@@ -30,6 +35,7 @@ void FlightHold::Use() {
   landed_ = arms_ = false;
   braking_ = still_ = unmoved_ = {};
   place_.reset();
+  other_.reset();
   ended_.clear();
   hold_.Reset();
 }
@@ -37,10 +43,57 @@ void FlightHold::Use() {
 void FlightHold::Land() {
   armed_ = arms_ = false;
   landed_ = true;
+  other_.reset();
+  ended_.clear();
 }
 
-void FlightHold::Yield() {
-  if (armed_ && !low_) End("another program commands it");
+void FlightHold::NoteOther(const navigation::Velocity& command) {
+  if (armed_ && low_) return;  // it lands, whatever commands it
+  if (!other_) other_.emplace();
+  other_->silent = {};
+  other_->left_at.reset();
+  other_->stood = {};
+  other_->command = command;
+  other_->flies = other_->flies || armed_;
+  if (armed_) End("another program commands it");
+}
+
+void FlightHold::WatchOther(const navigation::Pose* pose, Duration step) {
+  OtherProgram& other = *other_;
+  other.silent += step;
+  if (pose != nullptr) NoteFollowed(*pose);
+  if (other.flies) landed_ = false;
+  if (other.flies && low_) return Use();
+  if (other.silent < kOtherEnds) return;
+  if (!other.flies) return other_.reset();
+  if (pose != nullptr && pose->at.z_m < kInTheAirM) return Land();
+  AfterOther(pose, step);
+}
+
+// One that is only carried while another program sends does not follow its commands.
+void FlightHold::NoteFollowed(const navigation::Pose& pose) {
+  OtherProgram& other = *other_;
+  const navigation::Point was = std::exchange(other.was_at, pose.at).value_or(pose.at);
+  if (other.silent >= kOtherEnds) return;
+  const navigation::Velocity towards = navigation::InBodyFrame(other.command, -pose.yaw_rad);
+  const double speed_m_s = navigation::Speed(towards);
+  if (!(speed_m_s > 0) || !std::isfinite(speed_m_s)) return;  // it only turns
+  other.followed_m +=
+      ((pose.at.x_m - was.x_m) * towards.x_m_s + (pose.at.y_m - was.y_m) * towards.y_m_s +
+       (pose.at.z_m - was.z_m) * towards.z_m_s) /
+      speed_m_s;
+  if (other.followed_m >= kFlownM && pose.at.z_m >= kInTheAirM) other.flies = true;
+}
+
+void FlightHold::AfterOther(const navigation::Pose* pose, Duration step) {
+  OtherProgram& other = *other_;
+  if (other.command.z_m_s >= 0) return Use();
+  if (pose == nullptr) return;  // it may have landed
+  if (!other.left_at) other.left_at = pose->at;
+  if (pose->at.z_m > other.left_at->z_m + kLiftedM) return Land();
+  if (navigation::Distance(pose->at, *other.left_at) > kDriftsM) return Use();
+  other.stood += step;
+  if (other.stood >= kMayStand) Land();
 }
 
 void FlightHold::End(std::string why) {
@@ -75,6 +128,13 @@ std::optional<navigation::Velocity> FlightHold::Command(const std::optional<navi
     arms_ = false;
     if (pose->at.z_m >= kSurelyInTheAirM) Use();
   }
+  if (known && restored_) {
+    const navigation::Point was = *std::exchange(restored_, std::nullopt);
+    const bool flies =
+        pose->at.z_m >= kInTheAirM && navigation::Distance(pose->at, was) < kMovedOnM;
+    if (flies && !armed_) Use();
+  }
+  if (other_) WatchOther(known ? &*pose : nullptr, step);
   if (!armed_) return std::nullopt;
   if (!known) {
     hold_.Reset();

@@ -9,13 +9,19 @@
 //        ▲                                                             │
 //        └── landed, seen on the ground, or moved against its commands ◀───┘
 //
-// What is moved against its commands is in a hand, has been put down, or is another program's: it
-// is never held again, and so climbs nowhere, until a skill or a drive moves it. That is one that
-// comes kSunkM lower than its place, that is carried kLostM away, or that stands off its place
-// while it is commanded back. With a low battery it descends also then: it only goes down.
+// What is moved against its commands is in a hand, or has been put down: it is never held again,
+// and so climbs nowhere, until a skill, a drive or another program moves it. That is one that comes
+// kSunkM lower than its place, that is carried kLostM away, or that stands off its place while it
+// is commanded back. With a low battery it descends also then: it only goes down.
+//
+// Another program that commands it has it until kOtherEnds after its last command. One that it has
+// moved is then held where it is. If that command led down it may have landed, on a table for
+// example: then only one that drifts aside within kMayStand is held; one that stands, or comes up,
+// as in a hand, has landed.
 //
 // Metres; the frame of the odometry, with its zero on the ground. Pure; one thread.
 
+#include <chrono>
 #include <optional>
 #include <string>
 
@@ -24,20 +30,38 @@
 
 namespace musher::skills {
 
+// Another program that commands a flyer, or has just done so.
+struct OtherProgram {
+  navigation::Velocity command;  // its last one, in the frame of the body
+  Duration silent{};             // since then
+  std::optional<navigation::Point> was_at;
+  double followed_m = 0;                     // by the flyer, in the direction of its commands
+  bool flies = false;                        // it has done so in the air
+  std::optional<navigation::Point> left_at;  // once it was silent
+  Duration stood{};                          // since then
+};
+
 class FlightHold {
  public:
   static constexpr double kInTheAirM = 0.05;  // above the zero of the frame; a lower one stands
   static constexpr double kLostM = 1.5;       // off its place
   static constexpr double kSunkM = 0.2;       // below its place
+  static constexpr double kMovedOnM = 3;      // without commands, while its process starts again
+  static constexpr Duration kOtherEnds = std::chrono::seconds(1);
+  static constexpr Duration kMayStand = std::chrono::seconds(5);
   static constexpr double kDescentMps = 0.5;
   static constexpr double kLastDescentMps = 0.2;  // near the ground, and without a height
 
   // A skill or a drive moves it.
   void Use();
+  // The process before has had it in the air at this place a moment ago: it is used if its next
+  // pose is in the air within kMovedOnM.
+  void Restore(const navigation::Point& place) { restored_ = place; }
   // It stands on the ground: it is not held there.
   void Land();
-  // Another program has commanded it: it is that program's. With a low battery it still descends.
-  void Yield();
+  // Another program has commanded it so, in the frame of the body. With a low battery it still
+  // descends.
+  void NoteOther(const navigation::Velocity& command);
   // From now on it descends, or no more; a repetition changes nothing.
   void SetBatteryLow(bool low);
   // Its battery is charged: one that stands high is not held there.
@@ -48,6 +72,10 @@ class FlightHold {
   bool StandsHigh() const;
   // Why it is no longer held since Use(): "it came 0.21 m lower …". Empty: it is held, or landed.
   const std::string& ended() const { return ended_; }
+  // It is held, or will be once no skill and no drive moves it.
+  bool armed() const { return armed_; }
+  // Another program has it, and has not put it down.
+  bool of_other() const { return other_.has_value(); }
 
   // The command, in the frame of the body, `step` after the last one; nullopt: none is needed.
   // Without a pose it is 0, and with a low battery down, unless it stood on the ground.
@@ -60,8 +88,14 @@ class FlightHold {
   // Why a body at `pose` is moved by something else than its commands; empty: it is not.
   std::string MovedAgainstCommands(const navigation::Pose& pose, Duration step);
   void End(std::string why);
+  // `pose`: null where it is not known.
+  void WatchOther(const navigation::Pose* pose, Duration step);
+  void NoteFollowed(const navigation::Pose& pose);
+  void AfterOther(const navigation::Pose* pose, Duration step);
 
   PositionHold hold_;
+  std::optional<OtherProgram> other_;
+  std::optional<navigation::Point> restored_;  // until the first pose
   bool armed_ = false;
   bool landed_ = false;  // and no skill or drive has moved it since then
   bool low_ = false;

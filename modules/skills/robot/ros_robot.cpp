@@ -32,8 +32,10 @@ class NoDrive : public Drive {
 
 }  // namespace
 
-void RosRobot::Open(transport::Endpoints& endpoints, const std::string& name_space, WriteLine log) {
-  const auto wire = std::make_shared<Wire>(config_, endpoints, name_space, std::move(log));
+void RosRobot::Open(transport::Endpoints& endpoints, const std::string& name_space, WriteLine log,
+                    std::string flight_file) {
+  const auto wire = std::make_shared<Wire>(config_, endpoints, name_space, std::move(log),
+                                           std::move(flight_file));
   now_ = wire->Now();
   wire_ = wire;
   if (std::exchange(cancels_earlier_, false)) wire->navigator->CancelEarlierDrives();

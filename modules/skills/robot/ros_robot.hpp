@@ -29,8 +29,10 @@ class RosRobot final : public Robot {
 
   using WriteLine = std::function<void(LogLevel level, const std::string& line)>;
 
-  // Opens its topics, for as long as these endpoints exist. `name_space`: theirs.
-  void Open(transport::Endpoints& endpoints, const std::string& name_space, WriteLine log = {});
+  // Opens its topics, for as long as these endpoints exist. `name_space`: theirs. `flight_file`: of
+  // a flyer, for saved_flight.hpp; empty: none.
+  void Open(transport::Endpoints& endpoints, const std::string& name_space, WriteLine log = {},
+            std::string flight_file = "");
   // Before the skills make a step at this time.
   void BeginStep(Time now);
   // The robot stands, its drives are cancelled.

@@ -34,12 +34,14 @@ constexpr transport::Qos kTfQos{transport::Qos::Reliability::kReliable,
 }  // namespace
 
 RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& endpoints,
-                     std::string machine_name_space, RosRobot::WriteLine log)
+                     std::string machine_name_space, RosRobot::WriteLine log,
+                     std::string flight_file)
     : config(robot_config),
       node(endpoints.node()),
       clock(endpoints.clock()),
       name_space(std::move(machine_name_space)),
       log_(std::move(log)),
+      saved_flight_(std::move(flight_file)),
       frames_(robot_config.tf_stale) {
   const InterfaceNames& names = config.names;
   velocity = std::make_unique<VelocityOutput>(
@@ -80,7 +82,11 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   SubscribeDrives(endpoints);
   if (!config.flies) return;
   SubscribeCommandsOfOthers(endpoints);
-  holds_ = clock.Every(kHoldPeriod, [this] { HoldPlace(); });
+  if (const auto place = saved_flight_.Found()) hold.Restore(*place);
+  holds_ = clock.Every(kHoldPeriod, [this] {
+    HoldPlace();
+    SavePlace();
+  });
 }
 
 std::optional<navigation::Pose> RosRobot::Wire::PoseNow() const {
@@ -151,14 +157,15 @@ void RosRobot::Wire::SubscribeDrives(transport::Endpoints& endpoints) {
       transport::kLatchedQos);
 }
 
-// For example a person's own teleop, or a program that lands it: the hold leaves the base to it.
+// For example a person's own teleop, or a program that lands it: the hold leaves the base to it as
+// long as it sends. A program at rest may send 0 on.
 void RosRobot::Wire::SubscribeCommandsOfOthers(transport::Endpoints& endpoints) {
   endpoints.SubscribeWithInfo<msg::Twist>(
       config.names.velocity,
       [this](const msg::Twist& twist, const transport::SampleInfo& info) {
         if (info.participant == node.participant() || twist == msg::Twist{}) return;
         if (Drives() || Now() - driven_until_ < kLastOfDrive) return;
-        hold.Yield();
+        hold.NoteOther(ToMapFrame(twist, 0));
       },
       {});
 }
@@ -241,6 +248,15 @@ void RosRobot::Wire::RefuseBattery(const msg::BatteryState& battery) {
                              battery.percentage));
 }
 
+// Without odometry the last place counts, as long as it is not old.
+void RosRobot::Wire::SavePlace() {
+  const Motion* now = odometry.At(Now());
+  if (now == nullptr) return;
+  const bool flies = hold.armed() && now->pose.at.z_m >= FlightHold::kInTheAirM;
+  const Result<> saved = saved_flight_.Save(flies ? std::optional(now->pose.at) : std::nullopt);
+  if (!saved) Log(LogLevel::kWarning, config.robot + ": " + saved.error().message);
+}
+
 // By its odometry alone: a flyer holds its place also while it has none in the map.
 void RosRobot::Wire::HoldPlace() {
   if (!low_battery_.empty() && Drives()) navigator->CancelEarlierDrives();  // of other clients, too
@@ -248,7 +264,7 @@ void RosRobot::Wire::HoldPlace() {
   if (Drives() || (velocity->sending() && !holding_)) {
     if (holding_) StopMotion();
     hold.Use();
-    end_logged_ = false;
+    end_logged_.clear();
     return;
   }
   const Motion* now = odometry.At(Now());
@@ -276,9 +292,13 @@ void RosRobot::Wire::HoldPlace() {
 }
 
 void RosRobot::Wire::LogEndOfHold() {
-  if (hold.ended().empty() || std::exchange(end_logged_, true)) return;
-  Log(LogLevel::kWarning, config.robot + " is not held at its place any more: " + hold.ended() +
-                              "; it is held again after a skill or a drive has moved it");
+  if (hold.ended().empty() || hold.ended() == end_logged_) return;
+  end_logged_ = hold.ended();
+  Log(LogLevel::kWarning,
+      config.robot + " is not held at its place any more: " + hold.ended() +
+          (hold.of_other() ? "; it is held again if that leaves it in the air"
+                           : "; it is held again after a skill, a drive or another program has "
+                             "moved it"));
 }
 
 void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {

@@ -25,6 +25,7 @@
 #include "musher/modules/skills/robot/photo_folder.hpp"
 #include "musher/modules/skills/robot/recent_value.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
+#include "musher/modules/skills/robot/saved_flight.hpp"
 #include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
 #include "musher/navigation/frames/frame_tree.hpp"
@@ -35,7 +36,7 @@ namespace musher::skills {
 struct RosRobot::Wire {
   // Opens what the config names.
   Wire(const SkillsConfig& config, transport::Endpoints& endpoints, std::string name_space,
-       RosRobot::WriteLine log);
+       RosRobot::WriteLine log, std::string flight_file);
   ~Wire() {
     holds_.reset();
     StandStill();
@@ -135,18 +136,21 @@ struct RosRobot::Wire {
   void OnBattery(const msg::BatteryState& battery);
   void RefuseBattery(const msg::BatteryState& battery);
   void HoldPlace();
-  // Once for each end of the hold.
+  // Of a flyer in the air, for the process after this one.
+  void SavePlace();
+  // Once for each reason, until a skill or a drive moves it.
   void LogEndOfHold();
   void Log(LogLevel level, const std::string& line) const {
     if (log_) log_(level, line);
   }
 
   const RosRobot::WriteLine log_;
+  SavedFlight saved_flight_;
   navigation::FrameTree frames_;
   std::string body_frame_;   // of the twist of the odometry
   bool holding_ = false;     // the last command is that of `hold`
   bool stood_high_ = false;  // with a low battery; logged once
-  bool end_logged_ = false;  // of the hold
+  std::string end_logged_;   // of the hold
   Time driven_until_{};      // by the controller, as far as it is known
   std::string low_battery_;
   std::optional<Time> battery_differs_since_;  // from low_battery_, in all samples

@@ -23,8 +23,10 @@ class Drive : public ::testing::Test {
     drive_.OnScan(0, {angle_rad, 0.01, 0.05, 8, {range_m}}, now_.time_since_epoch(), now_);
   }
   void BeHere() { drive_.OnOdometry({pose_, velocity_}, now_.time_since_epoch(), now_); }
-  // Until it ends, with scans of one ray that looks aside, where nothing is.
-  std::optional<DriveEnd> RunOut(double longest_s) {
+  // Until it ends, with scans of one ray that looks aside, where nothing is. A correction of the
+  // localisation moves it once it is so far along x.
+  std::optional<DriveEnd> RunOut(double longest_s, double corrected_at_m = 1e9,
+                                 const Point& correction = {}) {
     for (int i = 0; i < 60 * longest_s; ++i) {
       now_ += FromSeconds(1.0 / 60);
       BeHere();
@@ -35,6 +37,9 @@ class Drive : public ::testing::Test {
       pose_.at.x_m += velocity_.x_m_s / 60;
       pose_.at.y_m += velocity_.y_m_s / 60;
       pose_.yaw_rad += velocity_.yaw_rad_s / 60;
+      if (pose_.at.x_m < corrected_at_m) continue;
+      corrected_at_m = 1e9;
+      pose_.at = {pose_.at.x_m + correction.x_m, pose_.at.y_m + correction.y_m, 0};
     }
     return std::nullopt;
   }
@@ -99,6 +104,25 @@ TEST_F(Drive, RemembersAlsoWhatANewMapContains) {
   const auto end = RunOut(20);
   ASSERT_TRUE(end);
   EXPECT_LT(pose_.at.x_m, 2.8) << end->reason;
+}
+
+// A differential body came to rest beside its goal, and the drive failed as late.
+TEST_F(Drive, ArrivesAlsoWhereItsLocalisationIsCorrectedToTheSide) {
+  for (const double at_m : {1.0, 2.5, 2.9, 2.99}) {
+    for (const double aside_m : {-0.45, -0.3, -0.21, 0.25, 0.4}) {
+      pose_ = {};
+      velocity_ = {};
+      now_ += std::chrono::seconds(10);
+      drive_.Forget();
+      BeHere();
+      See(1.5, 9);
+      ASSERT_FALSE(drive_.Start({pose_, {{3, 0, 0}, 0}}, now_));
+      const auto end = RunOut(30, at_m, {0, aside_m, 0});
+      ASSERT_TRUE(end);
+      EXPECT_EQ(end->reason, "") << aside_m << " m at " << at_m << " m";
+      EXPECT_LT(Distance(pose_.at, {3, 0, 0}), 0.21);
+    }
+  }
 }
 
 }  // namespace musher::navigation::path_drive_test

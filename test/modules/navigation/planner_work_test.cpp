@@ -189,6 +189,25 @@ TEST(PlannerWork, GoesAroundAllThatIsRemembered) {
   }
 }
 
+// It was led straight into what stood ahead, and waited there as long as the person behind it did.
+TEST(PlannerWork, GoesAroundWhatIsAheadAlsoWhereAPersonStandsRightBehindTheRobot) {
+  const CellMap map = testing::Carved(20, 12, 0.05, {{0.2, 0.2, 19.8, 11.8}});
+  const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
+  ASSERT_TRUE(planner);
+  std::vector<Point> box, seen;
+  for (int i = -4; i <= 4; ++i) {
+    seen.push_back({4.85, 6 + 0.03 * i, 0});
+    box.push_back({6, 6 + 0.03 * i, 0});
+  }
+  seen.insert(seen.end(), box.begin(), box.end());
+  const PathReply reply = Find(planner.value(), {{5, 6, 0}, 0}, {{10, 6, 0}, 0}, Ground(), seen);
+  ASSERT_TRUE(reply.plan);
+  EXPECT_TRUE(reply.around_seen);
+  for (const Pose& pose : reply.plan.value().path) {
+    for (const Point& point : box) EXPECT_GT(Distance(pose.at, point), 0.29);
+  }
+}
+
 // It had driven into the box: a door that was seen closed took the detour away.
 TEST(PlannerWork, GoesAroundWhatIsNearAlsoWhereTheWayIsClosedFartherOff) {
   const CellMap map = testing::Carved(40, 12, 0.05, {{0.2, 0.2, 39.8, 11.8}});

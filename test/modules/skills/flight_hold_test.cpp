@@ -132,7 +132,7 @@ TEST(FlightHold, EndsForAFlyerThatStandsOffItsPlaceAgainstItsCommands) {
 TEST(FlightHold, SaysWhyItEndsAndIsSilentWhereItHasNotBegun) {
   const navigation::Pose air{{0, 0, 1}, 0};
   FlightHold hold;
-  hold.Yield();
+  hold.NoteOther({0.1, 0, 0, 0});
   EXPECT_EQ(hold.ended(), "") << "it holds nothing";
   hold.Use();
   ASSERT_TRUE(hold.Command(air, 0, kStep));
@@ -140,13 +140,123 @@ TEST(FlightHold, SaysWhyItEndsAndIsSilentWhereItHasNotBegun) {
   EXPECT_EQ(hold.ended(), "it came 0.30 m lower than its place against its commands");
   EXPECT_FALSE(hold.Command(air, 0, kStep)) << "until it is used again";
   hold.Use();
-  hold.Yield();
+  hold.NoteOther({0.1, 0, 0, 0});
   EXPECT_FALSE(hold.Command(air, 0, kStep));
   EXPECT_EQ(hold.ended(), "another program commands it");
   hold.Use();
   hold.SetBatteryLow(true);
-  hold.Yield();
+  hold.NoteOther({0.1, 0, 0, 0});
   EXPECT_TRUE(hold.Command(air, 0, kStep)) << "it lands, whatever commands it";
+}
+
+// Commands of another program, for so long; the hold sends nothing beside them.
+void FlyByOther(Flyer& flyer, FlightHold& hold, const navigation::Velocity& command,
+                double seconds) {
+  for (int i = 0; i < 10 * seconds; ++i) {
+    hold.NoteOther(command);
+    const auto beside = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+    ASSERT_FALSE(beside) << "it is the other program's";
+    flyer.Move(command);
+  }
+}
+
+// In a wind along x, for so long without commands of another program.
+void FlyAlone(Flyer& flyer, FlightHold& hold, double seconds, double wind_m_s) {
+  for (int i = 0; i < 10 * seconds; ++i) {
+    const auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+    flyer.Move(command.value_or(navigation::Velocity{}));
+    flyer.pose.at.x_m += 0.1 * wind_m_s;
+  }
+}
+
+// The wind had it once the commands had ended, until a skill or a drive moved it.
+TEST(FlightHold, HoldsAFlyerThatAnotherProgramHasLeftInTheAir) {
+  for (const bool used : {true, false}) {
+    for (const navigation::Velocity last :
+         {navigation::Velocity{0.5, 0, 0, 0}, navigation::Velocity{0, 0, 0.3, 0},
+          navigation::Velocity{0, 0, -0.3, 0}}) {
+      Flyer flyer;
+      flyer.pose.at.z_m = used ? 1.2 : 0;
+      FlightHold hold;
+      if (used) hold.Use();
+      FlyByOther(flyer, hold, {0, 0, 0.5, 0}, 2);
+      FlyByOther(flyer, hold, last, 2);
+      FlyAlone(flyer, hold, 6, 0.25);
+      const navigation::Point place = flyer.pose.at;
+      FlyAlone(flyer, hold, 120, 0.25);
+      EXPECT_LT(navigation::Distance(flyer.pose.at, place), 0.4)
+          << "used " << used << ", last command " << last.x_m_s << ", " << last.z_m_s;
+      EXPECT_EQ(hold.ended(), "");
+    }
+  }
+}
+
+// On a table, or caught by a hand.
+TEST(FlightHold, LeavesAFlyerAloneThatAnotherProgramHasPutDown) {
+  Flyer flyer;
+  FlightHold hold;
+  hold.Use();
+  FlyByOther(flyer, hold, {0, 0, -0.2, 0}, 2);
+  for (int i = 0; i < 100; ++i) ASSERT_FALSE(hold.Command(flyer.pose, 0, kStep)) << "it stands";
+  EXPECT_FALSE(hold.of_other());
+  EXPECT_EQ(hold.ended(), "") << "it has landed";
+  Carry(flyer, hold, {4, 2, 1.5});
+  EXPECT_FALSE(hold.Command(flyer.pose, 0, kStep)) << "a person takes it";
+}
+
+TEST(FlightHold, LeavesAFlyerAloneThatIsLiftedWhereAnotherProgramHasJustPutItDown) {
+  Flyer flyer;
+  FlightHold hold;
+  hold.Use();
+  FlyByOther(flyer, hold, {0, 0, -0.2, 0}, 2);
+  for (int i = 0; i < 20; ++i) ASSERT_FALSE(hold.Command(flyer.pose, 0, kStep));
+  Carry(flyer, hold, {flyer.pose.at.x_m + 0.05, flyer.pose.at.y_m, flyer.pose.at.z_m + 0.4});
+  for (int i = 0; i < 100; ++i) ASSERT_FALSE(hold.Command(flyer.pose, 0, kStep));
+}
+
+// A teleop program that sends on for one that does not fly.
+TEST(FlightHold, LeavesAFlyerAloneThatDoesNotFollowTheCommandsOfAnotherProgram) {
+  Flyer flyer;
+  FlightHold hold;
+  for (int i = 0; i < 100; ++i) {
+    hold.NoteOther({-0.3, 0, 0.1, 0});
+    flyer.pose = {{0.01 * i, 0, 0.8}, 0};  // it is carried, the other way
+    ASSERT_FALSE(hold.Command(flyer.pose, 0, kStep));
+  }
+  for (int i = 0; i < 100; ++i) ASSERT_FALSE(hold.Command(flyer.pose, 0, kStep));
+}
+
+// A skill had landed it; an empty one falls.
+TEST(FlightHold, LandsAFlyerWithALowBatteryThatAnotherProgramHasTakenOff) {
+  Flyer flyer;
+  flyer.pose.at.z_m = 0;
+  FlightHold hold;
+  hold.Use();
+  hold.Land();
+  FlyByOther(flyer, hold, {0, 0, 0.5, 0}, 2);
+  hold.SetBatteryLow(true);
+  hold.NoteOther({0, 0, 0.5, 0});
+  const auto down = hold.Command(flyer.pose, 0, kStep);
+  ASSERT_TRUE(down);
+  EXPECT_LT(down->z_m_s, 0);
+}
+
+// Its process was killed, and started again within a few seconds.
+TEST(FlightHold, HoldsAFlyerThatTheProcessBeforeHadInTheAir) {
+  FlightHold near;
+  near.Restore({0, 0, 1});
+  EXPECT_FALSE(near.Command(std::nullopt, 0, kStep)) << "where it is is not known yet";
+  ASSERT_TRUE(near.Command(navigation::Pose{{0.5, 0, 0.9}, 0}, 0, kStep));
+  EXPECT_LT(near.Command(navigation::Pose{{0.6, 0, 0.9}, 0}, 0, kStep)->x_m_s, 0)
+      << "at the place where it is found";
+  FlightHold far;
+  far.Restore({0, 0, 1});
+  EXPECT_FALSE(far.Command(navigation::Pose{{4, 0, 1}, 0}, 0, kStep)) << "it was carried there";
+  EXPECT_FALSE(far.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep)) << "and back";
+  FlightHold down;
+  down.Restore({0, 0, 0.5});
+  EXPECT_FALSE(down.Command(navigation::Pose{{0, 0, 0}, 0}, 0, kStep));
+  EXPECT_FALSE(down.Command(navigation::Pose{{0, 0, 0.5}, 0}, 0, kStep)) << "a person lifts it";
 }
 
 // The gate stops them before an obstacle.

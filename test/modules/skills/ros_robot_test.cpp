@@ -8,6 +8,7 @@
 #include "musher/modules/skills/robot/battery_presence.hpp"
 #include "musher/navigation/planner/cell_map.hpp"
 #include "musher/test/modules/skills/robot_on_network.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::skills::ros_robot_test {
 
@@ -485,7 +486,7 @@ class ARosFlyer : public ARosRobot {
   double Fly(double seconds) {
     for (int i = 0; i < 50 * seconds; ++i) {
       const bool recent = !peers_->commands.empty();
-      x_m_ += 0.02 * ((recent ? peers_->commands.back().linear.x : 0) + 0.1);
+      if (!stands_) x_m_ += 0.02 * ((recent ? peers_->commands.back().linear.x : 0) + 0.1);
       msg::Odometry odometry;
       odometry.header.frame_id = frame_;
       odometry.pose.pose = ToMessage(navigation::Pose{{x_m_, 0, z_m_}, 0}, {}).pose;
@@ -495,6 +496,7 @@ class ARosFlyer : public ARosRobot {
     return x_m_;
   }
   double x_m_ = 0, z_m_ = 1;
+  bool stands_ = false;  // on something: the wind does not carry it
   std::string frame_;
 };
 
@@ -577,15 +579,65 @@ TEST_F(ARosFlyer, IsLeftToAnotherProgramThatLandsIt) {
     Fly(0.1);
   }
   EXPECT_TRUE(others->Publish(msg::Twist{}));
-  Fly(20);  // on a table of that height
+  stands_ = true;  // on a table of that height
+  Fly(20);
   EXPECT_EQ(ours(), before) << "and it climbs nowhere afterwards";
   EXPECT_THAT(lines_, ElementsAre("r is not held at its place any more: another program commands "
-                                  "it; it is held again after a skill or a drive has moved it"));
+                                  "it; it is held again if that leaves it in the air"));
+  stands_ = false;
   robot_.SetVelocity({-0.5, 0, 0, 0});
   Fly(1);
   robot_.StopMotion();
   const double place_m = Fly(3);
   EXPECT_NEAR(Fly(20), place_m, 0.2) << "a skill has moved it";
+}
+
+// The wind carried it away once the commands had ended, whether a skill had moved it before or not.
+TEST_F(ARosFlyer, KeepsItsPlaceAfterTheCommandsOfAnotherProgramHaveEnded) {
+  auto* others = peers_->endpoints.Advertise<msg::Twist>("r/cmd_vel");
+  Run(500);
+  msg::Twist ahead;
+  ahead.linear.x = 0.5;
+  for (const bool used : {false, true}) {
+    if (used) {
+      robot_.SetVelocity({-0.5, 0, 0, 0});
+      Fly(1);
+      robot_.StopMotion();
+      Fly(2);
+    }
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_TRUE(others->Publish(ahead));
+      Fly(0.1);
+    }
+    EXPECT_TRUE(others->Publish(msg::Twist{}));
+    const double place_m = Fly(3);
+    EXPECT_NEAR(Fly(20), place_m, 0.2) << "used " << used;
+  }
+}
+
+// As after a kill of its process: the wind had it until a skill or a drive moved it.
+TEST_F(ARosFlyer, KeepsItsPlaceAfterARestartOfItsProcessInTheAir) {
+  const TempFolder folder;
+  const auto restart = [&] {
+    endpoints_ = std::make_unique<transport::Endpoints>(*body_, "dog");
+    robot_.Open(*endpoints_, "dog", {}, folder / "r_flight.toml");
+    Run(500);
+  };
+  restart();
+  const std::size_t count = peers_->commands.size();
+  Fly(3);
+  EXPECT_EQ(peers_->commands.size(), count) << "no skill has moved it: it may be in a hand";
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(2);
+  restart();
+  const double place_m = Fly(2);
+  EXPECT_NEAR(Fly(20), place_m, 0.2);
+  robot_.NoteLanding();
+  Fly(1);
+  restart();
+  const std::size_t landed = peers_->commands.size();
+  Fly(3);
+  EXPECT_EQ(peers_->commands.size(), landed);
 }
 
 TEST_F(ARosFlyer, IsLeftWhereAPersonHasPutItDown) {
