@@ -198,7 +198,7 @@ TEST_F(Units, WhoseHostIsShutDownInOrderIsStartedAndDrivenAgain) {
   ExpectNoViolation();
 }
 
-// systemd's signal about its exit is lost with the connection; no reboot tells of it either.
+// The signal of systemd about its exit is lost with the connection, and no reboot shows it.
 TEST_F(Units, WhoseExitIsLostInACutLinkIsStartedAgainOnceThatIsBack) {
   ASSERT_NO_FATAL_FAILURE(BringUp());
   const std::int32_t before = robot_.processes().PidOf("a");
