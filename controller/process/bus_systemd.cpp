@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <initializer_list>
 #include <map>
 #include <utility>
 
@@ -177,6 +178,33 @@ std::uint64_t CpuWeight(int nice) {
   return static_cast<std::uint64_t>(std::clamp(weight, 1.0, 10'000.0));
 }
 
+void AppendSandbox(sd_bus_message* message, const ProcessLimits& limits) {
+  const auto set = [message](std::initializer_list<const char*> names) {
+    for (const char* name : names) sd_bus_message_append(message, "(sv)", name, "b", 1);
+  };
+  if (limits.sandbox != Sandbox::kNone) {
+    AppendText(message, "ProtectSystem", "strict");  // all of it is read-only
+    set({"NoNewPrivileges"});
+    OpenProperty(message, "ReadWritePaths", "as");
+    AppendTexts(message, {"/tmp", "/var/tmp"});
+    CloseProperty(message);
+  }
+  if (limits.sandbox == Sandbox::kStrict) {
+    AppendText(message, "ProtectHome", "yes");
+    set({"PrivateTmp", "ProtectKernelTunables", "ProtectKernelModules", "ProtectKernelLogs",
+         "ProtectControlGroups", "RestrictSUIDSGID", "LockPersonality"});
+  }
+  if (!limits.LimitsDevices()) return;
+  AppendText(message, "DevicePolicy", "closed");
+  OpenProperty(message, "DeviceAllow", "a(ss)");
+  sd_bus_message_open_container(message, 'a', "(ss)");
+  for (const std::string& device : limits.devices.value_or(std::vector<std::string>())) {
+    sd_bus_message_append(message, "(ss)", device.c_str(), "rw");
+  }
+  sd_bus_message_close_container(message);
+  CloseProperty(message);
+}
+
 void AppendLimits(sd_bus_message* message, const ProcessLimits& limits) {
   constexpr std::uint64_t kSecondUs = 1'000'000;
   if (limits.memory_max_bytes) {
@@ -212,6 +240,7 @@ void AppendStart(sd_bus_message* m, const UnitStart& start) {
   if (!spec.cwd.empty()) AppendText(m, "WorkingDirectory", spec.cwd);
   sd_bus_message_append(m, "(sv)", "TimeoutStopUSec", "t", kRestEndsWithinUs);
   AppendLimits(m, spec.limits);
+  AppendSandbox(m, spec.limits);
   OpenProperty(m, "Environment", "as");
   std::vector<std::string> environment;
   environment.reserve(spec.env.size());

@@ -221,7 +221,7 @@ class FakeSystemd {
     Note("StartTransientUnit");
   }
 
-  // " 64" of a variant with a number or a text; else nothing.
+  // " 64" of a variant with a number, a text or a list of devices; else nothing.
   static std::string ValueOf(sd_bus_message* call) {
     const char* contents = nullptr;
     sd_bus_message_peek_type(call, nullptr, &contents);
@@ -237,6 +237,18 @@ class FakeSystemd {
     }
     if (type == "s" && sd_bus_message_read(call, "v", "s", &text) > 0) {
       return std::string(" ") + text;
+    }
+    if (type == "a(ss)") {
+      std::string words;
+      sd_bus_message_enter_container(call, 'v', "a(ss)");
+      sd_bus_message_enter_container(call, 'a', "(ss)");
+      const char* access = nullptr;
+      while (sd_bus_message_read(call, "(ss)", &text, &access) > 0) {
+        words += std::string(" ") + text + " " + access;
+      }
+      sd_bus_message_exit_container(call);
+      sd_bus_message_exit_container(call);
+      return words;
     }
     sd_bus_message_skip(call, "v");
     return "";

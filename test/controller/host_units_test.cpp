@@ -488,6 +488,29 @@ TEST_F(UnitOfAnotherHost, HasTheLimitsOfTheConfig) {
                     HasSubstr("User robot\n")));
 }
 
+TEST_F(UnitOfAnotherHost, HasTheSandboxOfTheConfig) {
+  ProcessLimits& limits = config_.actuators[0].limits;
+  limits.sandbox = Sandbox::kReadOnly;
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit");
+  EXPECT_THAT(Calls(), AllOf(HasSubstr("ProtectSystem strict\nNoNewPrivileges\nReadWritePaths\n"),
+                             Not(HasSubstr("ProtectHome")), Not(HasSubstr("Device"))));
+}
+
+TEST_F(UnitOfAnotherHost, InAStrictSandboxOpensItsDevicesOnly) {
+  ProcessLimits& limits = config_.actuators[0].limits;
+  limits.sandbox = Sandbox::kStrict;
+  limits.devices = {"/dev/video0"};
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit");
+  EXPECT_THAT(Calls(), AllOf(HasSubstr("ProtectHome yes\nPrivateTmp\nProtectKernelTunables\n"),
+                             HasSubstr("DevicePolicy closed\nDeviceAllow /dev/video0 rw\n")));
+}
+
 TEST_F(UnitOfAnotherHost, EndedByItsLimitOfMemoryNamesThat) {
   config_.actuators[0].limits.memory_max_bytes = 64 << 20;
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
