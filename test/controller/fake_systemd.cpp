@@ -55,7 +55,6 @@ class FakeSystemd {
                       sd_bus_add_filter(bus_, nullptr, &OnMessage, this) >= 0 &&
                       sd_bus_start(bus_) >= 0;
     if (!made) return 1;
-    constexpr std::uint64_t kLookEach_us = 5'000;
     for (;;) {
       const int more = sd_bus_process(bus_, nullptr);
       if (more < 0) return 0;
@@ -80,8 +79,7 @@ class FakeSystemd {
     const std::string member = sd_bus_message_get_member(call);
     if (Has("late-" + member)) {
       Note(member + " is late");
-      constexpr unsigned kLookEach_us = 5'000;
-      while (Has("late-" + member)) usleep(kLookEach_us);
+      while (Has("late-" + member)) sd_bus_wait(bus_, kLookEach_us);
     }
     if (Has("refuse-" + member)) {
       std::ifstream file(folder_ + "/refuse-" + member);
@@ -270,6 +268,7 @@ class FakeSystemd {
     std::ofstream(folder_ + "/" + file, std::ios::app) << line << "\n";
   }
 
+  static constexpr std::uint64_t kLookEach_us = 5'000;
   const std::string folder_;
   sd_bus* bus_ = nullptr;
   std::string path_;  // of the unit
