@@ -16,6 +16,7 @@
 #include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
 #if MUSHER_HOSTS
+#include "musher/controller/process/bus_systemd.hpp"
 #include "musher/controller/process/host_units.hpp"
 #endif
 #include "musher/controller/storage/other_starts.hpp"
@@ -300,8 +301,9 @@ Result<> Controller::OpenShell() {
   dependencies.process_probe = &process_probe_;
 #if MUSHER_HOSTS
   if (!config_.hosts.empty()) {
-    hosts_ = std::make_unique<HostUnits>(node_.loop(), config_,
-                                         [this] { return shell_->machine_identity(); });
+    hosts_ = std::make_unique<HostUnits>(
+        node_.loop(), config_, [this] { return shell_->machine_identity(); }, BySsh(node_.loop()),
+        HostUnits::Options{});
   }
 #endif
   dependencies.hosts = hosts_.get();

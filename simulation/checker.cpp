@@ -24,6 +24,12 @@ Checker::Checker(SimRobot& robot) : context_(robot), robot_(robot), config_(robo
     processes_.CheckSignal(controller, pid);
     processes_.CheckKill(controller, pid);
   };
+  if (SimulatedSystemds* systemds = robot_.systemds()) {
+    systemds->on_wrong_process = [this](const std::string& name) {
+      ReportViolation(Invariant::kOnlyOwnProcessesSignalled,
+                      "a signal to an earlier process of " + name + " reaches the one after it");
+    };
+  }
   robot_.on_record_of = [this](const SimulatedController& controller,
                                const action::Record& record) {
     policy_.OnRecord(controller, record);
@@ -225,6 +231,11 @@ void Checker::CheckRest(bool provided) {
       if (!config_.actuators[i].command.empty() && here) {
         ReportViolation(Invariant::kTearDownEndsProcesses,
                         "the process of " + name + " outlives the machine");
+      }
+      const bool unit = !config_.actuators[i].host.empty();
+      if (unit && robot_.IsAlive(name) && !machine.actuators[i].fault) {
+        ReportViolation(Invariant::kTearDownEndsProcesses,
+                        "the unit of " + name + " outlives the machine, which names no reason");
       }
       continue;
     }

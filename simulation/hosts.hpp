@@ -69,6 +69,9 @@ class Hosts {
   std::uint64_t NewSerial() { return next_serial_++; }
 
   // How long ago it was booted.
+  Duration Uptime(std::size_t host) const {
+    return network_.now().time_since_epoch() + hosts_[host].clock_offset;
+  }
   void SetUptime(std::size_t host, Duration uptime);
   // Resets its clock and its pids. Its processes must have ended.
   void Reboot(std::size_t host);
@@ -79,6 +82,11 @@ class Hosts {
   // one that unblocks.
   void SetBlocked(const std::string& from, const std::string& to, bool blocked);
   void SetHostBlocked(std::size_t from, std::size_t to, bool blocked);
+  // Whether the link from one host to the other is not blocked as a whole.
+  bool Reaches(std::size_t from, std::size_t to) const {
+    const auto blocks = host_blocks_.find({from, to});
+    return blocks == host_blocks_.end() || blocks->second == 0;
+  }
   // The outer interface of a host is gone, or back: it reaches no other host, while its own
   // processes reach each other by the loopback.
   void SetCutOff(std::size_t host, bool cut_off);

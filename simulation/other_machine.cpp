@@ -23,7 +23,7 @@ Layout OtherMachine::LayoutOn(const SimRobot& beside, std::size_t host) {
 }
 
 // An actuator that is started by hand knows its machine by name only. The battery's topic has no
-// identity, so this machine has no policy. Nor does a console permit it to move.
+// identity, so this machine has no policy. Nor does a console permit it to move. It has one host.
 MachineConfig OtherMachine::ConfigOf(const SimRobot& beside, bool same_name) {
   MachineConfig config = beside.config();
   const bool by_hand =
@@ -32,6 +32,8 @@ MachineConfig OtherMachine::ConfigOf(const SimRobot& beside, bool same_name) {
   if (!same_name || by_hand) config.name = "other";
   config.policy.reset();
   config.permit.reset();
+  config.hosts.clear();
+  for (ActuatorConfig& actuator : config.actuators) actuator.host.clear();
   return config;
 }
 

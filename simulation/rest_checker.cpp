@@ -10,6 +10,8 @@ std::string RestChecker::PendingActivity(const Machine& machine, ActuatorIndex i
   const KnownActuator& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
+  const bool unit = !config_.actuators[i].host.empty();
+  if (unit && r.process.launch == Launch::kUnderWay) return "is being started on another host";
   if (r.fault && !r.command && !r.restart.at && !r.process.termination && !r.restart.requested)
     return {};
   if (r.command) return "has a command to " + r.command->target;

@@ -71,7 +71,13 @@ SimRobot::SimRobot(std::unique_ptr<World> world, SimRobot* beside, MachineConfig
       }
     }
   };
+  const bool units = std::ranges::any_of(
+      config_.actuators, [](const ActuatorConfig& actuator) { return !actuator.host.empty(); });
+  if (units) {
+    systemds_ = std::make_unique<SimulatedSystemds>(network_, config_, hosts_, processes_);
+  }
   processes_.on_end = [this](std::size_t host, std::int32_t pid, const ProcessExit& exit) {
+    if (systemds_) systemds_->OnEnd(host, pid, exit);
     for (const auto& controller : controllers_) {
       if (controller) controller->OnEnd(host, pid, exit);
     }
@@ -119,6 +125,11 @@ void SimRobot::Open(std::size_t which) {
         EndController(which);
     });
   };
+  if (systemds_) {
+    hooks.connect = [this, which](transport::EventLoop& loop) {
+      return systemds_->From(layout_.controllers[which], loop);
+    };
+  }
   controllers_[which] = std::make_unique<SimulatedController>(
       network_, layout_.prefix + kControllerEndpoints[which], layout_.controllers[which], hosts_,
       config_, layout_.machine_id, processes_, DiskOf(which), std::move(hooks));
@@ -202,6 +213,7 @@ void SimRobot::RebootHost(std::size_t host) {
   for (std::size_t which = 0; which < controllers_.size(); ++which) {
     if (controllers_[which] && controllers_[which]->host() == host) KillController(which);
   }
+  if (systemds_) systemds_->PowerOff(host);
   processes_.EndAllOn(host);
   clients_.erase(host);
   std::vector<StopId> ended;
@@ -214,6 +226,10 @@ void SimRobot::RebootHost(std::size_t host) {
     if (on_stop_withdrawn) on_stop_withdrawn(id);
   }
   hosts_.Reboot(host);
+}
+
+void SimRobot::BootHost(std::size_t host) {
+  if (systemds_) systemds_->Boot(host);
 }
 
 void SimRobot::FreezeController() {

@@ -22,6 +22,7 @@
 #include "musher/simulation/permit_console.hpp"
 #include "musher/simulation/simulated_controller.hpp"
 #include "musher/simulation/simulated_processes.hpp"
+#include "musher/simulation/simulated_systemds.hpp"
 #include "musher/simulation/stop_client.hpp"
 #include "musher/simulation/world_clock.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -50,6 +51,8 @@ class SimRobot {
   const Layout& layout() const { return layout_; }
   SimulatedProcesses& processes() { return processes_; }
   const SimulatedProcesses& processes() const { return processes_; }
+  // Null where no actuator of the config has a `host`.
+  SimulatedSystemds* systemds() { return systemds_.get(); }
   const MachineConfig& config() const { return config_; }
   Duration age() const { return network_.now() - switched_on_; }
   MachineIdentity identity() const { return {config_.name, layout_.machine_id}; }
@@ -114,8 +117,9 @@ class SimRobot {
   // An operator starts the first controller with --takeover, on a host of its own.
   void TakeBack();
   void CrashController();  // kills all controllers
-  // Ends all processes of the host and resets its clock.
+  // Ends all processes of the host and resets its clock. Its systemd answers from BootHost() on.
   void RebootHost(std::size_t host);
+  void BootHost(std::size_t host);
   void FreezeController();
   void ThawController();
   void StartActuator(const std::string& name) { processes_.Launch(name); }  // as an operator would
@@ -254,6 +258,7 @@ class SimRobot {
   };
   std::array<Panel, 2> panels_;
   SimulatedProcesses processes_;
+  std::unique_ptr<SimulatedSystemds> systemds_;
   std::array<Disk, 2> disks_;
   bool by_other_user_ = false;
   std::array<std::unique_ptr<SimulatedController>, 2> controllers_;

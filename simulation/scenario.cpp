@@ -41,6 +41,11 @@ Layout LayoutOf(const MachineConfig& config, std::uint64_t seed, bool shared_pro
                 const Injections& injections) {
   Layout layout = SampleLayout(config, seed, shared_processes);
   layout.machine_id = kMachineId;
+  for (const ActuatorIndex i : config.actuators.Indices()) {
+    const std::string& host = config.actuators[i].host;
+    const auto named = std::ranges::find(layout.hosts, host);
+    if (!host.empty()) layout.host_of[i] = static_cast<std::size_t>(named - layout.hosts.begin());
+  }
   if (FirstOf(injections, InjectionKind::kOtherMachine) != nullptr)
     layout.hosts.emplace_back("other");
   return layout;
@@ -62,6 +67,9 @@ constexpr int kMostBattery = 100;
 constexpr std::size_t kFirstProgram = 100;  // that engages stops, beside the panels
 constexpr Duration kLatestPermit = Milliseconds(400);
 constexpr std::int64_t kRealTime = 1000;  // permille: /clock is as fast as the network's time
+constexpr Duration kShutsDownWithin = std::chrono::seconds(1);  // a host
+// A start that a lost connection still holds is not carried out after this.
+constexpr Duration kUntilNothingStarts = std::chrono::seconds(30);
 constexpr Duration kWalkPeriod = Milliseconds(300);  // of the samples of a battery that jitters
 
 // After this all hosts have noticed the end of a process that no controller of its host monitors.
@@ -734,7 +742,13 @@ void Scenario::ApplyByClient(const Injection& injection) {
 void Scenario::ApplyToHosts(const Injection& injection) {
   const std::size_t from = injection.host;
   const std::size_t to = injection.other_host;
-  if (injection.kind == InjectionKind::kReboot) return Reboot(from, injection.lasts);
+  if (injection.kind == InjectionKind::kReboot) {
+    if (robot_.systemds() == nullptr || injection.random % 2 == 0) {
+      return Reboot(from, injection.lasts);
+    }
+    robot_.systemds()->ShutDown(from);  // in an orderly way
+    return Later(kShutsDownWithin, [this, from, lasts = injection.lasts] { Reboot(from, lasts); });
+  }
   const auto set = [this, from, to,
                     both = injection.kind == InjectionKind::kHostPartition](bool blocked) {
     robot_.hosts().SetHostBlocked(from, to, blocked);
@@ -754,6 +768,7 @@ void Scenario::Reboot(std::size_t host, Duration lasts) {
   }
   robot_.RebootHost(host);
   Later(lasts, [this, host, had_controller] {
+    robot_.BootHost(host);
     StartPermits();
     for (const ActuatorIndex i : config_.actuators.Indices()) {
       if (IsByHand(i) && robot_.layout().HostOf(i) == host) StartByHand(i);
@@ -921,7 +936,8 @@ void Scenario::RepairActuators() {
 void Scenario::EndElsewhere(const ActuatorConfig& actuator) {
   const std::size_t here = robot_.leader()->host();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
-    if (actuator.command.empty() || host == here) continue;
+    const bool unit = !actuator.host.empty() && host == robot_.processes().HomeOf(actuator.name);
+    if (actuator.command.empty() || host == here || unit) continue;
     if (!robot_.processes().IsAlive(actuator.name, host)) continue;
     robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
     RunFor(kUntilMissed);
@@ -1035,6 +1051,9 @@ void Scenario::SwitchOff() {
                                     "the machine is not torn down within its budget");
   }
   RunFor(Milliseconds(100));
+  checker_.CheckRest(false);
+  if (robot_.systemds() == nullptr) return;
+  RunFor(kUntilNothingStarts);
   checker_.CheckRest(false);
 }
 

@@ -42,6 +42,13 @@ SimulatedController::SimulatedController(transport::sim::Network& network,
   dependencies.links = cyberdog_.links;
   dependencies.processes = this;
   dependencies.process_probe = this;
+  if (hooks_.connect) {
+    units_ = std::make_unique<HostUnits>(
+        node_->loop(), config_, [this] { return shell_->machine_identity(); },
+        hooks_.connect(node_->loop()),
+        HostUnits::Options{.since_boot = [this] { return network_.now().time_since_epoch(); }});
+  }
+  dependencies.hosts = units_.get();
   dependencies.journal = this;
   dependencies.save_epoch = [this](Epoch epoch, const auto& done) {
     Save(disk_.epoch, epoch, done);

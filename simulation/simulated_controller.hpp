@@ -1,7 +1,7 @@
 #pragma once
 // The process of a simulated controller: the real shell and decision code on one of the robot's
-// hosts, with a disk that outlives it. It starts, watches and signals processes of its own host
-// only.
+// hosts, with a disk that outlives it. It starts, watches and signals processes of its own host,
+// and those of other hosts by the systemd there.
 //
 // Threads: the one of the network.
 
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "musher/controller/journal/journal_reader.hpp"
+#include "musher/controller/process/host_units.hpp"
 #include "musher/controller/shell/controller_services.hpp"
 #include "musher/controller/shell/controller_shell.hpp"
 #include "musher/cyberdog/extension.hpp"
@@ -79,6 +80,8 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
     std::function<void()> on_power;                         // the power command
     std::function<void(pid_t pid)> on_signal;               // before a process is signalled
     std::function<void()> on_over;  // it is stopped, fenced or refused: its process may exit
+    // Connections to the systemds of other hosts, for the loop of its process; empty: none.
+    std::function<ConnectSystemd(transport::EventLoop&)> connect = nullptr;
   };
 
   // All must outlive it.
@@ -156,6 +159,7 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   std::size_t inputs_ = 0;
   std::map<std::int32_t, std::vector<OnExit>> watchers_;
   std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<HostUnits> units_;  // null: no other host runs processes of the machine
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;  // null unless it leads
   const ControllerExtension cyberdog_ = cyberdog::Extension("SIMULATED-1");

@@ -1,5 +1,6 @@
 // musher deploy CONFIG: copies what a config names to its other hosts, as a version in the slots of
-// an upgrade root there, and switches all of them to it, or none.
+// an upgrade root there, and switches all of them to it, or none. With --restart what runs there is
+// restarted then.
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <vector>
 
 #include "musher/base/date_text.hpp"
 #include "musher/base/joined.hpp"
@@ -19,6 +21,7 @@
 #include "musher/cli/deploy/deployment.hpp"
 #include "musher/cli/deploy/host_slot.hpp"
 #include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/restart_call.hpp"
 #include "musher/ota/posix_disk.hpp"
 #include "musher/ota/signature.hpp"
 
@@ -35,6 +38,7 @@ struct DeployCommand {
   std::string key;   // file of the private key; the public one is beside it
   std::string from;  // empty: the folder of the config
   bool allow_downgrade = false;
+  bool restart = false;
   std::string step;  // on a host; empty: none
   std::string root;
 };
@@ -81,13 +85,16 @@ ExitCode TakeStep(const DeployCommand& options, Console& console) {
                                                 : UndoSlot(disk, root, options.version);
   if (!taken) return console.Fail({ExitCode::kNotDone, taken.error()});
   if (console.mode().json) {
-    console.Print(JsonLine({{"version", options.version}, {"hosts", OrderedJson::array()}}));
+    console.Print(JsonLine({{"version", options.version},
+                            {"hosts", OrderedJson::array()},
+                            {"restarted", OrderedJson::array()}}));
   }
   return ExitCode::kDone;
 }
 
 std::string DeployJson(const DeployPlan& plan, const std::string& version,
-                       const std::set<std::string>& had) {
+                       const std::set<std::string>& had,
+                       const std::vector<std::string>& restarted) {
   auto hosts = OrderedJson::array();
   for (const HostFiles& files : plan.hosts) {
     hosts.push_back({{"host", files.host->name},
@@ -95,7 +102,37 @@ std::string DeployJson(const DeployPlan& plan, const std::string& version,
                      {"files", files.files.size()},
                      {"changed", !had.contains(files.host->name)}});
   }
-  return JsonLine({{"version", version}, {"hosts", hosts}});
+  return JsonLine({{"version", version}, {"hosts", hosts}, {"restarted", restarted}});
+}
+
+std::vector<std::string> ActuatorsOf(const DeployPlan& plan) {
+  std::vector<std::string> actuators;
+  for (const HostFiles& files : plan.hosts) {
+    actuators.insert(actuators.end(), files.actuators.begin(), files.actuators.end());
+  }
+  return actuators;
+}
+
+// One after the other, by the controller of the machine of the config; the others run on where one
+// is not back. Also those of hosts that had the version: they may have been started before.
+std::optional<Failure> RestartAll(const std::vector<std::string>& actuators,
+                                  const MachineConfig& config, GlobalOptions global,
+                                  Console& console) {
+  if (!global.name_space_given) global.name_space = config.name_space;
+  if (global.machine.empty()) global.machine = config.name;
+  if (!global.transport) global.transport = "lan";
+  const auto link = Link::OpenForCalls(global, &console);
+  for (std::size_t i = 0; i < actuators.size(); ++i) {
+    if (console.mode().terminal && !console.mode().json) console.Note("restart " + actuators[i]);
+    auto failure = RestartActuator(*link, actuators[i]);
+    if (!failure) continue;
+    const std::vector<std::string> left(actuators.begin() + static_cast<std::ptrdiff_t>(i),
+                                        actuators.end());
+    failure->error.message.insert(
+        0, "all hosts have the version, and not restarted with it: " + Joined(left) + "; ");
+    return failure;
+  }
+  return std::nullopt;
 }
 
 // Where a version is that was not deployed.
@@ -105,8 +142,23 @@ std::string WhereItIs(const std::string& version, const DeployOutcome& outcome) 
   return "version " + version + " is on no other host than before: " + Joined(outcome.had);
 }
 
-ExitCode RunDeploy(const DeployCommand& options, const GlobalOptions& /*global*/,
-                   Console& console) {
+// What was done, and what is still to be.
+std::string DeployText(const DeployPlan& plan, const std::string& version,
+                       const std::set<std::string>& had, bool restarted) {
+  std::string text;
+  for (const HostFiles& files : plan.hosts) {
+    text += fmt::format("{}: {} {} in {}, {}\n", files.host->name,
+                        had.contains(files.host->name) ? "has had version" : "version", version,
+                        files.root, Counted(files.files.size(), "file"));
+  }
+  const std::vector<std::string> actuators = ActuatorsOf(plan);
+  if (restarted) return text + "restarted: " + Joined(actuators);
+  text += "what runs there has it after its next start: musher restart";
+  for (const std::string& actuator : actuators) text += " " + actuator;
+  return text;
+}
+
+ExitCode RunDeploy(const DeployCommand& options, const GlobalOptions& global, Console& console) {
   if (!options.step.empty()) return TakeStep(options, console);
   for (const auto& [value, name] :
        {std::pair(&options.config, "CONFIG"), std::pair(&options.version, "--version VERSION"),
@@ -148,20 +200,14 @@ ExitCode RunDeploy(const DeployCommand& options, const GlobalOptions& /*global*/
     return console.Fail(
         {outcome.interrupted ? ExitCode::kInterrupted : ExitCode::kNotDone, {kCodeFailed, text}});
   }
-  if (console.mode().json) {
-    console.Print(DeployJson(plan.value(), version->text, outcome.had));
-    return ExitCode::kDone;
+  const std::vector<std::string> restarted =
+      options.restart ? ActuatorsOf(plan.value()) : std::vector<std::string>();
+  if (const auto failure = RestartAll(restarted, *config, global, console)) {
+    return console.Fail(*failure);
   }
-  std::string text;
-  std::string restart;
-  for (const HostFiles& files : plan.value().hosts) {
-    const bool had = outcome.had.contains(files.host->name);
-    text +=
-        fmt::format("{}: {} {} in {}, {}\n", files.host->name, had ? "has had version" : "version",
-                    version->text, files.root, Counted(files.files.size(), "file"));
-    for (const std::string& actuator : files.actuators) restart += " " + actuator;
-  }
-  console.Print(text + "what runs there has it after its next start: musher restart" + restart);
+  console.Print(console.mode().json
+                    ? DeployJson(plan.value(), version->text, outcome.had, restarted)
+                    : DeployText(plan.value(), version->text, outcome.had, options.restart));
   return ExitCode::kDone;
 }
 
@@ -187,6 +233,8 @@ void AddDeploy(Grammar& grammar) {
              Names::kFolders)
       ->type_name("FOLDER");
   app.add_flag("--allow-downgrade", options.allow_downgrade, "Also an older version");
+  app.add_flag("--restart", options.restart,
+               "Then restart the actuators of these hosts, one after the\nother");
   grammar.OneOf(app.add_option("--step", options.step,
                                "What `musher deploy` runs on each host, instead of CONFIG,\n"
                                "--key and --from"),

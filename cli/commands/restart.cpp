@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "musher/base/host.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
+#include "musher/cli/machine/restart_call.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 
@@ -17,34 +17,9 @@ struct RestartOptions {
   std::string actuator;
 };
 
-constexpr Duration kRestartTimeout = std::chrono::seconds(60);
-
-Failure WithHint(Failure failure, const std::string& actuator) {
-  if (failure.exit == ExitCode::kNoAnswer || failure.exit == ExitCode::kInterrupted) {
-    failure.error.message +=
-        "; the restart of " + actuator + " continues, `musher status` shows its outcome";
-  } else if (failure.exit == ExitCode::kUnknownEnd) {
-    failure.error.message +=
-        "; `musher up` with the same config takes control of what still runs, and `musher status` "
-        "then shows whether " +
-        actuator + " is back";
-  }
-  return failure;
-}
-
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::OpenForCalls(global, &console);
-  const auto answer = link->CallLeader<msg::RestartActuator>(
-      "restart_actuator", {options.actuator, UserAtHost()}, kRestartTimeout);
-  if (const auto* failure = std::get_if<Failure>(&answer)) {
-    return console.Fail(WithHint(*failure, options.actuator));
-  }
-  const auto& restarted = std::get<msg::RestartActuator::Response>(answer);
-  if (restarted.code != kCodeOk) {
-    return console.Fail(
-        {ExitCodeOfRefusal(restarted.code),
-         {restarted.code, "restart " + options.actuator + ": " + restarted.reason}});
-  }
+  if (const auto failure = RestartActuator(*link, options.actuator)) return console.Fail(*failure);
   const auto status = link->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&status)) {
     Failure unknown = *failure;

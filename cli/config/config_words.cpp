@@ -125,6 +125,14 @@ void AddLimits(const ProcessLimits& limits, WordList& words) {
   words.Key("nice", text(limits.nice), kRestart);
   words.Key("realtime_priority", text(limits.realtime_priority), kRestart);
   words.Key("user", Or(limits.user, "the controller's"), kRestart);
+  for (const auto& [name, sandbox] : kSandboxNames) {
+    if (sandbox == limits.sandbox) words.Key("sandbox", std::string(name), kRestart);
+  }
+  if (limits.devices) {
+    words.Set("devices", *limits.devices, kRestart);
+  } else {
+    words.Key("devices", limits.LimitsDevices() ? "none" : "all", kRestart);
+  }
 }
 
 void AddActuator(const ActuatorConfig& actuator, WordList& words) {

@@ -22,6 +22,9 @@ echo "systemd $(systemctl --version 2>/dev/null | sed -n '1s/^systemd \([0-9]*\)
 set -- $(df -Pk / | tail -n 1)
 echo "free $4"
 echo "user $(id -u)"
+# What a container may forbid. A login that is not root cannot know.
+namespaces=mounts
+[ "$(id -u)" != 0 ] || unshare -m true 2>/dev/null || namespaces=
 cd /sys/fs/cgroup
 if [ -e cgroup.controllers ]; then
   keeps=$(cat cgroup.controllers)
@@ -30,17 +33,20 @@ if [ -e cgroup.controllers ]; then
   for weight in */cpu.weight; do
     [ -e "$weight" ] && ! [ -e "${weight%weight}max" ] && keeps="${keeps%quota}"
   done
-  echo "cgroups 2 $keeps"
+  ! [ -r /proc/kallsyms ] || grep -qw __cgroup_bpf_check_dev_permission /proc/kallsyms &&
+    keeps="$keeps devices"
+  echo "cgroups 2 $keeps $namespaces"
 elif [ -d . ]; then
   keeps=
   # In a container they may be there and read-only.
   mounted=$(sed -n 's/^[^ ]* [^ ]* cgroup rw,\([^ ]*\).*/,\1,/p' /proc/mounts)
   case $mounted in *,memory,*) keeps=memory;; esac
+  case $mounted in *,devices,*) keeps="$keeps devices";; esac
   case $mounted in *,cpu,*)
     keeps="$keeps cpu"
     [ -e cpu/cpu.cfs_quota_us ] && keeps="$keeps quota";;
   esac
-  echo "cgroups 1 $keeps"
+  echo "cgroups 1 $keeps $namespaces"
 fi
 cd /
 echo "autogroups $(cat /proc/sys/kernel/sched_autogroup_enabled 2>/dev/null)"

@@ -63,6 +63,22 @@ std::optional<Unkept> UnkeptLimit(const DoctorFacts& facts, const OtherHostFacts
                                                    : "its cgroups have no cpu controller"),
                   "boot a kernel that has it, or remove the key"};
   }
+  const auto sandboxed = Limited(
+      facts, host, [](const ProcessLimits& limits) { return limits.sandbox != Sandbox::kNone; });
+  if (!sandboxed.empty() && !keeps("mounts")) {
+    return Unkept{CheckStatus::kError, of("sandbox", sandboxed) + "it permits no mount namespaces",
+                  "permit them, as where it is a container, or remove the key"};
+  }
+  const auto closed =
+      Limited(facts, host, [](const ProcessLimits& limits) { return limits.LimitsDevices(); });
+  if (!closed.empty() && !keeps("devices")) {
+    return Unkept{CheckStatus::kError,
+                  fmt::format("its kernel does not keep the devices from {}: its cgroups have no "
+                              "devices controller",
+                              Joined(closed)),
+                  "boot a kernel with CONFIG_CGROUP_BPF, or take away `devices` and "
+                  "`sandbox = \"strict\"`"};
+  }
   if (!memory.empty() && host.cgroups == 1) {
     return Unkept{CheckStatus::kWarning,
                   "it has cgroups of version 1: " + Joined(memory) +

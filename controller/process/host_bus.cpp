@@ -32,12 +32,12 @@ constexpr std::size_t kLongestGreeting = 65'536;          // with what a login m
 constexpr std::size_t kMostErrors = 4'096;
 constexpr std::string_view kGreeting = "musher-host ";
 constexpr std::size_t kBootIdLength = 36;
-// After kReadRunning: a HostId(), as base/host.cpp makes it, and for how many seconds it has run;
-// then D-Bus.
+// After kReadRunning: a HostId(), as base/host.cpp makes it, for how many seconds it has run, and
+// the pid of what it becomes; then D-Bus.
 constexpr const char* kRemoteCommand =
-    "printf \"musher-host %s/%s %s\\n\" "
+    "printf \"musher-host %s/%s %s %s\\n\" "
     "\"$(cat /proc/sys/kernel/random/boot_id)\" \"$(stat -Lc %i /proc/self/ns/pid)\" "
-    "\"$running\" && exec systemd-stdio-bridge";
+    "\"$running\" \"$$\" && exec systemd-stdio-bridge";
 
 BusMessage Own(sd_bus_message* message) {
   return {message, [](sd_bus_message* m) { sd_bus_message_unref(m); }};
@@ -46,10 +46,11 @@ BusMessage Own(sd_bus_message* message) {
 struct Greeting {
   std::string host_id;
   Duration running{};
+  pid_t bridge = 0;
 };
 
-// Reads "<boot id>/<pid namespace> <uptime in seconds>". A host that is short of memory prints less
-// than that, and would be taken for one that was booted again.
+// Reads "<boot id>/<pid namespace> <uptime in seconds> <pid>". A host that is short of memory
+// prints less than that, and would be taken for one that was booted again.
 std::optional<Greeting> ReadGreetingLine(std::string_view text) {
   const auto all = [](std::string_view part, std::string_view of) {
     return !part.empty() && part.find_first_not_of(of) == std::string_view::npos;
@@ -57,7 +58,11 @@ std::optional<Greeting> ReadGreetingLine(std::string_view text) {
   const std::size_t space = text.find(' ');
   if (space == std::string_view::npos || space <= kBootIdLength) return std::nullopt;
   const std::string_view id = text.substr(0, space);
-  const std::string_view up = text.substr(space + 1);
+  const std::size_t end = std::min(text.find(' ', space + 1), text.size());
+  const std::string_view up = text.substr(space + 1, end - space - 1);
+  const std::string_view pid = text.substr(std::min(end + 1, text.size()));
+  pid_t bridge = 0;
+  std::from_chars(pid.data(), pid.data() + pid.size(), bridge);
   const bool named = all(id.substr(0, kBootIdLength), "0123456789abcdef-") &&
                      id[kBootIdLength] == '/' && all(id.substr(kBootIdLength + 1), "0123456789");
   const std::string_view whole = up.substr(0, up.find('.'));
@@ -67,7 +72,7 @@ std::optional<Greeting> ReadGreetingLine(std::string_view text) {
       seconds > std::numeric_limits<std::int32_t>::max()) {
     return std::nullopt;
   }
-  return Greeting{std::string(id), std::chrono::seconds(seconds)};
+  return Greeting{std::string(id), std::chrono::seconds(seconds), bridge};
 }
 
 }  // namespace
@@ -125,7 +130,9 @@ void HostBus::Connect() {
   ProgramSpec spec;
   spec.argv = options_.ssh;
   // Another shell than sh may read the line.
-  spec.argv.push_back("exec sh -c '" + std::string(kReadRunning) + kRemoteCommand + "'");
+  const std::string end_last =
+      bridge_ == 0 ? "" : EndBridge(host_id_.substr(0, kBootIdLength), bridge_);
+  spec.argv.push_back("exec sh -c '" + end_last + kReadRunning + kRemoteCommand + "'");
   spec.env = {{"LC_ALL", "C"}};
   spec.without = {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID", "SSH_ASKPASS"};
   spec.input = spec.output = theirs.get();
@@ -177,6 +184,7 @@ void HostBus::ReadGreeting() {
       if (!why.empty()) return End(why);
     }
     host_id_ = greeting->host_id;
+    bridge_ = greeting->bridge;
     booted_ = loop_.Now() - greeting->running;
     return Subscribe();
   }

@@ -2,7 +2,7 @@
 // The connection to the systemd of another host: D-Bus through ssh, as `systemctl --host` has it.
 //
 //   Open()      ssh is started, and on the host a shell prints the host's id and becomes
-//               systemd-stdio-bridge
+//               systemd-stdio-bridge; that of the connection before is ended, with what it holds
 //   up          the id was read, and systemd sends its signals (on_up)
 //   down        ssh has ended, or the host did not answer in time: on_down with the reason. ssh is
 //               started again after a while, which doubles up to 10 s; Open() does so at once
@@ -102,7 +102,8 @@ class HostBus {
   const Hooks hooks_;
   State state_ = State::kClosed;
   std::string host_id_;
-  Time booted_{};  // the host of the last connection, by our clock
+  pid_t bridge_ = 0;  // the process there at the end of the last connection; 0: not known
+  Time booted_{};     // the host of the last connection, by our clock
   std::string trouble_;
   Duration back_off_;
   std::string greeting_;  // what the host has printed so far

@@ -1,32 +1,18 @@
 #include "musher/controller/process/host_units.hpp"
 
-#include <sched.h>
 #include <signal.h>
 #include <sys/wait.h>
-#include <systemd/sd-bus.h>
-#include <time.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <set>
 #include <string_view>
 #include <utility>
 
-#include "musher/controller/process/host_uptime.hpp"
-#include "musher/controller/process/ssh.hpp"
 #include "musher/controller/process/unit_end.hpp"
 
 namespace musher {
 namespace {
-
-constexpr const char* kManagerPath = "/org/freedesktop/systemd1";
-constexpr const char* kUnitPath = "/org/freedesktop/systemd1/unit";
-constexpr const char* kManager = "org.freedesktop.systemd1.Manager";
-constexpr const char* kService = "org.freedesktop.systemd1.Service";
-constexpr const char* kUnitInterface = "org.freedesktop.systemd1.Unit";
-constexpr const char* kProperties = "org.freedesktop.DBus.Properties";
 
 // A search is a part of a TearDown, which has to know before its budget is used up which hosts have
 // not answered. A connection that is just being made needs some time.
@@ -37,8 +23,6 @@ constexpr Duration kExamineAgain = Milliseconds(500);
 constexpr Duration kStartValid = Milliseconds(20'000);
 // How long a host may have been off before its connection is found to be lost (ssh: 6 s).
 constexpr Duration kLossSeenWithin = Milliseconds(10'000);
-// What a process leaves behind gets SIGTERM, and SIGKILL after this time.
-constexpr std::uint64_t kRestEndsWithinUs = 2'000'000;
 constexpr const char* kDeniedCure =
     "; its systemd lets this user start and end no unit: set `user` to root, or permit it by "
     "polkit "
@@ -48,74 +32,9 @@ constexpr int kFirstOfSystemd = 200;
 constexpr int kLastOfSystemd = 243;
 constexpr int kNoSuchUser = 217;
 
-// What systemd knows of a unit. The values of a unit that is not loaded are these.
-struct UnitState {
-  std::string active = "inactive";
-  std::uint32_t main_pid = 0;
-  std::uint32_t exec_pid = 0;  // of the last process, also after its exit
-  std::int32_t exec_code = 0;  // CLD_EXITED, CLD_KILLED, CLD_DUMPED
-  std::int32_t exec_status = 0;
-  std::string result = {};
-  std::set<std::string> environment = {};
-
-  bool runs() const { return active == "active" || active == "reloading"; }
-  bool ended() const { return active == "inactive" || active == "failed"; }
-};
-
-void ReadText(sd_bus_message* message, std::string& text) {
-  const char* value = nullptr;
-  if (sd_bus_message_read(message, "v", "s", &value) >= 0) text = value;
-}
-
-template <typename Number>
-void ReadNumber(sd_bus_message* message, const char* type, Number& number) {
-  Number value = 0;
-  if (sd_bus_message_read(message, "v", type, &value) >= 0) number = value;
-}
-
-void ReadTexts(sd_bus_message* message, std::set<std::string>& texts) {
-  if (sd_bus_message_enter_container(message, 'v', "as") < 0) return;
-  if (sd_bus_message_enter_container(message, 'a', "s") >= 0) {
-    texts.clear();
-    const char* text = nullptr;
-    while (sd_bus_message_read(message, "s", &text) > 0) texts.emplace(text);
-    sd_bus_message_exit_container(message);
-  }
-  sd_bus_message_exit_container(message);
-}
-
-// Reads "a{sv}" with properties of any interface of a unit.
-void ReadProperties(sd_bus_message* message, UnitState& state) {
-  if (sd_bus_message_enter_container(message, 'a', "{sv}") < 0) return;
-  while (sd_bus_message_enter_container(message, 'e', "sv") > 0) {
-    const char* name = nullptr;
-    if (sd_bus_message_read(message, "s", &name) < 0) break;
-    const std::string_view property = name;
-    if (property == "ActiveState") {
-      ReadText(message, state.active);
-    } else if (property == "MainPID") {
-      ReadNumber(message, "u", state.main_pid);
-    } else if (property == "ExecMainPID") {
-      ReadNumber(message, "u", state.exec_pid);
-    } else if (property == "ExecMainCode") {
-      ReadNumber(message, "i", state.exec_code);
-    } else if (property == "ExecMainStatus") {
-      ReadNumber(message, "i", state.exec_status);
-    } else if (property == "Result") {
-      ReadText(message, state.result);
-    } else if (property == "Environment") {
-      ReadTexts(message, state.environment);
-    } else {
-      sd_bus_message_skip(message, "v");
-    }
-    if (sd_bus_message_exit_container(message) < 0) break;
-  }
-  sd_bus_message_exit_container(message);
-}
-
 ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limits) {
   ProcessExit exit;
-  if (state.ended() && state.result == "oom-kill") {
+  if (state.ended() && state.result == kResultOutOfMemory) {
     const auto& most = limits.memory_max_bytes;
     exit.out_of_memory =
         most ? "memory_max_mb = " + std::to_string(*most >> 20) : "the memory of its host";
@@ -130,135 +49,47 @@ ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limit
 }
 
 // Why nothing is known of the host.
-std::string TroubleOf(const HostBus& bus) {
-  if (!bus.trouble().empty()) return bus.trouble();
-  return bus.is_up() ? "it does not answer" : "it has not answered yet";
+std::string TroubleOf(const Systemd& systemd) {
+  if (!systemd.trouble().empty()) return systemd.trouble();
+  return systemd.is_up() ? "it does not answer" : "it has not answered yet";
 }
 
-std::string ErrorText(const BusMessage& reply) {
-  const sd_bus_error* error = sd_bus_message_get_error(reply.get());
-  if (error == nullptr) return "unknown";
-  return error->message != nullptr ? error->message : error->name;
+std::string TextOf(const SystemdError& error) {
+  return error.text + (error.kind == SystemdError::Kind::kDenied ? kDeniedCure : "");
 }
 
-bool IsError(const BusMessage& reply, const char* name = nullptr) {
-  return sd_bus_message_is_method_error(reply.get(), name) > 0;
-}
-
-bool IsDenied(const BusMessage& reply) {
-  return IsError(reply, SD_BUS_ERROR_ACCESS_DENIED) ||
-         IsError(reply, SD_BUS_ERROR_INTERACTIVE_AUTHORIZATION_REQUIRED);
-}
-
-// Also while this host is suspended.
-Duration SinceBoot() {
-  timespec now{};
-  clock_gettime(CLOCK_BOOTTIME, &now);
-  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+// Whether the process is the unit's, also after its exit.
+bool IsOf(const UnitState& state, pid_t pid) {
+  return static_cast<pid_t>(state.main_pid) == pid || static_cast<pid_t>(state.exec_pid) == pid;
 }
 
 std::string_view BootOf(std::string_view host_id) {
   return host_id.substr(0, host_id.find('/'));
 }
 
-std::string PathOf(const std::string& unit) {
-  char* path = nullptr;
-  if (sd_bus_path_encode(kUnitPath, unit.c_str(), &path) < 0) return {};
-  std::string text = path;
-  free(path);  // NOLINT(cppcoreguidelines-no-malloc): sd-bus's
-  return text;
-}
-
-void AppendText(sd_bus_message* message, const char* name, const std::string& value) {
-  sd_bus_message_append(message, "(sv)", name, "s", value.c_str());
-}
-
-void AppendTexts(sd_bus_message* message, const std::vector<std::string>& texts) {
-  sd_bus_message_open_container(message, 'a', "s");
-  for (const std::string& text : texts) sd_bus_message_append(message, "s", text.c_str());
-  sd_bus_message_close_container(message);
-}
-
-// Opens the property's struct and variant; the caller appends the value and closes both.
-void OpenProperty(sd_bus_message* message, const char* name, const char* type) {
-  sd_bus_message_open_container(message, 'r', "sv");
-  sd_bus_message_append(message, "s", name);
-  sd_bus_message_open_container(message, 'v', type);
-}
-void CloseProperty(sd_bus_message* message) {
-  sd_bus_message_close_container(message);
-  sd_bus_message_close_container(message);
-}
-
-// Of "ExecStartEx" and its kind. Without the flag "no-env-expand" systemd replaces $NAME in the
-// arguments.
-void AppendCommand(sd_bus_message* message, const char* property,
-                   const std::vector<std::string>& argv, const std::vector<std::string>& flags) {
-  OpenProperty(message, property, "a(sasas)");
-  sd_bus_message_open_container(message, 'a', "(sasas)");
-  sd_bus_message_open_container(message, 'r', "sasas");
-  sd_bus_message_append(message, "s", argv.front().c_str());
-  AppendTexts(message, argv);
-  AppendTexts(message, flags);
-  sd_bus_message_close_container(message);
-  sd_bus_message_close_container(message);
-  CloseProperty(message);
-}
-
-// Of a unit, as the kernel weighs a process: a step of nice is a quarter more or less.
-std::uint64_t CpuWeight(int nice) {
-  constexpr double kOfNiceZero = 100;
-  const double weight = std::round(kOfNiceZero * std::pow(1.25, -nice));
-  return static_cast<std::uint64_t>(std::clamp(weight, 1.0, 10'000.0));
-}
-
-void AppendLimits(sd_bus_message* message, const ProcessLimits& limits) {
-  constexpr std::uint64_t kSecondUs = 1'000'000;
-  if (limits.memory_max_bytes) {
-    const auto most = static_cast<std::uint64_t>(*limits.memory_max_bytes);
-    sd_bus_message_append(message, "(sv)", "MemoryMax", "t", most);
-    // Else it would grow on into the swap, and slow down the whole host.
-    sd_bus_message_append(message, "(sv)", "MemorySwapMax", "t", std::uint64_t{0});
-  }
-  AppendText(message, "OOMPolicy", "kill");  // of all its processes, or none
-  if (limits.cpus) {
-    const auto quota = static_cast<std::uint64_t>(*limits.cpus * static_cast<double>(kSecondUs));
-    sd_bus_message_append(message, "(sv)", "CPUQuotaPerSecUSec", "t", quota);
-  }
-  if (limits.nice) {
-    sd_bus_message_append(message, "(sv)", "Nice", "i", *limits.nice);
-    // Nice counts among the processes of one session or unit only, where the kernel weighs those.
-    sd_bus_message_append(message, "(sv)", "CPUWeight", "t", CpuWeight(*limits.nice));
-  }
-  if (limits.realtime_priority) {
-    sd_bus_message_append(message, "(sv)", "CPUSchedulingPolicy", "i", SCHED_FIFO);
-    sd_bus_message_append(message, "(sv)", "CPUSchedulingPriority", "i", *limits.realtime_priority);
-  }
-  if (!limits.user.empty()) AppendText(message, "User", limits.user);
-}
-
 }  // namespace
 
 struct HostUnits::Host {
   const HostConfig& config;
-  std::unique_ptr<HostBus> bus;
+  std::unique_ptr<Systemd> systemd;
   std::vector<Unit*> units = {};
   std::string seen = {};                 // its HostId() when its units were looked at last
   bool reported = false;                 // that it is out of reach
-  std::optional<Duration> lost_at = {};  // SinceBoot() when its connection was lost last
+  std::optional<Duration> lost_at = {};  // since_boot() when its connection was lost
 };
 
 struct HostUnits::Unit {
   Host& host;
   std::string actuator;
   std::string name;
-  std::string path;
   UnitState state = {};
   pid_t pid = 0;                           // of the process that was reported as started
+  std::string invocation = {};             // the start of the unit that made it; empty: not read
   std::optional<ProcessSpec> wanted = {};  // to be started
   bool waits = false;                      // for its host, with that start, which was reported
   bool asked = false;                      // StartTransientUnit was sent
   std::string job = {};                    // its job
+  bool given_up = false;                   // that start, which is to be ended
   int signal = 0;                          // to be sent, or sent and not confirmed
   bool refused = false;                    // a signal was, which was reported
   bool signalled = false;                  // the machine ends its process
@@ -280,37 +111,52 @@ struct HostUnits::Search {
 };
 
 HostUnits::HostUnits(transport::EventLoop& loop, const MachineConfig& config,
-                     std::function<MachineIdentity()> machine, Duration start_within)
-    : loop_(loop), config_(config), machine_(std::move(machine)), start_within_(start_within) {
+                     std::function<MachineIdentity()> machine, const ConnectSystemd& connect,
+                     Options options)
+    : loop_(loop), config_(config), machine_(std::move(machine)), options_(std::move(options)) {
   for (const HostConfig& host : config.hosts) {
-    HostBus::Options options;
-    options.ssh = SshArguments(host);
-    options.login = host.Login();
-    const std::string from = "type='signal',sender='org.freedesktop.systemd1',";
-    options.matches.push_back(from + "interface='" + kManager + "',member='JobRemoved'");
     auto made = std::make_unique<Host>(Host{host, nullptr});
+    std::vector<std::string> names;
     for (const ActuatorConfig& actuator : config.actuators) {
       if (actuator.host != host.name) continue;
-      const std::string name = UnitNameOf(config.name, actuator.name);
-      auto unit = std::make_unique<Unit>(Unit{*made, actuator.name, name, PathOf(name)});
-      options.matches.push_back(from + "interface='" + kProperties +
-                                "',member='PropertiesChanged',path='" + unit->path + "'");
+      const std::string& name = names.emplace_back(UnitNameOf(config.name, actuator.name));
+      auto unit = std::make_unique<Unit>(Unit{*made, actuator.name, name});
       made->units.push_back(unit.get());
       units_.emplace(actuator.name, std::move(unit));
     }
     if (made->units.empty()) continue;
-    HostBus::Hooks hooks;
-    hooks.on_up = [this, &one = *made] { OnUp(one); };
-    hooks.on_down = [this, &one = *made](bool was_up, bool for_good) {
-      OnDown(one, was_up, for_good);
-    };
-    hooks.on_signal = [this, &one = *made](const BusMessage& message) { OnSignal(one, message); };
-    hooks.refuse = [this, &one = *made](const std::string& id, Duration running) {
-      return WhyRefused(one, id, running);
-    };
-    made->bus = std::make_unique<HostBus>(loop, std::move(options), std::move(hooks));
+    made->systemd = connect(host, names, HooksOf(*made));
     hosts_.emplace(host.name, std::move(made));
   }
+}
+
+Systemd::Hooks HostUnits::HooksOf(Host& host) {
+  Systemd::Hooks hooks;
+  hooks.on_up = [this, &host] { OnUp(host); };
+  hooks.on_down = [this, &host](bool was_up, bool for_good) { OnDown(host, was_up, for_good); };
+  hooks.on_change = [this, &host](const std::string& name, const Systemd::Merge& merge,
+                                  bool whole) {
+    Unit* unit = UnitOf(host, name);
+    if (unit == nullptr) return;
+    merge(unit->state);
+    if (whole) OnChange(*unit);
+  };
+  hooks.on_job_removed = [this, &host](const std::string& name, const std::string& job,
+                                       const std::string& result) {
+    Unit* unit = UnitOf(host, name);
+    if (unit == nullptr) return;
+    OnJobRemoved(*unit, job, result);
+    AnswerSearches();
+  };
+  hooks.refuse = [this, &host](const std::string& id, Duration running) {
+    return WhyRefused(host, id, running);
+  };
+  return hooks;
+}
+
+HostUnits::Unit* HostUnits::UnitOf(Host& host, const std::string& name) {
+  const auto found = std::ranges::find(host.units, name, &Unit::name);
+  return found == host.units.end() ? nullptr : *found;
 }
 
 HostUnits::~HostUnits() {
@@ -320,12 +166,12 @@ HostUnits::~HostUnits() {
 void HostUnits::Open(Hooks hooks) {
   hooks_ = std::move(hooks);
   open_ = true;
-  for (auto& [name, host] : hosts_) host->bus->Open();
+  for (auto& [name, host] : hosts_) host->systemd->Open();
 }
 
 void HostUnits::Close() {
   open_ = false;
-  for (auto& [name, host] : hosts_) host->bus->Close();
+  for (auto& [name, host] : hosts_) host->systemd->Close();
   searches_.clear();
   for (auto& [name, unit] : units_) {
     unit->wanted.reset();
@@ -338,21 +184,21 @@ void HostUnits::Close() {
 // --- the hosts ---
 
 std::string HostUnits::Unreached(const Host& host) const {
-  return "host " + host.config.name + " (" + host.config.Login() + "): " + TroubleOf(*host.bus);
+  return "host " + host.config.name + " (" + host.config.Login() + "): " + TroubleOf(*host.systemd);
 }
 
 // Its address may be that of another board now, with the same key if one image was copied to both.
 // That board was not booted since this one was reached last.
 std::string HostUnits::WhyRefused(const Host& host, const std::string& id, Duration running) const {
   if (host.seen.empty() || !host.lost_at || BootOf(host.seen) == BootOf(id)) return {};
-  const Duration lost_for = SinceBoot() - *host.lost_at;
+  const Duration lost_for = options_.since_boot() - *host.lost_at;
   if (running <= lost_for + kLossSeenWithin) return {};
   return "another host answers at " + host.config.address + ", which was not booted since " +
          host.config.name + " was reached last";
 }
 
 void HostUnits::OnUp(Host& host) {
-  const std::string& id = host.bus->host_id();
+  const std::string& id = host.systemd->host_id();
   const bool rebooted = !host.seen.empty() && host.seen != id;
   if (std::exchange(host.reported, false)) {
     hooks_.on_reach(true, "host " + host.config.name + " is reached" +
@@ -363,6 +209,7 @@ void HostUnits::OnUp(Host& host) {
     unit->examining = false;
     unit->unread.clear();
     unit->asked = false;
+    unit->given_up = false;
     unit->job.clear();
     unit->asks_system = false;
     unit->again = nullptr;
@@ -386,7 +233,7 @@ void HostUnits::OnUp(Host& host) {
 
 void HostUnits::OnDown(Host& host, bool was_up, bool for_good) {
   const std::string why = Unreached(host);
-  if (was_up) host.lost_at = SinceBoot();
+  if (was_up) host.lost_at = options_.since_boot();
   for (auto& search : searches_) search->failed.insert(&host);
   for (Unit* unit : host.units) {
     unit->examining = false;
@@ -399,63 +246,20 @@ void HostUnits::OnDown(Host& host, bool was_up, bool for_good) {
   AnswerSearches();
 }
 
-void HostUnits::OnSignal(Host& host, const BusMessage& message) {
-  sd_bus_message* const signal = message.get();
-  if (sd_bus_message_is_signal(signal, kManager, "JobRemoved") > 0) {
-    std::uint32_t id = 0;
-    const char* job = nullptr;
-    const char* name = nullptr;
-    const char* result = nullptr;
-    if (sd_bus_message_read(signal, "uoss", &id, &job, &name, &result) < 0) return;
-    for (Unit* unit : host.units) {
-      if (unit->name != name) continue;
-      OnJobRemoved(*unit, job, result);
-      return AnswerSearches();
-    }
-    return;
-  }
-  const char* interface = nullptr;
-  if (sd_bus_message_is_signal(signal, kProperties, "PropertiesChanged") <= 0 ||
-      sd_bus_message_read(signal, "s", &interface) < 0) {
-    return;
-  }
-  const std::string path = sd_bus_message_get_path(signal);
-  for (Unit* unit : host.units) {
-    if (unit->path != path) continue;
-    ReadProperties(signal, unit->state);
-    // systemd sends the properties of the service first, then those of the unit.
-    if (std::string_view(interface) == kUnitInterface) OnChange(*unit);
-    return;
-  }
-}
-
 // --- the state of a unit ---
 
 // Reads what systemd knows of it. A unit that is not loaded is inactive.
 void HostUnits::Examine(Unit& unit) {
-  HostBus& bus = *unit.host.bus;
-  if (!bus.is_up() || std::exchange(unit.examining, true)) return;
-  const auto get_all = [&](const char* interface, HostBus::OnReply done) {
-    const BusMessage call = bus.NewCall(unit.path, kProperties, "GetAll");
-    if (!call) return;
-    sd_bus_message_append(call.get(), "s", interface);
-    bus.Send(call, std::move(done));
-  };
-  get_all(kService, [&unit](const BusMessage& reply) {
-    unit.unread = IsError(reply) ? ErrorText(reply) : "";
-    if (!unit.unread.empty()) return;
-    unit.state = {.active = unit.state.active};
-    ReadProperties(reply.get(), unit.state);
-  });
-  get_all(kUnitInterface, [this, &unit](const BusMessage& reply) {
+  Systemd& systemd = *unit.host.systemd;
+  if (!systemd.is_up() || std::exchange(unit.examining, true)) return;
+  systemd.Read(unit.name, unit.state, [this, &unit](const std::optional<SystemdError>& error) {
     unit.examining = false;
-    if (IsError(reply)) unit.unread = ErrorText(reply);
+    unit.unread = error ? error->text : "";
     // An error says nothing of the process.
-    if (!unit.unread.empty()) {
+    if (error) {
       unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
       return;
     }
-    ReadProperties(reply.get(), unit.state);
     Examined(unit);
   });
 }
@@ -463,7 +267,11 @@ void HostUnits::Examine(Unit& unit) {
 void HostUnits::Examined(Unit& unit) {
   ++unit.examined;
   Conclude(unit);
-  if (unit.pid != 0 && unit.signal != 0) {
+  if (unit.pid != 0 && unit.invocation.empty() && IsOf(unit.state, unit.pid)) {
+    unit.invocation = unit.state.invocation;
+  }
+  if (unit.given_up) EndStart(unit);
+  if (unit.pid != 0 && unit.signal != 0 && !unit.invocation.empty()) {
     // The actuator may have recovered while its host was out of reach.
     unit.signalled = hooks_.still_ends(unit.actuator, unit.pid);
     unit.signalled ? Kill(unit, unit.signal) : static_cast<void>(unit.signal = 0);
@@ -500,7 +308,8 @@ void HostUnits::Conclude(Unit& unit) {
   const UnitState& state = unit.state;
   const auto main_pid = static_cast<pid_t>(state.main_pid);
   if (unit.pid != 0) {
-    const bool same = main_pid == unit.pid || static_cast<pid_t>(state.exec_pid) == unit.pid;
+    const bool same =
+        IsOf(state, unit.pid) && (unit.invocation.empty() || unit.invocation == state.invocation);
     if (state.ended() || (state.runs() && !same)) return Ended(unit);
     if (unit.wanted && state.runs()) Started(unit, unit.pid, true);
     return;
@@ -525,12 +334,13 @@ void HostUnits::Conclude(Unit& unit) {
 void HostUnits::Started(Unit& unit, pid_t pid, bool found) {
   if (unit.pid != pid) unit.signalled = false;
   unit.pid = pid;
+  unit.invocation = unit.state.invocation;
   unit.refused = false;
   unit.wanted.reset();
   unit.waits = false;
   unit.deadline = nullptr;
   unit.again = nullptr;
-  hooks_.on_started(unit.actuator, pid, unit.host.bus->host_id(), found);
+  hooks_.on_started(unit.actuator, pid, unit.host.systemd->host_id(), found);
 }
 
 void HostUnits::NotStarted(Unit& unit, const std::string& why) {
@@ -559,22 +369,18 @@ void HostUnits::Ended(Unit& unit) {
 
 // If the connection is lost before the reply, the unit is looked at again once the host is reached.
 void HostUnits::AskSystemState(Unit& unit) {
-  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kProperties, "Get");
-  if (!call) return;
   unit.asks_system = true;
-  sd_bus_message_append(call.get(), "ss", kManager, "SystemState");
-  unit.host.bus->Send(call, [this, &unit](const BusMessage& reply) {
-    if (!std::exchange(unit.asks_system, false) || unit.pid == 0) return;
-    // A host that is short of everything is asked once more, with the unit.
-    if (IsError(reply, SD_BUS_ERROR_NO_REPLY) || IsError(reply, SD_BUS_ERROR_TIMEOUT)) {
-      unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
-      return;
-    }
-    std::string system_state;
-    if (!IsError(reply)) ReadText(reply.get(), system_state);
-    ReportEnd(unit, EndOfUnit(*unit.exit, system_state, false));
-    AnswerSearches();
-  });
+  unit.host.systemd->ReadSystemState(
+      [this, &unit](const std::optional<SystemdError>& error, const std::string& system_state) {
+        if (!std::exchange(unit.asks_system, false) || unit.pid == 0) return;
+        // A host that is short of everything is asked once more, with the unit.
+        if (error && error->kind == SystemdError::Kind::kNoReply) {
+          unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
+          return;
+        }
+        ReportEnd(unit, EndOfUnit(*unit.exit, system_state, false));
+        AnswerSearches();
+      });
 }
 
 void HostUnits::ReportEnd(Unit& unit, const ProcessExit& exit) {
@@ -583,38 +389,31 @@ void HostUnits::ReportEnd(Unit& unit, const ProcessExit& exit) {
   unit.exit.reset();
   unit.signal = 0;
   if (unit.state.active == "failed") Reset(unit);
-  if (unit.wanted) unit.again = loop_.At(loop_.Now(), [this, &unit] { Examine(unit); });
+  // Or another process runs there by now.
+  if (unit.wanted || unit.state.runs()) {
+    unit.again = loop_.At(loop_.Now(), [this, &unit] { Examine(unit); });
+  }
   hooks_.on_ended(unit.actuator, pid, reported);
 }
 
-// A unit that has failed is kept by systemd, with its name, until it is reset.
 void HostUnits::Reset(Unit& unit) {
-  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kManager, "ResetFailedUnit");
-  if (!call) return;
-  sd_bus_message_append(call.get(), "s", unit.name.c_str());
-  unit.host.bus->Send(call, nullptr);
+  unit.host.systemd->Reset(unit.name);
 }
 
+// By the start of the unit, not by its name: what waits in a connection that is lost may arrive
+// when a newer process runs.
 void HostUnits::Kill(Unit& unit, int signal) {
-  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kManager, "KillUnit");
-  if (!call) return;
-  sd_bus_message_append(call.get(), "ssi", unit.name.c_str(), "all", signal);
+  if (unit.invocation.empty()) return Examine(unit);  // and then
   // Without a reply it may be lost with the connection: then it is sent again.
-  unit.host.bus->Send(call, [this, &unit, signal](const BusMessage& reply) {
-    if (unit.signal == signal) unit.signal = 0;
-    const bool refused = IsError(reply) && !IsError(reply, "org.freedesktop.systemd1.NoSuchUnit");
-    if (!refused || std::exchange(unit.refused, true)) return;
-    hooks_.on_reach(false, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
-                               "): the signal to " + unit.name + " was refused: " +
-                               ErrorText(reply) + (IsDenied(reply) ? kDeniedCure : ""));
-  });
-}
-
-void HostUnits::Stop(Unit& unit) {
-  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kManager, "StopUnit");
-  if (!call) return;
-  sd_bus_message_append(call.get(), "ss", unit.name.c_str(), "replace");
-  unit.host.bus->Send(call, nullptr);
+  unit.host.systemd->Kill(
+      unit.invocation, signal, [this, &unit, signal](const std::optional<SystemdError>& error) {
+        if (unit.signal == signal) unit.signal = 0;
+        const bool refused = error && error->kind != SystemdError::Kind::kGone;
+        if (!refused || std::exchange(unit.refused, true)) return;
+        hooks_.on_reach(false, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
+                                   "): the signal to " + unit.name +
+                                   " was refused: " + TextOf(*error));
+      });
 }
 
 // --- starts ---
@@ -626,7 +425,7 @@ void HostUnits::Start(const ProcessSpec& spec) {
   ArmDeadline(unit);
   // Not inside this call.
   unit.again = loop_.At(loop_.Now(), [this, &unit] {
-    unit.host.bus->Open();
+    unit.host.systemd->Open();
     Examine(unit);
   });
 }
@@ -634,82 +433,81 @@ void HostUnits::Start(const ProcessSpec& spec) {
 // A start waits so long for the unit before it to end, or until its host is said to be out of
 // reach.
 void HostUnits::ArmDeadline(Unit& unit) {
-  unit.deadline = loop_.At(loop_.Now() + start_within_, [this, &unit] {
+  unit.deadline = loop_.At(loop_.Now() + options_.start_within, [this, &unit] {
     if (!unit.wanted) return;
-    if (!unit.host.bus->is_up()) return Await(unit, Unreached(unit.host));
-    if (unit.asked) Stop(unit);  // it would start after it was given up
+    if (!unit.host.systemd->is_up()) return Await(unit, Unreached(unit.host));
+    if (unit.asked) {  // it would start after it was given up
+      unit.given_up = true;
+      Examine(unit);
+    }
     const std::string how = unit.unread.empty()
                                 ? " is " + unit.state.active + " for " +
-                                      std::to_string(ToMilliseconds(start_within_) / 1000) + " s"
+                                      std::to_string(ToMilliseconds(options_.start_within) / 1000) +
+                                      " s"
                                 : "'s state cannot be read: " + unit.unread;
     NotStarted(unit, "host " + unit.host.config.name + ": " + unit.name + how +
                          "; see `systemctl status " + unit.name + "` there");
   });
 }
 
+// Ends the start that was given up: its job, or what that has begun.
+void HostUnits::EndStart(Unit& unit) {
+  if (!unit.asked || (unit.state.ended() && unit.job.empty())) return;
+  unit.given_up = false;
+  if (unit.state.ended()) return unit.host.systemd->Cancel(unit.job);
+  if (IsOurs(unit)) unit.host.systemd->Stop(unit.state.invocation);
+}
+
 void HostUnits::StartUnit(Unit& unit) {
   if (unit.state.active == "failed") Reset(unit);
-  const BusMessage call = unit.host.bus->NewCall(kManagerPath, kManager, "StartTransientUnit");
-  if (!call) return;
-  const ProcessSpec& spec = *unit.wanted;
-  sd_bus_message* const m = call.get();
-  sd_bus_message_append(m, "ss", unit.name.c_str(), "fail");
-  sd_bus_message_open_container(m, 'a', "(sv)");
-  AppendText(m, "Description", unit.actuator + " of the machine " + config_.name);
-  AppendText(m, "Type", "exec");  // its start fails if the program cannot be executed
-  AppendText(m, "SyslogIdentifier", unit.actuator);
-  if (!spec.cwd.empty()) AppendText(m, "WorkingDirectory", spec.cwd);
-  sd_bus_message_append(m, "(sv)", "TimeoutStopUSec", "t", kRestEndsWithinUs);
-  AppendLimits(m, spec.limits);
-  OpenProperty(m, "Environment", "as");
-  std::vector<std::string> environment;
-  environment.reserve(spec.env.size());
-  for (const auto& [name, value] : spec.env) environment.push_back(name + "=" + value);
-  AppendTexts(m, environment);
-  CloseProperty(m);
+  UnitStart start;
+  start.unit = unit.name;
+  start.description = unit.actuator + " of the machine " + config_.name;
+  start.process = *unit.wanted;
   // What waits in a connection that is lost starts nothing later, when no one may want it any more.
-  const Duration until = unit.host.bus->running() + kStartValid;
-  AppendCommand(m, "ExecConditionEx", UntilHostHasRun(until), {"no-env-expand", "privileged"});
-  AppendCommand(m, "ExecStartEx", spec.argv, {"no-env-expand"});
-  sd_bus_message_close_container(m);
-  sd_bus_message_append(m, "a(sa(sv))", 0);
+  start.until = unit.host.systemd->running() + kStartValid;
   unit.asked = true;
+  unit.given_up = false;
   unit.job.clear();
   unit.state = {};
   if (unit.waits) ArmDeadline(unit);
-  unit.host.bus->Send(call,
-                      [this, &unit](const BusMessage& reply) { OnStartAnswered(unit, reply); });
+  unit.host.systemd->Start(
+      start, [this, &unit](const std::optional<SystemdError>& error, const std::string& job) {
+        OnStartAnswered(unit, error, job);
+      });
 }
 
-void HostUnits::OnStartAnswered(Unit& unit, const BusMessage& reply) {
-  const char* job = nullptr;
-  if (!IsError(reply) && sd_bus_message_read(reply.get(), "o", &job) >= 0) {
+void HostUnits::OnStartAnswered(Unit& unit, const std::optional<SystemdError>& error,
+                                const std::string& job) {
+  if (!error) {
     unit.job = job;
+    if (unit.given_up) Examine(unit);
     return;
   }
   unit.asked = false;
   if (!unit.wanted) return;
   // Another controller was faster, or the unit before it has not been dropped yet.
-  if (IsError(reply, "org.freedesktop.systemd1.UnitExists")) {
+  if (error->kind == SystemdError::Kind::kUnitExists) {
     unit.again = loop_.At(loop_.Now() + Milliseconds(50), [this, &unit] { Examine(unit); });
     return;
   }
   const std::string host = "host " + unit.host.config.name + " (" + unit.host.config.Login() + ")";
   // Nothing starts beside the job of its shutdown, until that has ended.
-  if (IsError(reply, "org.freedesktop.systemd1.TransactionIsDestructive")) {
+  if (error->kind == SystemdError::Kind::kShuttingDown) {
     unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
     if (!unit.waits) Await(unit, host + " is shutting down");
     return;
   }
-  NotStarted(unit, host + ": " + ErrorText(reply) + (IsDenied(reply) ? kDeniedCure : ""));
+  NotStarted(unit, host + ": " + TextOf(*error));
 }
 
 // The job of the start has ended. The signals about the unit have arrived before.
 void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::string& result) {
   if (!unit.asked || unit.job != job) return;
   unit.asked = false;
+  unit.given_up = false;
   const auto pid = static_cast<pid_t>(unit.state.exec_pid);
-  const bool done = result == "done";
+  const bool done = result == kJobDone;
   const bool not_executed = !done && unit.state.exec_code == CLD_EXITED &&
                             unit.state.exec_status >= kFirstOfSystemd &&
                             unit.state.exec_status <= kLastOfSystemd;
@@ -744,7 +542,7 @@ void HostUnits::Signal(const std::string& actuator, pid_t pid, int signal) {
   unit.signalled = true;
   if (unit.signal != SIGKILL) unit.signal = signal;
   // Else once it is reached, which the connection sees to, less and less often.
-  if (unit.host.bus->is_up()) Kill(unit, signal);
+  if (unit.host.systemd->is_up()) Kill(unit, signal);
 }
 
 void HostUnits::Find(std::function<void(const std::vector<Found>&)> done) {
@@ -757,7 +555,7 @@ void HostUnits::Find(std::function<void(const std::vector<Found>&)> done) {
     AnswerSearches();
   });
   searches_.push_back(std::move(search));
-  for (auto& [name, host] : hosts_) host->bus->Open();
+  for (auto& [name, host] : hosts_) host->systemd->Open();
   for (auto& [actuator, unit] : units_) Examine(*unit);
 }
 
@@ -782,13 +580,13 @@ void HostUnits::AnswerSearches() {
       const bool examined = unit->examined != before;
       if (examined && !IsChanging(*unit)) continue;
       one.pid = 0;
-      const bool up = unit->host.bus->is_up();
+      const bool up = unit->host.systemd->is_up();
       if (up && examined) {
         one.unreached = unit->name + " is " + (unit->asked ? "about to start" : unit->state.active);
       } else if (up && !unit->unread.empty()) {
         one.unreached = unit->name + "'s state cannot be read: " + unit->unread;
       } else {
-        one.unreached = TroubleOf(*unit->host.bus);
+        one.unreached = TroubleOf(*unit->host.systemd);
       }
     }
     search->done(found);

@@ -4,7 +4,7 @@
 //   musher-<machine>-<actuator>.service
 //
 // systemd starts it, knows how it has exited, and ends what it leaves behind; the signals of
-// systemd tell it to the controller (host_bus.hpp). The unit has the machine's id in its
+// systemd tell it to the controller (systemd.hpp). The unit has the machine's id in its
 // environment: a unit of that name that runs already is this machine's, and is found again, or
 // another machine's, and is neither touched nor replaced. systemd never runs two units of one name.
 //
@@ -13,6 +13,9 @@
 // host all have. What ends while its host shuts down, with whatever exit code, has ended with that
 // host (unit_end.hpp), and a start waits until the host is back. A host at its address that has run
 // for longer than it was out of reach is another one: it is not used.
+//
+// A signal, and the end of a start that was given up, name that one start of the unit: carried out
+// late, they end no newer process. A start is not carried out late.
 //
 // Threads: loop thread only, callbacks too.
 
@@ -23,8 +26,9 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/process/host_bus.hpp"
 #include "musher/controller/process/host_processes.hpp"
+#include "musher/controller/process/host_uptime.hpp"
+#include "musher/controller/process/systemd.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/transport/event_loop.hpp"
@@ -33,10 +37,17 @@ namespace musher {
 
 class HostUnits : public HostProcesses {
  public:
-  // All must outlive it. `machine`: what the controller's machine is known by now. `start_within`:
-  // how long a start takes at most, without the time that its host is waited for.
+  struct Options {
+    // How long a start takes at most, without the time that its host is waited for.
+    Duration start_within = Milliseconds(10'000);
+    // For how long the controller's host has run, also while it was suspended.
+    std::function<Duration()> since_boot = SinceBoot;
+  };
+
+  // All must outlive it. `machine`: what the controller's machine is known by now.
   HostUnits(transport::EventLoop& loop, const MachineConfig& config,
-            std::function<MachineIdentity()> machine, Duration start_within = Milliseconds(10'000));
+            std::function<MachineIdentity()> machine, const ConnectSystemd& connect,
+            Options options);
   ~HostUnits() override;
 
   void Open(Hooks hooks) override;
@@ -50,15 +61,17 @@ class HostUnits : public HostProcesses {
   struct Unit;
   struct Search;
 
+  Systemd::Hooks HooksOf(Host& host);
+  static Unit* UnitOf(Host& host, const std::string& name);
   void OnUp(Host& host);
   void OnDown(Host& host, bool was_up, bool for_good);
   std::string WhyRefused(const Host& host, const std::string& id, Duration running) const;
-  void OnSignal(Host& host, const BusMessage& message);
   void Examine(Unit& unit);
   void Examined(Unit& unit);
   void OnChange(Unit& unit);
   void StartUnit(Unit& unit);
-  void OnStartAnswered(Unit& unit, const BusMessage& reply);
+  void OnStartAnswered(Unit& unit, const std::optional<SystemdError>& error,
+                       const std::string& job);
   void OnJobRemoved(Unit& unit, const std::string& job, const std::string& result);
   void Started(Unit& unit, pid_t pid, bool found);
   void NotStarted(Unit& unit, const std::string& why);
@@ -68,8 +81,8 @@ class HostUnits : public HostProcesses {
   void AskSystemState(Unit& unit);
   void ReportEnd(Unit& unit, const ProcessExit& exit);
   void Reset(Unit& unit);
+  void EndStart(Unit& unit);
   void Kill(Unit& unit, int signal);
-  void Stop(Unit& unit);
   void Conclude(Unit& unit);
   void AnswerSearches();
   bool IsOurs(const Unit& unit) const;
@@ -79,7 +92,7 @@ class HostUnits : public HostProcesses {
   transport::EventLoop& loop_;
   const MachineConfig& config_;
   const std::function<MachineIdentity()> machine_;
-  const Duration start_within_;
+  const Options options_;
   Hooks hooks_;
   bool open_ = false;
   std::map<std::string, std::unique_ptr<Unit>> units_;  // by actuator

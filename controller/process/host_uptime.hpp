@@ -1,16 +1,28 @@
 #pragma once
-// How long another host has run, by its own clock, as the shell of that host reads it: the bound of
-// what is carried out there late. The kernel may deliver what was written to a connection minutes
-// after that was lost, and no clock of two hosts is the same.
+// Bounds of what another host carries out late. The kernel may deliver what was written to a
+// connection minutes after that was lost. The next connection ends it there; where none follows, a
+// start has a limit in the time for which that host has run, by its own clock, as the shell there
+// reads it: no clock of two hosts is the same.
 //
 // Threads: any.
 
+#include <sys/types.h>
+#include <time.h>
+
+#include <chrono>
 #include <string>
 #include <vector>
 
 #include "musher/base/time.hpp"
 
 namespace musher {
+
+// For how long this host has run, also while it was suspended.
+inline Duration SinceBoot() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
 
 // For sh: sets $running to the seconds that the first process has run, which is the uptime but in a
 // container.
@@ -23,6 +35,14 @@ inline std::vector<std::string> UntilHostHasRun(Duration limit) {
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(limit).count();
   return {"/bin/sh", "-c",
           std::string(kReadRunning) + "[ \"$running\" -le " + std::to_string(seconds) + " ]"};
+}
+
+// For sh: ends the other end of a connection, what it has not delivered with it, if that still runs
+// in the same boot. `boot_id`: of that host.
+inline std::string EndBridge(const std::string& boot_id, pid_t bridge) {
+  const std::string pid = std::to_string(bridge);
+  return "[ \"$(cat /proc/sys/kernel/random/boot_id)\" = " + boot_id + " ] && [ \"$(cat /proc/" +
+         pid + "/comm 2>/dev/null)\" = systemd-stdio-b ] && kill " + pid + " 2>/dev/null; ";
 }
 
 }  // namespace musher

@@ -39,7 +39,8 @@ class ActuatorProcesses {
   void Do(const action::TakeBacktrace& a);
   // The command survives this controller, which is about to exit.
   void Do(const action::RunPowerCommand& a);
-  // Forgets the starts that wait, and the other hosts: another controller leads.
+  // Forgets the starts that wait, and the other hosts: another controller leads, or the machine is
+  // stopped.
   void CancelStarts();
 
  private:

@@ -362,6 +362,7 @@ void ControllerShell::Do(const action::StartUpEnded& a) {
 
 // The cause may be a request that is still being handled: its service closes after its reply.
 void ControllerShell::Do(const action::Stopped&) {
+  processes_->CancelStarts();  // what runs from now on is the next controller's
   PublishStatus();
   presence_->FallSilent();
   CloseOnceAnswered(dependencies_.node->loop().Now() + kLastAnswers);

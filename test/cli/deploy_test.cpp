@@ -496,6 +496,32 @@ TEST_F(Deployed, SwitchThatWasBegunIsNotInterrupted) {
   ExpectText("#!/bin/sh\necho 2\n");
 }
 
+// No machine runs here.
+TEST_F(Deployed, VersionStaysWhereNothingCouldBeRestarted) {
+  const Ran ran = RunProgram({"deploy", folder_ / "robot.toml", "--version", "1.0.0", "--key",
+                              folder_ / "dog.key", "--from", folder_ / "from", "--restart"});
+  EXPECT_NE(ran.exit, 0);
+  EXPECT_THAT(ran.err, HasSubstr("all hosts have the version, and not restarted with it: eyes"));
+  ExpectText("#!/bin/sh\necho 1\n");
+}
+
+TEST_F(Deployed, ModuleMayBeAScriptOfPythonWithItsOwnModules) {
+  Write("from/eyes.py", "import sight\n");
+  Write("from/lib/sight.py", "print('eyes')\n");
+  Edit("\"" + Slot("vision") + "/bin/eyes\"", "\"python3\", \"" + Slot("vision") + "/eyes.py\"");
+  Edit("/robot.toml\" }", "/robot.toml\", PYTHONPATH = \"" + Slot("vision") + "/lib\" }");
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  const auto run =
+      musher::RunProgram({{"env", "PYTHONPATH=" + Slot("vision") + "/lib",
+                           "PYTHONDONTWRITEBYTECODE=1", "python3", Slot("vision") + "/eyes.py"},
+                          "",
+                          {}},
+                         "");
+  ASSERT_TRUE(run);
+  EXPECT_EQ(run.value().output, "eyes\n") << run.value().errors;
+}
+
 TEST_F(Deployed, ListInTheEnvironmentMayNameAFolderOfTheSlot) {
   Write("from/lib/libeyes.so", "x");
   Edit("env = { ", "env = { LD_LIBRARY_PATH = \"" + Slot("vision") + "/lib:/usr/lib\", ");

@@ -593,6 +593,12 @@ TEST(DoctorOfAnotherHost, NamesTheLimitsThatItsKernelDoesNotKeep) {
   cpus.cpus = 0.5;
   ProcessLimits nice;
   nice.nice = 5;
+  ProcessLimits sandbox;
+  sandbox.sandbox = Sandbox::kReadOnly;
+  ProcessLimits devices;
+  devices.devices = {"/dev/video0"};
+  ProcessLimits strict;
+  strict.sandbox = Sandbox::kStrict;
   const Kernel kernels[] = {
       {2,
        {"cpu", "quota"},
@@ -629,6 +635,23 @@ TEST(DoctorOfAnotherHost, NamesTheLimitsThatItsKernelDoesNotKeep) {
        CheckStatus::kWarning,
        "does not keep `nice` of eyes",
        "ssh root@10.0.0.2 sysctl kernel.sched_autogroup_enabled=0"},
+      {2,
+       {"devices"},
+       false,
+       sandbox,
+       CheckStatus::kError,
+       "does not keep `sandbox` of eyes: it permits no mount namespaces",
+       "remove the key"},
+      {2,
+       {"mounts"},
+       false,
+       devices,
+       CheckStatus::kError,
+       "does not keep the devices from eyes: its cgroups have no devices controller",
+       "CONFIG_CGROUP_BPF"},
+      {1, {"mounts"}, false, strict, CheckStatus::kError, "no devices controller", ""},
+      {1, {"devices", "mounts"}, false, strict, CheckStatus::kOk, "", ""},
+      {2, {"mounts"}, false, sandbox, CheckStatus::kOk, "", ""},
       {2, {"cpu"}, true, nice, CheckStatus::kOk, "", ""},
       {2, {"memory"}, false, nice, CheckStatus::kOk, "", ""},
       {0, {}, true, memory, CheckStatus::kOk, "", ""},

@@ -7,6 +7,7 @@
 //   FOLDER/system         SystemState; without it "running"
 //   FOLDER/ignore-MEMBER  the calls of this member are not answered
 //   FOLDER/refuse-MEMBER  the calls of this member are answered with the error in it
+//   FOLDER/late-MEMBER    the calls of this member are answered once it is removed
 //   FOLDER/changed        PropertiesChanged is sent once, without the environment; removed after
 //   FOLDER/down           the connection ends; removed before
 //   FOLDER/calls          written: the calls, a line each
@@ -16,8 +17,10 @@
 #include <systemd/sd-bus.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -32,6 +35,11 @@ struct Unit {
   std::string result = "success";
   std::int32_t exit_code = -1;  // of its last process; -1: none has exited
 
+  // Each process is of a start of its own.
+  std::string invocation() const {
+    std::string text = std::to_string(pid);
+    return text.insert(0, 32 - text.size(), '0');
+  }
   std::int32_t exec_code() const { return exit_code < 0 ? 0 : CLD_EXITED; }
 };
 
@@ -47,7 +55,6 @@ class FakeSystemd {
                       sd_bus_add_filter(bus_, nullptr, &OnMessage, this) >= 0 &&
                       sd_bus_start(bus_) >= 0;
     if (!made) return 1;
-    constexpr std::uint64_t kLookEach_us = 5'000;
     for (;;) {
       const int more = sd_bus_process(bus_, nullptr);
       if (more < 0) return 0;
@@ -70,6 +77,10 @@ class FakeSystemd {
 
   void Answer(sd_bus_message* call) {
     const std::string member = sd_bus_message_get_member(call);
+    if (Has("late-" + member)) {
+      Note(member + " is late");
+      while (Has("late-" + member)) sd_bus_wait(bus_, kLookEach_us);
+    }
     if (Has("refuse-" + member)) {
       std::ifstream file(folder_ + "/refuse-" + member);
       std::string name;
@@ -86,21 +97,33 @@ class FakeSystemd {
       sd_bus_reply_method_return(call, "s", ":1.1");
     } else if (member == "GetAll") {
       AnswerProperties(call);
-    } else if (member == "KillUnit") {
-      const char* unit = nullptr;
-      const char* whom = nullptr;
-      std::int32_t signal = 0;
-      sd_bus_message_read(call, "ssi", &unit, &whom, &signal);
-      Note("KillUnit " + std::to_string(signal));
-      sd_bus_reply_method_return(call, "");
+    } else if (member == "Kill") {
+      AnswerKill(call);
     } else if (member == "StartTransientUnit") {
       NoteCommand(call);
       sd_bus_reply_method_return(call, "o", "/org/freedesktop/systemd1/job/1");
     } else {
-      if (member == "StopUnit") Note(member);
+      if (member == "Stop" || member == "Cancel") Note(member);
       sd_bus_reply_method_return(call, "");
     }
     sd_bus_flush(bus_);
+  }
+
+  void AnswerKill(sd_bus_message* call) {
+    const char* whom = nullptr;
+    std::int32_t signal = 0;
+    sd_bus_message_read(call, "si", &whom, &signal);
+    char* id = nullptr;
+    sd_bus_path_decode(sd_bus_message_get_path(call), "/org/freedesktop/systemd1/unit", &id);
+    const std::string invocation = id == nullptr ? "" : id;
+    free(id);  // NOLINT(cppcoreguidelines-no-malloc): sd-bus's
+    if (invocation == Read().invocation()) {
+      Note("Kill " + std::to_string(signal));
+      sd_bus_reply_method_return(call, "");
+    } else {
+      Note("Kill of another start");
+      sd_bus_reply_method_errorf(call, "org.freedesktop.systemd1.NoUnitForInvocationID", "none");
+    }
   }
 
   void AnswerProperties(sd_bus_message* call) {
@@ -116,10 +139,26 @@ class FakeSystemd {
                             unit.pid, "ExecMainCode", "i", unit.exec_code(), "ExecMainStatus", "i",
                             unit.exit_code, "Environment", "as", 1, unit.variable.c_str());
     } else {
-      sd_bus_message_append(reply, "a{sv}", 1, "ActiveState", "s", unit.active.c_str());
+      AppendUnit(reply, unit);
     }
     sd_bus_send(bus_, reply, nullptr);
     sd_bus_message_unref(reply);
+  }
+
+  // Its properties as "a{sv}".
+  static void AppendUnit(sd_bus_message* message, const Unit& unit) {
+    sd_bus_message_open_container(message, 'a', "{sv}");
+    sd_bus_message_append(message, "{sv}", "ActiveState", "s", unit.active.c_str());
+    std::array<unsigned char, 16> id{};
+    const std::string digits = unit.invocation();
+    for (std::size_t i = 0; i < id.size(); ++i) {
+      id.at(i) = static_cast<unsigned char>(std::stoi(digits.substr(2 * i, 2), nullptr, 16));
+    }
+    sd_bus_message_open_container(message, 'e', "sv");
+    sd_bus_message_append(message, "s", "InvocationID");
+    sd_bus_message_open_container(message, 'v', "ay");
+    sd_bus_message_append_array(message, 'y', id.data(), id.size());
+    for (int level = 0; level < 3; ++level) sd_bus_message_close_container(message);
   }
 
   void SendChange() {
@@ -137,8 +176,9 @@ class FakeSystemd {
                               unit.exec_code(), "ExecMainStatus", "i", unit.exit_code, "Result",
                               "s", unit.result.c_str(), 0);
       } else {
-        sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Unit", 1, "ActiveState",
-                              "s", unit.active.c_str(), 0);
+        sd_bus_message_append(signal, "s", "org.freedesktop.systemd1.Unit");
+        AppendUnit(signal, unit);
+        sd_bus_message_append(signal, "as", 0);
       }
       sd_bus_send(bus_, signal, nullptr);
       sd_bus_message_unref(signal);
@@ -179,7 +219,7 @@ class FakeSystemd {
     Note("StartTransientUnit");
   }
 
-  // " 64" of a variant with a number or a text; else nothing.
+  // " 64" of a variant with a number, a text or a list of devices; else nothing.
   static std::string ValueOf(sd_bus_message* call) {
     const char* contents = nullptr;
     sd_bus_message_peek_type(call, nullptr, &contents);
@@ -195,6 +235,18 @@ class FakeSystemd {
     }
     if (type == "s" && sd_bus_message_read(call, "v", "s", &text) > 0) {
       return std::string(" ") + text;
+    }
+    if (type == "a(ss)") {
+      std::string words;
+      sd_bus_message_enter_container(call, 'v', "a(ss)");
+      sd_bus_message_enter_container(call, 'a', "(ss)");
+      const char* access = nullptr;
+      while (sd_bus_message_read(call, "(ss)", &text, &access) > 0) {
+        words += std::string(" ") + text + " " + access;
+      }
+      sd_bus_message_exit_container(call);
+      sd_bus_message_exit_container(call);
+      return words;
     }
     sd_bus_message_skip(call, "v");
     return "";
@@ -216,6 +268,7 @@ class FakeSystemd {
     std::ofstream(folder_ + "/" + file, std::ios::app) << line << "\n";
   }
 
+  static constexpr std::uint64_t kLookEach_us = 5'000;
   const std::string folder_;
   sd_bus* bus_ = nullptr;
   std::string path_;  // of the unit

@@ -16,8 +16,10 @@
 #include <utility>
 #include <vector>
 
+#include "musher/base/exit_status.hpp"
 #include "musher/base/files.hpp"
 #include "musher/base/program.hpp"
+#include "musher/controller/process/bus_systemd.hpp"
 #include "musher/controller/process/host_uptime.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -30,6 +32,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 constexpr Duration kSoon = std::chrono::seconds(30);
@@ -41,8 +44,9 @@ class UnitOfAnotherHost : public ::testing::Test {
  protected:
   UnitOfAnotherHost() {
     const std::string ssh = folder_ / "ssh";
-    std::ofstream(ssh) << "#!/bin/sh\n[ ! -e " << (folder_ / "off") << " ] || {\n  echo >> "
-                       << (folder_ / "tries")
+    std::ofstream(ssh) << "#!/bin/sh\nfor word; do :; done\necho \"$word\" >> "
+                       << (folder_ / "commands") << "\n[ ! -e " << (folder_ / "off")
+                       << " ] || {\n  echo >> " << (folder_ / "tries")
                        << "\n  echo 'connect to host 10.0.0.2 port 22: No route to host' >&2\n"
                        << "  exit 255\n}\ncat " << (folder_ / "greeting") << "\nexec " << BinDir()
                        << "/controller_fake_systemd " << folder_.path() << "\n";
@@ -71,14 +75,15 @@ class UnitOfAnotherHost : public ::testing::Test {
         [this] {
           return MachineIdentity{"robot", id_};
         },
-        start_within);
+        BySsh(loop_), HostUnits::Options{.start_within = start_within});
   }
   void Write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / (name + ".new")) << text;
     std::filesystem::rename(folder_ / (name + ".new"), folder_ / name);
   }
-  void Greet(const std::string& host_id, int uptime_s) const {
-    Write("greeting", "musher-host " + host_id + " " + std::to_string(uptime_s) + ".5\n");
+  void Greet(const std::string& host_id, int uptime_s, pid_t bridge = 77) const {
+    Write("greeting", "musher-host " + host_id + " " + std::to_string(uptime_s) + ".5 " +
+                          std::to_string(bridge) + "\n");
   }
   void SetUnit(const std::string& active, pid_t pid, const std::string& variable = kOurs) const {
     Write("unit", active + " " + std::to_string(pid) + " " + variable + "\n");
@@ -195,11 +200,11 @@ TEST_F(UnitOfAnotherHost, OfAMachineWithAnIdIsNotTakenByOneWithout) {
 
 TEST_F(UnitOfAnotherHost, WhoseSignalIsRefusedIsReportedOnce) {
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
-  Write("refuse-KillUnit", "org.freedesktop.DBus.Error.AccessDenied");
+  Write("refuse-Kill", "org.freedesktop.DBus.Error.AccessDenied");
   units_->Signal("eyes", 41, SIGTERM);
   units_->Signal("eyes", 41, SIGKILL);
   Find();
-  EXPECT_EQ(Calls(), "KillUnit refused\nKillUnit refused\n");
+  EXPECT_EQ(Calls(), "Kill refused\nKill refused\n");
   ASSERT_THAT(troubles_, SizeIs(1));
   EXPECT_THAT(troubles_.front(), AllOf(HasSubstr("the signal to musher-robot-eyes.service"),
                                        HasSubstr("refused by the test"), HasSubstr("polkit")));
@@ -212,7 +217,22 @@ TEST_F(UnitOfAnotherHost, GetsTheSignalThatWaitedForItsHost) {
   Await([this] { return !reached_.empty(); });
   Find();
   Find();  // its calls follow the signal
-  EXPECT_EQ(Calls(), "KillUnit 9\n");
+  EXPECT_EQ(Calls(), "Kill 9\n");
+}
+
+// The kernel may deliver a signal minutes after its connection was lost.
+TEST_F(UnitOfAnotherHost, GetsNoSignalThatWasForTheProcessBeforeIt) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("late-Kill", "");
+  units_->Signal("eyes", 41, SIGKILL);
+  AwaitCall("Kill is late\n");
+  SetUnit("active", 52);
+  std::filesystem::remove(folder_ / "late-Kill");
+  AwaitCall("Kill of another start\n");
+  Write("changed", "");
+  Await([this] { return started_.back() == 52; });
+  EXPECT_THAT(Calls(), Not(HasSubstr("Kill 9")));
+  EXPECT_THAT(troubles_, IsEmpty());  // it needs no signal
 }
 
 TEST_F(UnitOfAnotherHost, GetsNoSignalWhoseReasonHasPassed) {
@@ -348,6 +368,36 @@ TEST_F(UnitOfAnotherHost, IsStartedWithinSomeSecondsOfItsHostsClockOrNotAtAll) {
   EXPECT_FALSE(starts(-std::chrono::seconds(1)));
 }
 
+// What waits in the one before would be carried out beside it.
+TEST_F(UnitOfAnotherHost, WhoseConnectionIsMadeAgainEndsTheOneBeforeThere) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  EXPECT_THAT(ReadFile(folder_ / "commands"), Not(HasSubstr("kill")));
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !reached_.empty(); });
+  EXPECT_THAT(ReadFile(folder_ / "commands"),
+              HasSubstr(EndBridge("01234567-89ab-cdef-0123-456789abcdef", 77)));
+}
+
+TEST(EndBridge, EndsABridgeOfThisBootAndNothingElse) {
+  const TempFolder folder;
+  const std::string boot = ReadFile("/proc/sys/kernel/random/boot_id").substr(0, 36);
+  const auto ends = [&](const std::string& program, const std::string& boot_id) {
+    std::filesystem::copy_file("/bin/sleep", folder / program,
+                               std::filesystem::copy_options::skip_existing);
+    ProgramSpec spec;
+    spec.argv = {folder / program, "1000"};
+    const auto child = ForkProgram(spec);
+    const pid_t pid = child.value().pid();
+    EXPECT_FALSE(child.value().Failure(kSoon));  // it runs
+    EXPECT_TRUE(RunProgram({{"sh", "-c", EndBridge(boot_id, pid)}, "", {}}, ""));
+    kill(pid, SIGKILL);
+    return ReapChild(pid)->number == SIGTERM;
+  };
+  EXPECT_TRUE(ends("systemd-stdio-bridge", boot));
+  EXPECT_FALSE(ends("systemd-stdio-bridge", "76543210-89ab-cdef-0123-456789abcdef"));
+  EXPECT_FALSE(ends("sleep", boot));
+}
+
 TEST_F(UnitOfAnotherHost, ThatIsAboutToRunIsNotTakenForEnded) {
   SetUnit("activating", 0);
   Open();
@@ -360,12 +410,23 @@ TEST_F(UnitOfAnotherHost, ThatIsNotStartedInTimeIsStopped) {
   SetUnit("inactive", 0);
   Open();
   Start();
+  AwaitCall("StartTransientUnit");
+  SetUnit("activating", 0);
   Await([this] { return !not_started_.empty(); });
   EXPECT_THAT(not_started_.front(), HasSubstr("systemctl status musher-robot-eyes.service"));
-  AwaitCall("StopUnit");
-  EXPECT_LT(Calls().find("StartTransientUnit"), Calls().find("StopUnit"));
+  AwaitCall("Stop\n");
   EXPECT_THAT(waits_, IsEmpty());
   EXPECT_EQ(Find().unreached, "musher-robot-eyes.service is about to start");
+}
+
+TEST_F(UnitOfAnotherHost, WhoseJobHasNotBegunInTimeIsCancelled) {
+  Make(Milliseconds(300));
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  AwaitCall("Cancel\n");
+  EXPECT_THAT(Calls(), Not(HasSubstr("Stop\n")));
 }
 
 TEST_F(UnitOfAnotherHost, WaitsForItsHostAndIsStartedOnceThatIsReached) {
@@ -425,6 +486,29 @@ TEST_F(UnitOfAnotherHost, HasTheLimitsOfTheConfig) {
                     HasSubstr("CPUQuotaPerSecUSec 500000\n"), HasSubstr("Nice -5\nCPUWeight 305\n"),
                     HasSubstr("CPUSchedulingPolicy 1\nCPUSchedulingPriority 40\n"),
                     HasSubstr("User robot\n")));
+}
+
+TEST_F(UnitOfAnotherHost, HasTheSandboxOfTheConfig) {
+  ProcessLimits& limits = config_.actuators[0].limits;
+  limits.sandbox = Sandbox::kReadOnly;
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit");
+  EXPECT_THAT(Calls(), AllOf(HasSubstr("ProtectSystem strict\nNoNewPrivileges\nReadWritePaths\n"),
+                             Not(HasSubstr("ProtectHome")), Not(HasSubstr("Device"))));
+}
+
+TEST_F(UnitOfAnotherHost, InAStrictSandboxOpensItsDevicesOnly) {
+  ProcessLimits& limits = config_.actuators[0].limits;
+  limits.sandbox = Sandbox::kStrict;
+  limits.devices = {"/dev/video0"};
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit");
+  EXPECT_THAT(Calls(), AllOf(HasSubstr("ProtectHome yes\nPrivateTmp\nProtectKernelTunables\n"),
+                             HasSubstr("DevicePolicy closed\nDeviceAllow /dev/video0 rw\n")));
 }
 
 TEST_F(UnitOfAnotherHost, EndedByItsLimitOfMemoryNamesThat) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "musher/simulation/hosts.hpp"
 #include "musher/transport/sim/random.hpp"
 
 namespace musher::testing {
@@ -158,6 +159,24 @@ MachineConfig SampleConfig(std::uint64_t seed) {
   if (config.transport == TransportProfile::kLan) StartSomeByHand(config, seed);
   RemoveTransitions(config, seed);
   SamplePermitAndClock(config, seed);
+  return config;
+}
+
+MachineConfig SampleConfigWithUnits(std::uint64_t seed) {
+  Random random(seed * 2 + 0x756e6974);
+  MachineConfig config = SampleConfig(seed);
+  config.transport = TransportProfile::kLan;
+  const std::vector<std::string> hosts = simulation::SampleLayout(config, seed, false).hosts;
+  for (std::size_t i = 1; i < hosts.size(); ++i) {
+    HostConfig& host = config.hosts.emplace_back();
+    host.name = host.address = hosts[i];
+  }
+  for (ActuatorConfig& actuator : config.actuators) {
+    if (random.Bernoulli(0.4)) continue;
+    actuator.command = {"run", actuator.name};
+    actuator.host = config.hosts[random.Next() % config.hosts.size()].name;
+    actuator.times.front() += std::chrono::seconds(3);  // of SetUp: its host has to be reached
+  }
   return config;
 }
 

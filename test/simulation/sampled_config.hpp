@@ -10,4 +10,7 @@ namespace musher::testing {
 
 MachineConfig SampleConfig(std::uint64_t seed);
 
+// The same robot with two or three hosts, whose systemds run some of the actuators as units.
+MachineConfig SampleConfigWithUnits(std::uint64_t seed);
+
 }  // namespace musher::testing

@@ -42,7 +42,7 @@ class ActuatorReader {
     ReadProcess();
     ReadPlace();
     ReadHostOf(reader_, actuator_.config, draft_);
-    ReadLimits(reader_, actuator_.config);
+    ReadLimits(reader_, actuator_.config, draft_);
     ReadRestart();
     ReadLosses();
     reader_.RefuseOthers();

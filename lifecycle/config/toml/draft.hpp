@@ -74,7 +74,7 @@ void ReadProtocol(TableReader& reader, ActuatorConfig& config, Draft& draft);
 void ReadHostOf(TableReader& reader, ActuatorConfig& config, Draft& draft);
 
 // What its process may use; the host has been read.
-void ReadLimits(TableReader& reader, ActuatorConfig& config);
+void ReadLimits(TableReader& reader, ActuatorConfig& config, const Draft& draft);
 
 // `after` and `binds_to`: unknown names, the actuator itself, later stages, cycles. `tables` are
 // all [actuator.*], also those that controller.actuators does not list.

@@ -1,8 +1,11 @@
 // [host.<name>], and `host` and the limits of one [actuator.<name>].
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "musher/base/suggest.hpp"
@@ -74,6 +77,58 @@ HostConfig ReadHost(const Member& member, const Table& table, Draft& draft) {
   return host;
 }
 
+// What no process in a strict sandbox sees.
+bool IsHidden(std::string_view path) {
+  constexpr std::array<std::string_view, 5> kHidden = {"/home/", "/root/", "/run/user/", "/tmp/",
+                                                       "/var/tmp/"};
+  return std::ranges::any_of(kHidden, [&](std::string_view one) { return path.starts_with(one); });
+}
+
+void ReadDevices(TableReader& reader, ProcessLimits& limits) {
+  constexpr std::string_view kKey = "devices";
+  const auto words = reader.Strings(kKey, {.may_be_empty = true});
+  if (!words) return;
+  limits.devices.emplace();
+  for (const Word& word : *words) {
+    const std::string path = std::filesystem::path(word.text).lexically_normal().string();
+    if (!path.starts_with("/dev/") || path != word.text) {
+      reader.Fault(
+          word.at, kKey,
+          "expected the path of a device, such as \"/dev/video0\", found " + Quote(word.text));
+    }
+    limits.devices->push_back(word.text);
+  }
+}
+
+// What nothing would keep there.
+void FaultOnOwnHost(TableReader& reader, std::string_view key) {
+  const std::string unit = "limit the controller with all its processes in its own unit ";
+  std::string instead = "has no such limit; " + unit + "(MemoryMax=, CPUQuota=)";
+  if (key == "user") instead = "runs as the user of the controller; remove the key";
+  if (key == "sandbox") instead = "has none; " + unit + "(ProtectSystem=)";
+  if (key == "devices") instead = "opens what the controller may; " + unit + "(DeviceAllow=)";
+  reader.Fault(reader.At(key), key,
+               "needs a host, whose systemd keeps it: a process of the controller's own host " +
+                   instead + ", or give the actuator a [host.<name>]");
+}
+
+// What the process needs, and does not see in its sandbox.
+void CheckSandbox(TableReader& reader, const ActuatorConfig& config, const Draft& draft) {
+  if (config.limits.sandbox != Sandbox::kStrict || config.host.empty()) return;
+  const auto own = config.env.find("MUSHER_CONFIG");
+  const std::filesystem::path name = std::filesystem::path(draft.config.file).filename();
+  const std::string file = own != config.env.end() ? own->second : (draft.folder / name).string();
+  const std::string program = config.command.empty() ? "" : config.command.front();
+  for (const auto& [what, path] :
+       {std::pair("its program ", program), std::pair("its working directory ", config.cwd),
+        std::pair("its config ", file)}) {
+    if (!IsHidden(path + "/")) continue;
+    reader.Fault(reader.At("sandbox"), "sandbox",
+                 "\"strict\" hides the home folders and /tmp, and " + std::string(what) + path +
+                     " is in one; put it elsewhere, such as /opt, or take \"read-only\"");
+  }
+}
+
 }  // namespace
 
 void ReadHosts(TableReader& root, Draft& draft) {
@@ -132,7 +187,7 @@ void ReadHostOf(TableReader& reader, ActuatorConfig& config, Draft& draft) {
   }
 }
 
-void ReadLimits(TableReader& reader, ActuatorConfig& config) {
+void ReadLimits(TableReader& reader, ActuatorConfig& config, const Draft& draft) {
   ProcessLimits& limits = config.limits;
   if (const auto mb = reader.Integer("memory_max_mb", 1, kMostMemoryMb)) {
     limits.memory_max_bytes = *mb << 20;
@@ -151,6 +206,11 @@ void ReadLimits(TableReader& reader, ActuatorConfig& config) {
                    "expected the name of a user of the host, found " + Quote(user->text));
     }
   }
+  limits.sandbox =
+      reader.Choice<Sandbox>("sandbox", {std::begin(kSandboxNames), std::end(kSandboxNames)})
+          .value_or(Sandbox::kNone);
+  ReadDevices(reader, limits);
+  CheckSandbox(reader, config, draft);
   if (limits.cpus && limits.realtime_priority) {
     reader.Fault(reader.At("cpus"), "cpus",
                  "does not limit a process with realtime_priority: leave one of them out");
@@ -159,19 +219,12 @@ void ReadLimits(TableReader& reader, ActuatorConfig& config) {
     reader.Warn(reader.At("nice"), "nice", "has no effect with realtime_priority");
   }
   for (const std::string_view key :
-       {"memory_max_mb", "cpus", "nice", "realtime_priority", "user"}) {
+       {"memory_max_mb", "cpus", "nice", "realtime_priority", "user", "sandbox", "devices"}) {
     if (!reader.Has(key)) continue;
     if (!reader.Has("command")) {
       reader.Warn(reader.At(key), key, "has no effect without a command");
     } else if (!reader.Has("host") && key != "nice" && key != "realtime_priority") {
-      const bool user = key == "user";
-      reader.Fault(reader.At(key), key,
-                   std::string("needs a host, whose systemd keeps it: a process of the "
-                               "controller's own host ") +
-                       (user ? "runs as the user of the controller; remove the key, or"
-                             : "has no such limit; limit the controller with all its processes "
-                               "in its own unit (MemoryMax=, CPUQuota=), or") +
-                       " give the actuator a [host.<name>]");
+      FaultOnOwnHost(reader, key);
     }
   }
 }

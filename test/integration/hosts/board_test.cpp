@@ -201,6 +201,59 @@ TEST_F(Board, RunsTheProcessAsItsUser) {
               HasSubstr("it has no user robot-there; ssh root@10.77.3.2 useradd --system"));
 }
 
+TEST_F(Board, EndsAProcessThatDoesNotHandleSigterm) {
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  const pid_t before = PidOfEyes();
+  ASSERT_EQ(OnBoard({"kill", "-STOP", std::to_string(before)}).exit, 0);
+  EXPECT_EQ(robot_->Run({"restart", "eyes"}).exit, 0) << History();
+  ASSERT_TRUE(AwaitActive());
+  EXPECT_NE(PidOfEyes(), before);
+  EXPECT_EQ(Property("MainPID"), std::to_string(PidOfEyes()));
+  EXPECT_THAT(History(), Not(HasSubstr("was refused")));
+}
+
+// A signal that arrives late is for a start of the unit that there is no more.
+TEST_F(Board, EndsNoProcessByTheSignalToAnEarlierOne) {
+  const auto kill_by = [this](const std::string& invocation) {
+    const std::string first = invocation.substr(0, 1);
+    const std::string label = first < "a" ? "_3" + first : first;
+    return OnBoard({"busctl call org.freedesktop.systemd1 /org/freedesktop/systemd1/unit/" + label +
+                    invocation.substr(1) + " org.freedesktop.systemd1.Unit Kill si all 9"});
+  };
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  const std::string earlier = Property("InvocationID");
+  ASSERT_EQ(robot_->Run({"restart", "eyes"}).exit, 0);
+  ASSERT_TRUE(AwaitActive());
+  const std::string before = Property("MainPID");
+  EXPECT_NE(Property("InvocationID"), earlier);
+  EXPECT_NE(kill_by(earlier).exit, 0);
+  EXPECT_EQ(Property("MainPID"), before);
+  EXPECT_EQ(kill_by(Property("InvocationID")).exit, 0);
+  EXPECT_TRUE(Until([&] { return Property("MainPID") != before; }));
+}
+
+TEST_F(Board, KeepsTheSandboxOfAProcess) {
+  Replace("host = \"board\"\n", "host = \"board\"\nsandbox = \"read-only\"\n");
+  std::ofstream(folder_ / "eyes.toml")
+      << "[state.SetUp]\nstart = [\"sh\", \"-c\", \"touch /opt/seen && echo wrote files; touch "
+         "/tmp/seen && echo wrote tmp; ls /root/.ssh >/dev/null && echo saw homes; exec sleep "
+         "1000\"]\n";
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  EXPECT_THAT(robot_->Run({"logs", "eyes"}).out,
+              AllOf(Not(HasSubstr("wrote files")), HasSubstr("wrote tmp"), HasSubstr("saw homes")));
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
+
+  ASSERT_EQ(OnBoard({"rm -rf /opt/eyes && cp -r " + folder_.path() + " /opt/eyes"}).exit, 0);
+  Replace((folder_ / "eyes") + ".toml\"]\n",
+          "/opt/eyes/eyes.toml\"]\nenv = { MUSHER_CONFIG = \"/opt/eyes/robot.toml\" }\n");
+  Replace("\"read-only\"", "\"strict\"\ndevices = [\"/dev/video0\"]");
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  EXPECT_EQ(Property("DevicePolicy"), "closed");
+  EXPECT_THAT(robot_->Run({"logs", "eyes", "-n", "3"}).out,
+              AllOf(HasSubstr("wrote tmp"), Not(HasSubstr("saw homes"))));
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
+}
+
 // The kernel ends it; systemd knows why from the counts of its cgroup of version 2.
 TEST_F(Board, EndsAProcessThatNeedsMoreMemoryThanItsLimitAndStartsItAgain) {
   if (OnBoard({"grep", "-q", "memory", "/sys/fs/cgroup/cgroup.controllers"}).exit != 0) {
@@ -334,8 +387,11 @@ class DeployedBoard : public RobotAndBoard {
                         << "/musher-exec \"$@\"\n";
     std::filesystem::permissions(file, std::filesystem::perms::owner_all);
   }
-  Ended Deploy(const std::string& version) const {
-    return robot_->Run({"deploy", config_, "--version", version, "--key", folder_ / "robot.key"});
+  Ended Deploy(const std::string& version, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {"deploy", config_, "--version",
+                                      version,  "--key", folder_ / "robot.key"};
+    words.insert(words.end(), more.begin(), more.end());
+    return robot_->Run(words);
   }
   std::string Current() const {
     return OnBoard({"readlink", "-f", "/opt/robot/current/bin/eyes"}).out;
@@ -359,6 +415,15 @@ TEST_F(DeployedBoard, RunsTheVersionThatWasCopiedToIt) {
   EXPECT_EQ(robot_->Run({"restart", "eyes"}).exit, 0);
   ASSERT_TRUE(AwaitActive());
   EXPECT_THAT(robot_->Run({"logs", "eyes"}).out, HasSubstr("the second version"));
+
+  MakeVersion("the third version");
+  const pid_t second_process = PidOfEyes();
+  const Ended third = Deploy("1.2.0", {"--restart"});
+  ASSERT_EQ(third.exit, 0) << third.err;
+  EXPECT_THAT(third.out, HasSubstr("restarted: eyes"));
+  EXPECT_NE(PidOfEyes(), second_process);
+  ASSERT_TRUE(AwaitActive());
+  EXPECT_THAT(robot_->Run({"logs", "eyes"}).out, HasSubstr("the third version"));
   EXPECT_EQ(robot_->Run({"down"}).exit, 0);
 }
 

@@ -1,0 +1,35 @@
+#include "musher/cli/machine/restart_call.hpp"
+
+#include <variant>
+
+namespace musher::cli {
+namespace {
+
+constexpr Duration kRestartTimeout = std::chrono::seconds(60);
+
+Failure WithHint(Failure failure, const std::string& actuator) {
+  if (failure.exit == ExitCode::kNoAnswer || failure.exit == ExitCode::kInterrupted) {
+    failure.error.message +=
+        "; the restart of " + actuator + " continues, `musher status` shows its outcome";
+  } else if (failure.exit == ExitCode::kUnknownEnd) {
+    failure.error.message +=
+        "; `musher up` with the same config takes control of what still runs, and `musher status` "
+        "then shows whether " +
+        actuator + " is back";
+  }
+  return failure;
+}
+
+}  // namespace
+
+std::optional<Failure> RestartActuator(Link& link, const std::string& actuator) {
+  const auto answer = link.CallLeader<msg::RestartActuator>(
+      "restart_actuator", {actuator, UserAtHost()}, kRestartTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) return WithHint(*failure, actuator);
+  const auto& restarted = std::get<msg::RestartActuator::Response>(answer);
+  if (restarted.code == kCodeOk) return std::nullopt;
+  return Failure{ExitCodeOfRefusal(restarted.code),
+                 {restarted.code, "restart " + actuator + ": " + restarted.reason}};
+}
+
+}  // namespace musher::cli
