@@ -191,7 +191,9 @@ class Decision {
     if (received.stamp <= Time() || received.stamp > Time() + kLongestRun) return;
     Permit& permit = core_.permit;
     const Time until = now_ - LatenessOf(received) + *machine_.permit;
-    if (until <= permit.until) return;
+    // Of those that come together, as after the process was frozen, the last one counts.
+    const bool newer = until == permit.until && received.stamp > permit.stamp;
+    if (until <= permit.until && !newer) return;
     permit.until = until;
     permit.stamp = received.stamp;
     permit.by = received.by;
