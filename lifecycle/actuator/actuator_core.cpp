@@ -209,6 +209,7 @@ class Decision {
     const auto deadline = ControllerDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
     core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
+    core_.went_by_itself = now_;
     core_.was_detached = report_.detached;
     report_.busy_number = 0;
     Run(*SafeState(machine_, index_, core_));
@@ -452,6 +453,10 @@ class Decision {
       return Refused<Refusal::kCommandBeforeRelease>();
     }
     if (auto refusal = CheckAge(command, now_)) return refusal;
+    const Time sent = command.status_stamp + command.since_status;
+    if (sent < core_.went_by_itself && SwitchesOn(command.target)) {
+      return Refused<Refusal::kCommandBeforeSafeState>(config_.on_controller_lost);
+    }
     if (AwaitsPermit(command.target)) return std::nullopt;
     StopWithoutPermit(command.target);
     return CheckStop(command.target);
