@@ -102,6 +102,7 @@ enum class Refusal : std::uint8_t {
   kOnlyAtStart,
   kStopForbidsSwitchingOn,
   kCommandBeforeRelease,
+  kCommandBeforeSafeState,
   kNoStateToSwitchTo,
   kControlled,
   // A capability.
@@ -271,6 +272,9 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
      "an emergency stop is engaged; until it is released nothing is switched on"},
     {Refusal::kCommandBeforeRelease, kCodeProtectedError,
      "the command was sent before an emergency stop was released; it switches nothing on"},
+    {Refusal::kCommandBeforeSafeState, kCodeStatusError,
+     "the command was sent before the actuator lost its controller and went to {state}; it "
+     "switches nothing on"},
     {Refusal::kNoStateToSwitchTo, kCodeUnSupport,
      "{actuator} has no state '{state}' to be switched to"},
     {Refusal::kControlled, kCodePermissionDenied, "a controller has control, epoch {epoch}"},

@@ -62,7 +62,7 @@ void CommandChecker::OnBegun(const std::string& name, std::size_t host,
   }
   if (report.target == kSetUp) return;
   if (report.busy_number == 0) {
-    self_switched_.insert(name);
+    self_switched_[name] = robot_.network().now();
     if (rises) ReportViolation(Invariant::kNoUnrequestedActivation, what + " without a command");
     return;
   }
@@ -124,6 +124,11 @@ void CommandChecker::CheckWaiting(const std::string& name, std::size_t host,
   if (begun || stopped || report.epoch > before->epoch || report.state == kTearDown) return;
   const auto sent = sent_commands_.find({before->epoch, *config_.IndexOf(name), command.number});
   if (sent == sent_commands_.end()) return;
+  // It waited behind the way to the safe state that the actuator went to by itself after that.
+  const auto alone = self_switched_.find(name);
+  const bool before_alone =
+      alone != self_switched_.end() && sent->second.sent <= alone->second + kClockSlack;
+  if (before_alone && MaySwitchOn(config_, report.state, command.target)) return;
   // A newer one need not have arrived: the query about it fences this one as well.
   const auto next = std::next(sent);
   const bool newer_sent = next != sent_commands_.end() &&

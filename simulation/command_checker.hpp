@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -65,7 +64,7 @@ class CommandChecker : public SubjectChecker {
   std::map<CommandKey, SentCommand> sent_commands_;
   // The last that was given up, by epoch and actuator.
   std::map<std::pair<Epoch, ActuatorIndex>, CommandKey> given_up_;
-  std::set<std::string> self_switched_;  // entered their state without a command
+  std::map<std::string, Time> self_switched_;  // entered their state without a command: when
   std::map<std::pair<std::string, std::size_t>, std::optional<Waiting>> waiting_;
 };
 

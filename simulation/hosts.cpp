@@ -45,7 +45,7 @@ Hosts::Hosts(transport::sim::Network& network, const std::vector<std::string>& n
 }
 
 std::string Hosts::Id(std::size_t host) const {
-  return hosts_[host].name + "/" + std::to_string(hosts_[host].boot);
+  return hosts_[host].name + "-" + std::to_string(hosts_[host].boot) + "/0";
 }
 
 Incarnation Hosts::NewIncarnation(std::size_t host) {

@@ -58,7 +58,7 @@ class Hosts {
 
   std::size_t size() const { return hosts_.size(); }
   const std::string& name(std::size_t host) const { return hosts_[host].name; }
-  // What HostId() returns on that host: the name and the boot.
+  // What HostId() returns on that host: its boot, here with its name, and a pid namespace.
   std::string Id(std::size_t host) const;
   // What NewIncarnation() returns there: the time since its boot, in ns; never the same
   // value twice.

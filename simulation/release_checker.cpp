@@ -52,9 +52,29 @@ bool ReleaseChecker::TakesNothingOver(const SimulatedController& controller) con
   return !controller.shell().rival() && std::ranges::none_of(config_.actuators, runs);
 }
 
+// A requested switch down of the machine switches on what a stop has left below the target.
+void ReleaseChecker::NoteRaised(const Machine& machine, const State& target) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
+    if (report == nullptr || !config_.actuators[i].Lists(target)) continue;
+    if (!SwitchesOnAgain(config_, report->state, target)) continue;
+    since_stop_.push_back({++context_.order, i, target, true});
+  }
+}
+
+bool ReleaseChecker::AllSwitchedOnSince(std::uint64_t stopped) const {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    const bool any = std::ranges::any_of(since_stop_, [&](const SinceStop& one) {
+      return one.order > stopped && one.up && one.actuator.value_or(i) == i;
+    });
+    if (!any) return false;
+  }
+  return true;
+}
+
 // A request that leads somewhere, after a stop: a switch begins by it, or it joins one. A person's
-// start that begins with the first state is one, too; so is any start once a switch up was
-// requested.
+// start that begins with the first state is one, too; so is any start once each actuator was
+// requested to be switched on.
 void ReleaseChecker::NoteRequest(const SimulatedController& controller,
                                  const action::Record& record) {
   Seen& seen = seen_[controller.serial()];
@@ -63,16 +83,15 @@ void ReleaseChecker::NoteRequest(const SimulatedController& controller,
     if (machine.emergency.stop) return;
     const bool up = starts || SwitchesOnAgain(config_, from, target);
     since_stop_.push_back({++context_.order, record.actuator, target, up});
+    if (!up && !record.actuator) NoteRaised(machine, target);
   };
-  // A start may lead up if a person has begun it since the last stop, or a switch up was requested
-  // since then.
+  // A start may lead up if a person has begun it since the last stop, or each actuator was
+  // requested to be switched on since then.
   const auto may_start = [&] {
     const std::uint64_t stopped = LastStopOf(controller.serial());
     const auto begun = begun_by_a_person_.find(controller.serial());
     return (begun != begun_by_a_person_.end() && begun->second > stopped) ||
-           std::ranges::any_of(since_stop_, [stopped](const SinceStop& one) {
-             return one.order > stopped && !one.actuator && one.up;
-           });
+           AllSwitchedOnSince(stopped);
   };
   switch (record.event) {
     case EventName::kSwitchRequested:

@@ -58,6 +58,8 @@ class ReleaseChecker : public SubjectChecker {
   };
 
   bool TakesNothingOver(const SimulatedController& controller) const;
+  void NoteRaised(const Machine& machine, const State& target);
+  bool AllSwitchedOnSince(std::uint64_t stopped) const;
   void CheckStart(const SimulatedController& controller, const action::SwitchNote& begun);
   std::uint64_t LastStopOf(std::uint64_t controller);
 

@@ -390,6 +390,11 @@ MachineIdentity SimRobot::EngageByProgram(StopId id, std::size_t host, const Sto
   return machine;
 }
 
+bool SimRobot::StopStaysPublished(StopId id) const {
+  const auto program = stop_programs_.find(id);
+  return program != stop_programs_.end() && program->second->stays_published();
+}
+
 void SimRobot::EndStopPrograms() {
   for (const auto& [id, program] : std::exchange(stop_programs_, {})) {
     if (on_stop_withdrawn) on_stop_withdrawn(id);

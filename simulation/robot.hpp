@@ -170,6 +170,8 @@ class SimRobot {
   void EndStopPrograms();
   // Such a program ends, with exit code 0 if `confirmed`. May be empty.
   std::function<void(StopId id, bool confirmed)> on_stop_program;
+  // It has ended, and another one publishes the stop for a minute.
+  bool StopStaysPublished(StopId id) const;
   // It publishes the stop no more. May be empty.
   std::function<void(StopId id)> on_stop_withdrawn;
   // The client on that host.

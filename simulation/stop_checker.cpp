@@ -98,8 +98,11 @@ bool StopChecker::IsStopped(const std::string& name, std::size_t host,
 }
 
 // Whether anything but the program that engaged it has the stop: an earlier one may be all that
-// holds the machine. The writes of a second machine's controllers are not seen here.
+// holds the machine. The writes of a second machine's controllers are not seen here. Without a
+// controller the stop stays published for a minute: then an actuator that has latched it may have
+// ended.
 bool StopChecker::HasArrived(StopId id) const {
+  if (robot_.StopStaysPublished(id)) return latched_.contains(id);
   if (accepted_stops_.contains(id) || released_.contains(id)) return true;
   for (const std::size_t which : {0, 1}) {
     const SimulatedController* controller = robot_.controller(which);
@@ -162,6 +165,8 @@ void StopChecker::CheckStopped(const std::string& name, std::size_t host,
     ReportViolation(Invariant::kReachesMeantMachine,
                     name + " has latched an emergency stop that is meant for another machine");
   }
+  if (report.emergency_stop != 0) latched_.insert(report.emergency_stop);
+  latched_.insert(report.other_stops.begin(), report.other_stops.end());
   release_.NoteLatched({name, host}, before, report);
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
   if (!report.busy()) idle_and_stopped_.emplace_back(name, host);

@@ -63,6 +63,7 @@ class StopChecker : public SubjectChecker {
   std::map<StopId, std::set<std::size_t>> accepted_stops_;  // by controllers of these hosts
   std::map<StopId, std::set<std::size_t>> released_;        // stop: folders that have the release
   std::vector<std::pair<std::string, std::size_t>> idle_and_stopped_;  // actuator, host
+  std::set<StopId> latched_;                                           // by any actuator, ever
   std::set<StopId> stops_of_other_;
   std::set<StopId> withdrawn_;       // by the programs that engaged them
   std::optional<Time> released_at_;  // when a controller last published a release

@@ -11,8 +11,6 @@ namespace {
 // Those of the command line.
 constexpr Duration kTimeout = std::chrono::seconds(5);
 constexpr Duration kLanTimeout = std::chrono::seconds(10);
-constexpr Duration kFirstWait = Milliseconds(1200);
-constexpr Duration kKeptPublished = std::chrono::minutes(1);
 
 }  // namespace
 
@@ -32,25 +30,20 @@ StopClient::StopClient(transport::sim::Network& network, Hosts& hosts, Options o
   const bool lan = View().lan;
   latch_ = StopLatch::Begin(*node_, options_.name_space, stop, {false, lan, [this] { Look(); }, {}})
                .value();
-  Follow();
+  Follow(hosts);
   transport::EventLoop& loop = node_->loop();
-  timer_ = loop.At(loop.Now() + (lan ? kLanTimeout : kFirstWait), [this, lan] {
-    if (lan) return End();
+  const Time end = loop.Now() + (lan ? kLanTimeout : kTimeout);
+  timer_ = loop.At(loop.Now() + StopLatch::kDiscovery, [this, end] {
     Look();
-    if (ended_) return;
-    const StopView view = View();
-    const bool waits = view.has_controller || latch_->Report(view).found();
-    if (!waits) return End();
-    transport::EventLoop& later = node_->loop();
-    timer_ = later.At(later.Now() + kTimeout - kFirstWait, [this] { End(); });
+    if (!ended_) timer_ = node_->loop().At(end, [this] { End(); });
   });
 }
 
 // With exit code 0 it leaves the network properly; what stays for a minute just ends.
 StopClient::~StopClient() {
-  if (confirmed_) {
+  if (ended_ && !stays_published_) {
     latch_ = nullptr;
-    statuses_ = nullptr;
+    leader_ = nullptr;
     machines_ = nullptr;
   }
   network_.Crash(*node_);
@@ -67,59 +60,50 @@ void StopClient::OpenLinks(Hosts& hosts) {
   node_ = network_.MakeNode(options_.endpoint);
 }
 
-// As the command line follows the machine's status.
-void StopClient::Follow() {
+// As the command line follows the machine (cli/machine/link.hpp).
+void StopClient::Follow(const Hosts& hosts) {
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [this](transport::EndpointId writer) { controllers_.erase(writer); };
   machines_ = transport::MakeSubscription<msg::MachineInfo>(
                   *node_, std::string(transport::kMachinesTopic),
                   [this](const msg::MachineInfo& info, const transport::SampleInfo& from) {
-                    discovered_ |= transport::IsOwn(info.participant, from) &&
-                                   SameMachine(options_.machine, {info.machine, info.machine_id});
-                  },
-                  transport::kLatchedFromManyQos)
-                  .value();
-  transport::SubscriptionEvents events;
-  events.on_writer_lost = [this](transport::EndpointId writer) {
-    if (writer == status_writer_) Take(std::nullopt, 0);
-  };
-  statuses_ = transport::MakeSubscription<msg::MachineStatus>(
-                  *node_, transport::MachineStatusTopic(options_.name_space),
-                  [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
-                    const bool older = controller_ && status.epoch < controller_->epoch;
-                    const MachineIdentity theirs{status.machine, status.machine_id};
-                    if (SameMachine(options_.machine, theirs) && !older) Take(status, info.writer);
+                    const MachineIdentity theirs{info.machine, info.machine_id};
+                    const bool ours = SameMachine(options_.machine, theirs);
+                    if (transport::IsOwn(info.participant, from) && ours) {
+                      controllers_.insert(from.writer);
+                    }
                   },
                   transport::kLatchedFromManyQos, std::move(events))
                   .value();
-}
-
-void StopClient::Take(std::optional<msg::MachineStatus> status, transport::EndpointId writer) {
-  controller_ = std::move(status);
-  status_writer_ = writer;
-  Look();
+  LeaderWatch::Options options{options_.name_space, hosts.Id(options_.host), {}};
+  options.machine = options_.machine;
+  leader_ = LeaderWatch::Make(
+                *node_, std::move(options), [this](const msg::MachineStatus&) { Look(); },
+                [this](const msg::MachineStatus&, const std::string&) { Look(); })
+                .value();
 }
 
 StopView StopClient::View() const {
   StopView view = options_.view();
-  view.controller = controller_;
-  view.has_controller |= discovered_;
+  if (leader_) view.controller = leader_->leader();
+  view.has_controller |= !controllers_.empty();
   return view;
 }
 
 void StopClient::Look() {
   if (ended_ || !latch_) return;
-  const StopView view = View();
-  const EstopReport report = latch_->Report(view);
-  const bool alone = !view.lan && !view.has_controller && report.found();
-  if ((report.controller || alone) && report.settled()) End();
+  if (latch_->withdrawn() || latch_->IsOver(latch_->Report(View()))) End();
 }
 
 void StopClient::End() {
   if (std::exchange(ended_, true)) return;
   const EstopReport report = latch_->Report(View());
-  confirmed_ = report.found() && report.complete();
+  const bool confirmed = report.found() && report.complete();
+  stays_published_ = !latch_->withdrawn() && !(confirmed && report.controller);
   transport::EventLoop& loop = node_->loop();
-  timer_ = loop.At(loop.Now() + (confirmed_ ? Duration::zero() : kKeptPublished), on_over_);
-  on_end_(confirmed_);
+  const Duration kept = stays_published_ ? DetachedPublisher::kKeptPublished : Duration::zero();
+  timer_ = loop.At(loop.Now() + kept, on_over_);
+  on_end_(confirmed);
 }
 
 }  // namespace musher::simulation

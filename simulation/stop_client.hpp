@@ -1,19 +1,20 @@
 #pragma once
-// The program that engages an emergency stop, as `musher estop` does: it publishes the stop,
-// collects who has latched it, and ends with exit code 0 only if every actuator of the machine has.
-// Else the stop stays published for a minute. Its links may be slow and lossy, and its discovery
-// takes long.
+// The program that engages an emergency stop, as `musher estop` does, of the parts that ship: it
+// publishes the stop and collects who has latched it (StopLatch), follows the controller
+// (LeaderWatch), and ends with exit code 0 only if every actuator of the machine has latched it.
+// Else, and where no controller leads that saves it, the stop stays published for a minute. Its
+// links may be slow and lossy, and its discovery takes long.
 //
 // Threads: the one of the network.
 
 #include <functional>
 #include <memory>
-#include <optional>
+#include <set>
 #include <string>
 
+#include "musher/controller/client/leader_watch.hpp"
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
-#include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/simulation/hosts.hpp"
 
 namespace musher::simulation {
@@ -44,11 +45,12 @@ class StopClient {
   StopClient& operator=(const StopClient&) = delete;
 
   std::size_t host() const { return options_.host; }
+  // The program has ended, and another one publishes the stop for a minute.
+  bool stays_published() const { return stays_published_; }
 
  private:
   void OpenLinks(Hosts& hosts);
-  void Follow();
-  void Take(std::optional<msg::MachineStatus> status, transport::EndpointId writer);
+  void Follow(const Hosts& hosts);
   StopView View() const;
   void Look();
   void End();
@@ -57,14 +59,12 @@ class StopClient {
   const Options options_;
   const OnEnd on_end_;
   const OnOver on_over_;
-  std::optional<msg::MachineStatus> controller_;
-  transport::EndpointId status_writer_ = 0;  // of controller_
-  bool discovered_ = false;                  // a controller of the machine
+  std::set<transport::EndpointId> controllers_;  // of the machine, discovered: their writers
   bool ended_ = false;
-  bool confirmed_ = false;
+  bool stays_published_ = false;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Subscription> machines_;
-  std::unique_ptr<transport::Subscription> statuses_;
+  std::unique_ptr<LeaderWatch> leader_;
   std::unique_ptr<StopLatch> latch_;
   transport::LoopHandlePtr timer_;
 };

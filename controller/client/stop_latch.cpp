@@ -383,7 +383,8 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
 // The controller may have learned of the stop from an actuator first. The program that engaged it
 // must not exit before the controller has received the stop from the program itself: with its
 // origin, which the status has of the first one. A controller that lists another stop of the same
-// person instead has taken that for this one, which the actuators still have.
+// person instead has taken that for this one, which the actuators still have: not those that it has
+// lost, whose last statuses are known until DDS has lost them, too.
 bool StopLatch::IsHeld(const EstopReport& report,
                        const std::optional<msg::MachineStatus>& controller) const {
   if (withdrawn()) return true;
@@ -392,10 +393,18 @@ bool StopLatch::IsHeld(const EstopReport& report,
     const bool first = controller->stop_ids.front() == id;
     return !first || !controller->emergency_stop_by.empty();
   }
-  const auto stopped = std::ranges::count_if(report.actuators, &EstopReport::Actuator::stopped);
+  const auto is_lost = [&controller](const std::string& name) {
+    return std::ranges::any_of(controller->actuators, [&name](const msg::ActuatorInfo& one) {
+      return one.name == name && one.presence != PresenceName(Presence::kPresent);
+    });
+  };
+  const auto has_it = [&](const EstopReport::Actuator& one) {
+    return one.stopped && !is_lost(one.name);
+  };
+  const bool has_holder = controller && std::ranges::any_of(report.actuators, has_it);
   const bool is_of_person = controller && controller->emergency_stop_by == stop_.by;
   const bool waited = loop_.Now() - begun_ >= kDiscovery;
-  const bool replaced = controller && stopped > 0 && (is_of_person || waited);
+  const bool replaced = has_holder && (is_of_person || waited);
   return (!controller || replaced) &&
          std::ranges::all_of(report.actuators, [this](const EstopReport::Actuator& actuator) {
            return !actuator.stopped || received_.at(actuator.name).has_it;

@@ -191,7 +191,9 @@ class Decision {
     if (received.stamp <= Time() || received.stamp > Time() + kLongestRun) return;
     Permit& permit = core_.permit;
     const Time until = now_ - LatenessOf(received) + *machine_.permit;
-    if (until <= permit.until) return;
+    // Of those that come together, as after the process was frozen, the last one counts.
+    const bool newer = until == permit.until && received.stamp > permit.stamp;
+    if (until <= permit.until && !newer) return;
     permit.until = until;
     permit.stamp = received.stamp;
     permit.by = received.by;
@@ -207,6 +209,7 @@ class Decision {
     const auto deadline = ControllerDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
     core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
+    core_.went_by_itself = now_;
     core_.was_detached = report_.detached;
     report_.busy_number = 0;
     Run(*SafeState(machine_, index_, core_));
@@ -450,6 +453,10 @@ class Decision {
       return Refused<Refusal::kCommandBeforeRelease>();
     }
     if (auto refusal = CheckAge(command, now_)) return refusal;
+    const Time sent = command.status_stamp + command.since_status;
+    if (sent < core_.went_by_itself && SwitchesOn(command.target)) {
+      return Refused<Refusal::kCommandBeforeSafeState>(config_.on_controller_lost);
+    }
     if (AwaitsPermit(command.target)) return std::nullopt;
     StopWithoutPermit(command.target);
     return CheckStop(command.target);

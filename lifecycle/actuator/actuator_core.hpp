@@ -30,6 +30,8 @@
 //   - A release names the last command that its controller has sent before. No command up to that
 //     number switches anything on: it is late, or repeated. A release that a successor repeats
 //     names no command: it may be older than the last requests of the controller before.
+//   - Where it has gone to its safe state by itself, because its controller was lost, no command
+//     that was sent before switches anything on: its sender did not know of that.
 //   - With [safety] permit_ms an actuator above DeActive, or on the way there, latches a stop of
 //     its own when no permit arrives in time. A permit that is late or repeated, compared with the
 //     others of its sender, counts for nothing. In a process that has just started a command waits
@@ -195,6 +197,7 @@ struct ActuatorCore {
                                      // down, or that had to switch on again after a stop
   Sender controller = 0;             // the controller that has control
   Time controller_last_heartbeat{};  // its last heartbeat
+  Time went_by_itself{};             // when it last set out for its safe state without a command
   std::vector<actuator_event::ControllerHeartbeatReceived>
       announced;                     // the participants that announced themselves as controllers
   std::vector<EmergencyStop> stops;  // the engaged stops, oldest first

@@ -34,9 +34,10 @@ struct StoredStops {
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
 
-// Adds a stop to the engaged stops. It replaces an older stop of the same source, or, where there
-// are too many, the oldest stop. A replaced stop is over, and the next release ends it at the
-// actuators. Returns whether the stop has new information.
+// Adds a stop to the engaged stops. It replaces an older stop of the same source; one without a
+// source replaces none. Where there are too many, it replaces the oldest without a source, or else
+// the oldest. A replaced stop is over, and the next release ends it at the actuators. Returns
+// whether the stop has new information.
 bool AddStop(StoredStops& stops, const EmergencyStop& stop);
 // A stop that is over never engages again.
 void AddReleased(StoredStops& stops, StopId id);

@@ -12,7 +12,8 @@ namespace {
 
 // So many ids of emergency stops that are over are remembered, here and on disk.
 constexpr std::size_t kMostReleasedKept = 256;
-// So many sources have a stop engaged beside the first one at most; one more replaces the oldest.
+// So many stops are engaged beside the first one at most; one more replaces the oldest without a
+// source, or the oldest.
 constexpr std::size_t kMostStopsKnown = 64;
 // A release is published again after this time, and ends after the other one; a client waits
 // longer.
@@ -65,19 +66,30 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
       known != engaged.end()) {
     // An actuator that had latched it may have reported before the sample that engaged it arrived.
     if (!known->by.empty() || stop.by.empty()) return false;
-    *known = stop;
+    const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
+    if (same == engaged.end()) {
+      *known = stop;
+    } else {
+      AddReleased(stops, std::exchange(same->id, stop.id));
+      AddReason(same->reason, stop.reason);
+      engaged.erase(known);
+    }
     return true;
   }
-  if (const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
-      same != engaged.end()) {
+  const bool full = engaged.size() > kMostStopsKnown;
+  // Two stops without a source may be of two sources: each is kept while there is room for it.
+  const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
+  if (same != engaged.end() && (full || !stop.by.empty())) {
     AddReleased(stops, same->id);
     same->id = stop.id;
     AddReason(same->reason, stop.reason);
     return true;
   }
-  if (engaged.size() > kMostStopsKnown) {
-    AddReleased(stops, engaged.front().id);
-    engaged.erase(engaged.begin());
+  if (full) {
+    const auto unnamed = std::ranges::find(engaged, "", &EmergencyStop::by);
+    const auto replaced = unnamed != engaged.end() ? unnamed : engaged.begin();
+    AddReleased(stops, replaced->id);
+    engaged.erase(replaced);
   }
   engaged.push_back(stop);
   return true;

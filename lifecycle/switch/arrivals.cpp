@@ -135,6 +135,8 @@ void Arrivals::On(const event::Replied& replied) {
   if (replied.report.incarnation != known.report.incarnation) return;
   // A delayed reply of a process whose exit is known already.
   if (known.process.dead == replied.report.incarnation) return;
+  // A query from before the loss fences less than the one that takes control again.
+  const bool fences = replied.report.number >= known.report.number;
   if (replied.report.stamp >= known.report.stamp)
     commands_.Accept(replied.actuator, replied.report);
   // A lost one publishes its status again when it can be reached.
@@ -153,7 +155,7 @@ void Arrivals::On(const event::Replied& replied) {
   if (replied.query && denied && known.control.again) {
     known.control.again = now_ + kIntroductionPeriod;  // our heartbeat has not arrived yet
   }
-  if (replied.query && replied.verdict == Verdict::kDone && known.control.again) {
+  if (replied.query && replied.verdict == Verdict::kDone && known.control.again && fences) {
     control_.Attach(replied.actuator);
   }
   if (!known.command || known.command->number != replied.number) return;

@@ -73,7 +73,10 @@ void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
   const bool moved = !other_process && present && !known.command &&
                      report.state != known.report.state &&
                      report.outcome_number == known.report.outcome_number;
+  // Of a process that was lost also what was sent to it counts as received, see Lose().
+  const CommandNumber sent = other_process || present ? CommandNumber() : known.report.number;
   known.report = report;
+  known.report.number = std::max(report.number, sent);
   if (moved) Drifted(i);
   if (came_free && !known.checked && report.outcome_code != kCodeOk) {
     Degrade(i, report.outcome_code, texts::FailedLate(report.outcome_message));
@@ -313,6 +316,9 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   KnownActuator& known = Of(i);
   const bool torn_down = known.state() == kTearDown;
   const bool had_answered = known.presence == Presence::kPresent;
+  // It may still arrive. The query that takes control again fences it: it has begun when that is
+  // answered, or begins no more.
+  if (known.command) known.report.number = std::max(known.report.number, known.command->number);
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;
   known.control.again.reset();

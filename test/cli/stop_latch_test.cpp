@@ -411,6 +411,20 @@ TEST_F(Stop, ThatANewerOneOfTheSamePersonHasReplacedIsConfirmedByItsActuators) {
   EXPECT_TRUE(AfterASecond(controller).complete());
 }
 
+// The simulation found it: they had ended, and nothing had the stop when it was confirmed.
+TEST_F(Stop, BesideAnEarlierOneIsNotConfirmedByActuatorsThatTheControllerHasLost) {
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.stop_ids = {"0000000000000009"};
+  for (auto* one : {&*legs_, &*eyes_}) one->Latch(9);
+  ASSERT_TRUE(AfterASecond(controller).complete());
+  for (msg::ActuatorInfo& actuator : controller.actuators) {
+    actuator.presence = "lost";
+    actuator.health = "crashed";
+  }
+  EXPECT_FALSE(AfterASecond(controller).complete());
+}
+
 TEST_F(Stop, IsNotConfirmedBesideAControllerWithoutActuatorsThatDoesNotListIt) {
   legs_.reset();
   eyes_.reset();

@@ -39,7 +39,7 @@ class LeaderCalls : public TwoControllers {
 
 TEST_F(LeaderCalls, PassOnTheAnswerOfALivingController) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
-  ASSERT_NO_FATAL_FAILURE(Request("sim/1"));
+  ASSERT_NO_FATAL_FAILURE(Request("sim-1/0"));
   ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }));
   ASSERT_TRUE(*reply_);
   EXPECT_EQ(reply_->value().code, kCodeOk) << reply_->value().reason;
@@ -47,7 +47,7 @@ TEST_F(LeaderCalls, PassOnTheAnswerOfALivingController) {
 
 TEST_F(LeaderCalls, EndAtOnceWithTheControllerOfTheirHost) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
-  ASSERT_NO_FATAL_FAILURE(Request("sim/1"));
+  ASSERT_NO_FATAL_FAILURE(Request("sim-1/0"));
   const std::string pid = std::to_string(first_.process->pid());
   first_.process.reset();
   on_exit_();

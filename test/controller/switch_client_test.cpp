@@ -50,7 +50,7 @@ class Kernel {
 
 class SwitchClients : public TwoControllers {
  protected:
-  static constexpr const char* kSimHost = "sim/1";  // what simulated controllers say of theirs
+  static constexpr const char* kSimHost = "sim-1/0";  // what simulated controllers say of theirs
 
   // `host`: the client's.
   void Request(const std::string& target, const std::string& host = kSimHost,

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "musher/test/lifecycle/one_actuator.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::actuator_authority_test {
 
@@ -148,6 +149,12 @@ class ControllerLost : public ObeyedController {
     now_ += duration;
     return Do(TimePassed{});
   }
+  // A command of now that does not become too old on its way.
+  SwitchArrived Lasting(CommandNumber n, const State& target) {
+    SwitchArrived command = Command(n, target);
+    command.command.budget = std::chrono::seconds(10);
+    return command;
+  }
   std::optional<Time> Deadline() const { return NextDeadline(config_, 0, core_); }
 };
 
@@ -224,6 +231,29 @@ TEST_F(ControllerLost, ACommandOfItsControllerWaitsBehindTheWayToTheSafeState) {
   After(Milliseconds(2000));
   Do(Command(2, "LowPower"));
   EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"LowPower"})));
+}
+
+// The link was cut, and delivered afterwards what had been sent.
+TEST_F(ControllerLost, ACommandFromBeforeItWentToItsSafeStateSwitchesNothingOn) {
+  const SwitchArrived late = Lasting(2, "Active");
+  const SwitchArrived down = Lasting(3, "LowPower");
+  After(Milliseconds(2000));
+  Do(CallbackEnded{});
+  EXPECT_THAT(AnswerIn(Do(late)), testing::IsRefused(Refusal::kCommandBeforeSafeState));
+  EXPECT_FALSE(core_.report.busy());
+  Do(down);
+  Do(CallbackEnded{});
+  EXPECT_EQ(core_.report.state, "LowPower") << "it leads down";
+  Switch(4, "Active");
+}
+
+TEST_F(ControllerLost, ACommandFromBeforeThatWaitsBehindTheWayToTheSafeStateSwitchesNothingOn) {
+  const SwitchArrived late = Lasting(2, "Active");
+  After(Milliseconds(2000));
+  Do(late);
+  EXPECT_THAT(AnswerIn(Do(CallbackEnded{})), testing::IsRefused(Refusal::kCommandBeforeSafeState));
+  EXPECT_EQ(core_.report.state, "DeActive");
+  EXPECT_FALSE(core_.report.busy());
 }
 
 TEST_F(ControllerLost, StaysDetachedWhenTheWayToItsSafeStateFails) {

@@ -200,6 +200,16 @@ TEST_F(Permitted, OneThatWasHeldBackOnTheWayCountsFromWhenItWasGiven) {
   EXPECT_LE(NextDeadline(config_, 0, core_), given + kPermit + Milliseconds(1));
 }
 
+// Its process was frozen. The first one counted, and its stop was another one than that of others.
+TEST_F(Permitted, OfThoseThatComeTogetherTheLastOneCounts) {
+  const Time first = now_;
+  now_ += std::chrono::seconds(4);
+  for (Time given = first; given <= now_; given += Milliseconds(50)) Give(given);
+  const std::chrono::minutes own(static_cast<int>(kHolder.value()));
+  EXPECT_EQ(core_.permit.stamp, now_ + apart_ + own);
+  EXPECT_EQ(core_.permit.until, now_ + kPermit);
+}
+
 TEST_F(Permitted, ClocksThatDivergeByATenThousandthDoNotStopIt) {
   Move();
   for (int i = 0; i < 200'000; ++i) {  // 2.8 hours

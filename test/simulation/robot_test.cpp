@@ -231,7 +231,7 @@ TEST(SimRobot, ATearDownAfterARebootListsAnActuatorOfAnotherHostThatIsOutOfReach
   ASSERT_TRUE(result);
   EXPECT_EQ(result->outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(result->degraded, ::testing::ElementsAre("a"));
-  EXPECT_THAT(result->reason, ::testing::HasSubstr("another host, dock/1"));
+  EXPECT_THAT(result->reason, ::testing::HasSubstr("another host, dock-1/0"));
 }
 
 // A regression: a restart by hand started a second process.
@@ -246,7 +246,7 @@ TEST(SimRobot, ARestartByHandOfAnActuatorOnAnotherHostIsRefusedWithTheHost) {
   robot.RunFor(std::chrono::seconds(5));
   EXPECT_EQ(robot.processes().CountOf("a"), 1U);
   ASSERT_FALSE(answer);
-  EXPECT_THAT(answer.error().message, ::testing::HasSubstr("runs on another host, dock/1"));
+  EXPECT_THAT(answer.error().message, ::testing::HasSubstr("runs on another host, dock-1/0"));
 }
 
 TEST(SimRobot, ARebootedHostHasANewIdSmallerIncarnationsAndTheSamePids) {

@@ -377,6 +377,51 @@ TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPers
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");
 }
 
+TEST(FoundScenario, WithAStopThatWasLostOrDidNotHoldHoldsEveryInvariant) {
+  simulation::Coverage coverage;
+  for (const std::uint64_t seed :
+       {190350, 194128, 702025, 224520, 258508, 589031, 694096, 258136}) {
+    ExpectInvariantsHold(seed, coverage);
+  }
+}
+
+// Its host was rebooted while the program published its stop, and the disk had lost that. The
+// simulated host named its boot where a real one names its pid namespace.
+TEST(FoundScenario, AStopIsNotConfirmedByTheStatusOfAProcessFromBeforeTheReboot) {
+  EXPECT_EQ(ViolationOf(190350, {1, 3, 6, 8, 9, 10, 11}), "");
+}
+
+// The only actuator that had latched it was killed meanwhile. The program believed its last status
+// where the controller, which had an earlier stop, had lost it. The simulated one also believed the
+// controller's status from a bridge, and ended before the time of discovery was over.
+TEST(FoundScenario, AStopIsNotConfirmedByAnActuatorThatHasEnded) {
+  EXPECT_EQ(ViolationOf(702025, {10, 11, 12, 19, 21}), "");
+  EXPECT_EQ(ViolationOf(702025, {1, 3, 5, 6, 8, 9, 10, 11, 12, 19, 21, 22}), "");
+  EXPECT_EQ(ViolationOf(194128, {2, 3, 5, 6, 7, 9, 10, 12, 13, 14, 15, 17, 19}), "");
+}
+
+// The link was cut: it went to DeActive by itself. Then came the fallback's command to Protected.
+TEST(FoundScenario, ACommandFromBeforeAnActuatorWentToItsSafeStateSwitchesNothingOn) {
+  EXPECT_EQ(ViolationOf(258508, {2, 3}), "");
+  EXPECT_EQ(ViolationOf(589031, {3, 4, 5}), "");
+}
+
+// The link worked again. The fallback's command came late, and the same one again behind it.
+TEST(FoundScenario, ACommandThatWasGivenUpWithItsActuatorDoesNotBeginBesideTheNextOne) {
+  EXPECT_EQ(ViolationOf(694096, {2, 3, 4}), "");
+}
+
+// It was requested down to Protected, where a stop had left each actuator below. The checker took
+// that for a request that switches nothing on, and a start after it for one without a request.
+TEST(FoundScenario, ASwitchDownThatSwitchesEachActuatorOnEndsWhatAStopHasLeft) {
+  EXPECT_EQ(ViolationOf(224520, {1, 2, 3, 7}), "");
+}
+
+// Its process was frozen, and four seconds of permits came at one instant.
+TEST(FoundScenario, OfThePermitsThatComeTogetherTheLastOneCounts) {
+  EXPECT_EQ(ViolationOf(258136, {2, 3, 5, 6, 7, 10}), "");
+}
+
 TEST(FoundScenario, AReleasedStopThatAnActuatorReportsDuringAnotherReleaseIsOver) {
   simulation::Coverage coverage;
   ExpectInvariantsHold(61999, coverage);

@@ -36,7 +36,8 @@ class HostProcess : public OneController {
     ActuatorReport report = ReportOfB(pid, host);
     Say(1, report);
     report.epoch = machine_.epoch;
-    Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
+    report.number = Of(1).report.number;
+    Do(event::Replied{1, report.number, true, Verdict::kDone, kCodeOk, "", report});
   }
   void ObeyB() {
     const PendingCommand command = Of(1).command.value();

@@ -63,7 +63,8 @@ class OneController : public ::testing::Test {
     Say(i, Report(i, state));
     ActuatorReport report = Report(i, state);
     report.epoch = machine_.epoch;
-    Do(event::Replied{i, 0, true, Verdict::kDone, kCodeOk, "", report});
+    report.number = Of(i).report.number;
+    Do(event::Replied{i, report.number, true, Verdict::kDone, kCodeOk, "", report});
     EXPECT_EQ(Of(i).presence, Presence::kPresent);
   }
   // It has executed its command.

@@ -1,6 +1,7 @@
 // The emergency stops that a controller receives: from its disk, from panels, from the controller
 // before it.
 
+#include <algorithm>
 #include <string>
 
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
@@ -50,6 +51,66 @@ TEST_F(ReceivedStops, OfOneSourceShowEveryReason) {
   }
   EXPECT_LE(machine_.emergency.stop->reason.size(), 512U);
   EXPECT_TRUE(machine_.emergency.stop->reason.ends_with("; then: more"));
+}
+
+// As `ros2 topic pub` and a plain C client send them. The second one replaced the first one, which
+// was over for all that learned of it then.
+TEST_F(ReceivedStops, OfUnnamedSourcesReplaceNoneOfAnother) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{7, "", "door open"}});
+  Do(event::EmergencyStopSeen{{8, "", ""}});
+  EXPECT_THAT(StopsOf(machine_).engaged,
+              ElementsAre(EmergencyStop{7, "", "door open"}, EmergencyStop{8, "", ""}));
+  EXPECT_THAT(machine_.emergency.released, IsEmpty());
+  Do(event::ReleaseRequested{1, "alice", {7}});
+  EXPECT_TRUE(machine_.emergency.stop) << "8 was not shown";
+  Do(event::ReleaseRequested{2, "alice", {8}});
+  EXPECT_TRUE(machine_.emergency.stop) << "7 was not shown";
+  Do(event::ReleaseRequested{3, "alice", {7, 8}});
+  EXPECT_FALSE(machine_.emergency.stop);
+}
+
+// An actuator reports the ids alone. The sample of the first one was dropped as that of a stop
+// which is over.
+TEST_F(ReceivedStops, ThatAnActuatorHadLatchedGetTheirSourcesWhenTheirSamplesArrive) {
+  StartUp();
+  ActuatorReport report = Of(0).report;
+  report.emergency_stop = 7;
+  report.other_stops = {8, 9};
+  report.stamp += Milliseconds(1);
+  Say(0, report);
+  for (StopId id = 7; id < 10; ++id) {
+    Do(event::EmergencyStopSeen{{id, "panel " + ToString(id), "smoke"}});
+  }
+  EXPECT_THAT(StopsOf(machine_).engaged, ElementsAre(EmergencyStop{7, "panel 7", "smoke"},
+                                                     EmergencyStop{8, "panel 8", "smoke"},
+                                                     EmergencyStop{9, "panel 9", "smoke"}));
+}
+
+// Found by simulation: the list was filled by one panel, and its newest stop fell out of it.
+TEST_F(ReceivedStops, ThatAnActuatorHadLatchedReplaceThoseOfTheirSourceWhenTheirSamplesArrive) {
+  StartUp();
+  for (StopId id = 7; id < 17; ++id) {
+    ActuatorReport report = Of(0).report;
+    report.emergency_stop = id;
+    report.stamp += Milliseconds(1);
+    Say(0, report);
+    Do(event::EmergencyStopSeen{{id, "a panel", "smoke"}});
+    EXPECT_THAT(StopsOf(machine_).engaged, ElementsAre(EmergencyStop{id, "a panel", "smoke"}));
+  }
+}
+
+TEST_F(ReceivedStops, OfAFloodWithoutASourceReplaceNoStopThatHasOne) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{1000, "the door", "open"}});
+  for (StopId id = 1; id <= 100; ++id) Do(event::EmergencyStopSeen{{id, "", "smoke"}});
+  const StoredStops stops = StopsOf(machine_);
+  EXPECT_EQ(stops.engaged.size(), 65U);
+  EXPECT_EQ(stops.engaged.front(), (EmergencyStop{1000, "the door", "open"}));
+  EXPECT_EQ(std::ranges::count(stops.engaged, StopId(100), &EmergencyStop::id), 1);
+  Do(event::EmergencyStopSeen{{2000, "the gate", "open"}});
+  EXPECT_EQ(StopsOf(machine_).engaged.back(), (EmergencyStop{2000, "the gate", "open"}));
+  EXPECT_EQ(StopsOf(machine_).engaged.front().id, StopId(1000));
 }
 
 TEST_F(ReceivedStops, AreSavedOnceTheLastSaveHasEndedAndNotAnEarlierOne) {

@@ -127,6 +127,27 @@ TEST_F(TakeControl, OfADetachedActuatorThatIsTornDownMeanwhileDegradesIt) {
   EXPECT_EQ(Of(1).fault->event, EventName::kTornDownAlone);
 }
 
+// It arrived after the link had worked again, beside the next command.
+TEST_F(TakeControl, OfALostActuatorFencesWhatWasSentToItBefore) {
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", {}});
+  const CommandNumber sent = Of(0).command.value().number;
+  Do(event::Vanished{0, kFirst, false, "connection lost"});
+  Forget();
+  now_ += Milliseconds(1);
+  Say(0, Report(0, "Active"));
+  const auto queries = Did<action::SendQuery>();
+  ASSERT_THAT(queries, SizeIs(1));
+  EXPECT_EQ(queries[0].command.number, sent);
+  ActuatorReport report = Report(0, "Active");
+  report.epoch = machine_.epoch;
+  Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
+  EXPECT_EQ(Of(0).presence, Presence::kStarting) << "it answers an earlier query";
+  report.number = sent;
+  Do(event::Replied{0, sent, true, Verdict::kDone, kCodeOk, "", report});
+  EXPECT_EQ(Of(0).presence, Presence::kPresent);
+}
+
 using Reports = OneController;
 
 TEST_F(Reports, OfTheSameStampTheLaterCounts) {
