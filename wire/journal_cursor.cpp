@@ -60,15 +60,16 @@ std::optional<msg::GetHistory::Response> JournalCursor::Take(
   // A long journal of which nothing is known is another one, with a past of its own.
   const bool other = begun_ && none_known && entries.size() >= std::min(kFewEntries, most_);
   const std::int64_t after_ns = other ? newest_ns_ : since_ns_;
-  limit_ = std::min(kNextEntries, most_);
   for (std::size_t i = begin; i < entries.size(); ++i) {
-    const bool is_after = (begun_ && !other) || entries[i].wall_ns > after_ns;
+    // What stands behind a known one is new in any case, also while a part cannot be read.
+    const bool is_after = (begun_ && !other) || i > first_known || entries[i].wall_ns > after_ns;
     if (!Remember(IdOf(entries[i])) || !is_after) continue;
     fresh.entries.push_back(entries[i]);
     fresh.events.push_back(i < answer.events.size() ? answer.events[i] : "");
   }
   if (!entries.empty()) newest_ns_ = entries.back().wall_ns;
   begun_ |= answer.error.empty();  // else what is on disk may follow
+  limit_ = std::min(begun_ ? kNextEntries : kFewEntries, most_);
   return fresh;
 }
 

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -118,9 +119,11 @@ std::vector<std::string> ActuatorsOf(const DeployPlan& plan) {
 std::optional<Failure> RestartAll(const std::vector<std::string>& actuators,
                                   const MachineConfig& config, GlobalOptions global,
                                   Console& console) {
+  if (actuators.empty()) return std::nullopt;
   if (!global.name_space_given) global.name_space = config.name_space;
   if (global.machine.empty()) global.machine = config.name;
-  if (!global.transport) global.transport = "lan";
+  // The transport reads it from the environment. Other hosts are reached by no other profile.
+  setenv("MUSHER_TRANSPORT", "lan", /*replace=*/0);
   const auto link = Link::OpenForCalls(global, &console);
   for (std::size_t i = 0; i < actuators.size(); ++i) {
     if (console.mode().terminal && !console.mode().json) console.Note("restart " + actuators[i]);

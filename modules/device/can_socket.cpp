@@ -25,7 +25,7 @@ Error NetError(const std::string& message) {
 std::string WhyLost(int error, const std::string& name) {
   if (error != ENETDOWN) return name + ": " + std::strerror(error);
   return name + " is down; type: sudo ip link set " + name +
-         " up type can bitrate 1000000 (that of its devices)";
+         " up type can bitrate 1000000 restart-ms 100 (the bit rate of its devices)";
 }
 
 can_frame ToKernel(const CanFrame& frame) {
@@ -50,7 +50,9 @@ CanFrame FromKernel(const can_frame& raw) {
 std::string BusFault(const can_frame& raw, const std::string& name) {
   if ((raw.can_id & CAN_ERR_BUSOFF) != 0) {
     return name +
-           " is off after too many errors: look at cable, terminating resistors and bit rate";
+           " is off after too many errors: look at cable, terminating resistors and bit rate; "
+           "without restart-ms it stays off until you type: sudo ip link set " +
+           name + " type can restart";
   }
   const bool passive = (raw.can_id & CAN_ERR_CRTL) != 0 &&
                        (raw.data[1] & (CAN_ERR_CRTL_TX_PASSIVE | CAN_ERR_CRTL_RX_PASSIVE)) != 0;
@@ -61,9 +63,10 @@ std::string BusFault(const can_frame& raw, const std::string& name) {
 }
 
 bool IsRecovered(const can_frame& raw) {
-  constexpr std::uint8_t kActive = 0x40;  // CAN_ERR_CRTL_ACTIVE of newer kernels
+  // CAN_ERR_CRTL_ACTIVE of newer kernels; a controller that is no longer passive warns at first.
+  constexpr std::uint8_t kNotPassive = 0x40 | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_RX_WARNING;
   return (raw.can_id & CAN_ERR_RESTARTED) != 0 ||
-         ((raw.can_id & CAN_ERR_CRTL) != 0 && (raw.data[1] & kActive) != 0);
+         ((raw.can_id & CAN_ERR_CRTL) != 0 && (raw.data[1] & kNotPassive) != 0);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "musher/base/files.hpp"
@@ -67,7 +68,8 @@ Result<> ShowOnLed(const std::string& folder, const Look& look) {
   const int highest = Highest(led);
   std::string brightness = Scaled(brightest, highest);
   // What the kernel shows on it otherwise, such as the traffic of a disk, or the blinking so far.
-  if (fs::exists(led / "trigger")) {
+  std::error_code ignored;  // it may not be permitted to look; then writing says why
+  if (fs::exists(led / "trigger", ignored)) {
     if (Result<> done = WriteValue(led / "trigger", "none"); !done) return done;
   }
   if (const std::string colors = Intensities(led, look, highest);

@@ -200,6 +200,17 @@ TEST(JournalCursor, TakesWhatIsOnADiskThatAnswersLater) {
   EXPECT_THAT(Take(cursor, disk), ElementsAre(1, 2));
 }
 
+// The first answers were those of a disk that hung, with what it had not written alone.
+TEST(JournalCursor, TakesWhatIsOnADiskThatAnswersLaterAlsoIfThatIsMuch) {
+  Journal disk;
+  JournalCursor cursor(0, kMost);
+  for (std::uint64_t id = 1; id <= 50; ++id) disk.Append(id, 7);
+  auto unwritten = disk.Newest(1);
+  unwritten.error = "the disk does not answer";
+  EXPECT_THAT(cursor.Take(unwritten)->entries, SizeIs(1));
+  EXPECT_THAT(Take(cursor, disk), SizeIs(50));
+}
+
 TEST(JournalCursor, AJournalThatCannotBeReadIsNotAnEmptyOne) {
   JournalCursor cursor(100, kMost);
   EXPECT_THAT(cursor.Take({"the disk is full", {}})->entries, IsEmpty());

@@ -36,6 +36,7 @@ void FlightHold::Use() {
   braking_ = still_ = unmoved_ = {};
   place_.reset();
   other_.reset();
+  restored_.reset();
   ended_.clear();
   hold_.Reset();
 }
@@ -44,6 +45,7 @@ void FlightHold::Land() {
   armed_ = arms_ = false;
   landed_ = true;
   other_.reset();
+  restored_.reset();
   ended_.clear();
 }
 
@@ -91,7 +93,9 @@ void FlightHold::AfterOther(const navigation::Pose* pose, Duration step) {
   if (pose == nullptr) return;  // it may have landed
   if (!other.left_at) other.left_at = pose->at;
   if (pose->at.z_m > other.left_at->z_m + kLiftedM) return Land();
-  if (navigation::Distance(pose->at, *other.left_at) > kDriftsM) return Use();
+  const double aside_m =
+      std::hypot(pose->at.x_m - other.left_at->x_m, pose->at.y_m - other.left_at->y_m);
+  if (aside_m > kDriftsM) return Use();  // one that sinks may be landed by its firmware
   other.stood += step;
   if (other.stood >= kMayStand) Land();
 }

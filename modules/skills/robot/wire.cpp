@@ -82,7 +82,6 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   SubscribeDrives(endpoints);
   if (!config.flies) return;
   SubscribeCommandsOfOthers(endpoints);
-  if (const auto place = saved_flight_.Found()) hold.Restore(*place);
   holds_ = clock.Every(kHoldPeriod, [this] {
     HoldPlace();
     SavePlace();
@@ -259,6 +258,10 @@ void RosRobot::Wire::SavePlace() {
 
 // By its odometry alone: a flyer holds its place also while it has none in the map.
 void RosRobot::Wire::HoldPlace() {
+  // Not before its first pose: until then a person may have taken it.
+  if (odometry.At(Now()) != nullptr && !std::exchange(looked_for_flight_, true)) {
+    if (const auto place = saved_flight_.Found()) hold.Restore(*place);
+  }
   if (!low_battery_.empty() && Drives()) navigator->CancelEarlierDrives();  // of other clients, too
   if (Drives()) driven_until_ = Now();
   if (Drives() || (velocity->sending() && !holding_)) {

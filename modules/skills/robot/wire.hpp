@@ -146,6 +146,7 @@ struct RosRobot::Wire {
 
   const RosRobot::WriteLine log_;
   SavedFlight saved_flight_;
+  bool looked_for_flight_ = false;  // of the process before
   navigation::FrameTree frames_;
   std::string body_frame_;   // of the twist of the odometry
   bool holding_ = false;     // the last command is that of `hold`

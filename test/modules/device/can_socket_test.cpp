@@ -92,7 +92,7 @@ TEST_F(CanFrames, OfErrorsSayWhatToLookAt) {
   Write(CAN_ERR_FLAG | CAN_ERR_CRTL, {0, CAN_ERR_CRTL_TX_PASSIVE, 0, 0, 0, 0, 0, 0});
   Write(CAN_ERR_FLAG | CAN_ERR_CRTL, {0, CAN_ERR_CRTL_TX_WARNING, 0, 0, 0, 0, 0, 0});
   Write(CAN_ERR_FLAG | CAN_ERR_RESTARTED, {0, 0, 0, 0, 0, 0, 0, 0});
-  ASSERT_TRUE(Until([this] { return receiver_.recovered == 1; }));
+  ASSERT_TRUE(Until([this] { return receiver_.recovered == 2; }));
   EXPECT_THAT(receiver_.faults, ElementsAre(HasSubstr("can0 is off after too many errors"),
                                             HasSubstr("no other device takes its frames")));
 }
