@@ -59,6 +59,7 @@ Incarnation Hosts::NewIncarnation(std::size_t host) {
 void Hosts::SetUptime(std::size_t host, Duration uptime) {
   Host& h = hosts_[host];
   h.clock_offset = uptime - network_.now().time_since_epoch();
+  h.booted = network_.now() - uptime;
   for (const std::string& endpoint : h.endpoints) {
     network_.SetClockOffset(endpoint, h.clock_offset);
   }

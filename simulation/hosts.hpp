@@ -69,12 +69,12 @@ class Hosts {
   std::uint64_t NewSerial() { return next_serial_++; }
 
   // How long ago it was booted.
-  Duration Uptime(std::size_t host) const {
-    return network_.now().time_since_epoch() + hosts_[host].clock_offset;
-  }
+  Duration Uptime(std::size_t host) const { return network_.now() - hosts_[host].booted; }
   void SetUptime(std::size_t host, Duration uptime);
   // Resets its clock and its pids. Its processes must have ended.
   void Reboot(std::size_t host);
+  // It was without power until now.
+  void SetBooted(std::size_t host) { hosts_[host].booted = network_.now(); }
 
   // Assigns an endpoint of the network to the host: it gets the host's clock and links.
   void Attach(const std::string& endpoint, std::size_t host);
@@ -97,6 +97,7 @@ class Hosts {
   struct Host {
     std::string name;
     int boot = 1;
+    Time booted{};
     std::int32_t next_pid = 1000;
     Incarnation last_incarnation = 0;
     Duration clock_offset{};  // against the network's time

@@ -229,6 +229,7 @@ void SimRobot::RebootHost(std::size_t host) {
 }
 
 void SimRobot::BootHost(std::size_t host) {
+  hosts_.SetBooted(host);
   if (systemds_) systemds_->Boot(host);
 }
 

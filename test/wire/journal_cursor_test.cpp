@@ -208,7 +208,7 @@ TEST(JournalCursor, TakesWhatIsOnADiskThatAnswersLaterAlsoIfThatIsMuch) {
   auto unwritten = disk.Newest(1);
   unwritten.error = "the disk does not answer";
   EXPECT_THAT(cursor.Take(unwritten)->entries, SizeIs(1));
-  EXPECT_THAT(Take(cursor, disk), SizeIs(50));
+  EXPECT_THAT(Take(cursor, disk), SizeIs(49)) << "all but the one that it had";
 }
 
 TEST(JournalCursor, AJournalThatCannotBeReadIsNotAnEmptyOne) {

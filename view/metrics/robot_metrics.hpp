@@ -2,8 +2,9 @@
 // The metrics of one robot: it is given what the robot publishes and writes what a monitoring
 // system reads (exposition.hpp). docs/many-robots.md lists the families.
 //
-// Counters begin with this object, and only grow. They count entries of the controller's history,
-// each of which is to be handed over once (JournalCursor), also those of a restarted controller.
+// Counters begin with this object, and only grow. They count the entries of the controller's
+// history that are handed over: each has to be once (JournalCursor). A restarted controller
+// continues them.
 // Outcomes and faults are recognised by event names and by the data of an entry, never by
 // its sentence.
 //
