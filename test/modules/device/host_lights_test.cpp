@@ -39,8 +39,7 @@ TEST(LedLook, HasTheNumbersOfTheBoards) {
               ElementsAre(LedExecute::kOneByOneFast, 255, 150, 0));
   const Light blue{LedExecute::kPredefined, LedExecute::kRedOn + 7, 0, 0, 0};
   EXPECT_THAT(BoardBytes(LedExecute::kTail, blue), ElementsAre(LedExecute::kRgbOn, 44, 252, 255));
-  EXPECT_THAT(BoardBytes(LedExecute::kMini, Colored(0x35)),
-              ElementsAre(0x23, 255, 128, 0));
+  EXPECT_THAT(BoardBytes(LedExecute::kMini, Colored(0x35)), ElementsAre(0x23, 255, 128, 0));
   const Light off{LedExecute::kPredefined, LedExecute::kMiniOff, 9, 9, 9};
   EXPECT_THAT(BoardBytes(LedExecute::kMini, off), ElementsAre(0, 0, 0, 0));
 }
