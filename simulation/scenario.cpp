@@ -1045,7 +1045,9 @@ void Scenario::SwitchOff() {
   if (Over()) return;
   Note("the operator switches the robot off");
   RequestSwitch(State(kTearDown));
-  const auto stopped = [this] { return robot_.machine().phase == Phase::kStopped; };
+  const auto stopped = [this] {
+    return robot_.leader() != nullptr && robot_.machine().phase == Phase::kStopped;
+  };
   if (!RunUntil(stopped, config_.shutdown_budget + Milliseconds(100))) {
     return checker_.ReportViolation(Invariant::kTearDownEndsProcesses,
                                     "the machine is not torn down within its budget");
