@@ -177,7 +177,9 @@ Result<> LcmSocket::OpenReceiver(const LcmOptions& options) {
   setsockopt(in_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   // Less than asked for is no fault: it is what the system permits.
   setsockopt(in_.get(), SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
-  // Without the time of receipt a datagram is as old as its handling.
+  // Without the time of receipt a datagram is as old as its handling; so are those of the first
+  // instants of the first socket of a computer that asks for it: the kernel begins to stamp by a
+  // work queue.
   setsockopt(in_.get(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   const sockaddr_in group = AddressOf(url_);  // not "any", which also gets other groups' datagrams
   if (bind(in_.get(), reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0) {

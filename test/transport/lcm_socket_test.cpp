@@ -56,19 +56,24 @@ TEST(LcmSocket, ReceivesWhatAnotherOneSendsAndNamesIt) {
   EXPECT_THAT(receiver->name(), HasSubstr("by lo (127.0.0.1)"));
 }
 
-// A report from before a stop may wait in the socket until after it.
+// A report from before a stop may wait in the socket until after it. Where no other socket of the
+// computer has asked, the kernel begins to stamp what arrives a moment after the first one asks
+// (net_enable_timestamp is a work queue's).
 TEST(LcmSocket, SaysHowLongADatagramHasWaitedForTheLoop) {
   LinuxEventLoop loop;
   std::optional<Duration> age;
   const auto receiver =
       LcmSocket::Open(loop, Group(9), [&](const LcmSample& sample) { age = sample.age; }).value();
-  ASSERT_TRUE(receiver->Send("a", kHello));
-  const Time sent_at = loop.Now();
   constexpr Duration kBusy = Milliseconds(30);
-  while (loop.Now() - sent_at < kBusy) {
-  }
-  ASSERT_TRUE(
-      loop.RunUntil([&] { return age.has_value(); }, testing::In(std::chrono::seconds(20))));
+  const Time deadline = testing::In(std::chrono::seconds(20));
+  do {
+    age.reset();
+    ASSERT_TRUE(receiver->Send("a", kHello));
+    const Time sent_at = loop.Now();
+    while (loop.Now() - sent_at < kBusy) {
+    }
+    ASSERT_TRUE(loop.RunUntil([&] { return age.has_value(); }, deadline));
+  } while (*age < kBusy - Milliseconds(1) && loop.Now() < deadline);
   EXPECT_GE(*age, kBusy - Milliseconds(1));
   EXPECT_LE(*age, std::chrono::seconds(1));
 }
