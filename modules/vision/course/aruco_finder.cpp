@@ -17,7 +17,8 @@ struct Markers {
   std::vector<int> numbers;
 };
 
-cv::aruco::PREDEFINED_DICTIONARY_NAME NameOf(ArucoDictionary dictionary) {
+// A number of OpenCV: since 4.7 the type of these names has another name.
+int NameOf(ArucoDictionary dictionary) {
   switch (dictionary) {
     case ArucoDictionary::k5x5:
       return cv::aruco::DICT_5X5_50;
