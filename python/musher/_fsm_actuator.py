@@ -71,6 +71,7 @@ class FsmActuator(Actuator):
         self._ticking = False
         self._has_begun = False
         self._has_ended = False  # the application has stopped the machine, since START
+        self._waits = False  # for START, in Active; each pause and stop ends that
         self._in_tick = False
         self._published: Optional[str] = None
         self._last_raised: Dict[str, str] = {}  # by the hook around a tick
@@ -122,15 +123,15 @@ class FsmActuator(Actuator):
         """A command for the machine, of <name>/send_command or of a topic, with its data. Raises musher.Failure when the machine is
         paused, so that no command is executed hours later, and when machine.send() does. A machine that the application
         has stopped begins again by START only."""
-        if self._has_ended and command == "START" and self.current_state == "Active":
+        if self._waits and command == "START":
             self._has_ended = self._has_begun = False
             try:
                 return self._start_or_resume()
             except BaseException:
-                self._has_ended = True  # a START that fails was not given
+                self._has_ended = self._waits = True  # a START that fails was not given
                 raise
         if not self._ticking:
-            if self._has_ended and self.current_state == "Active":
+            if self._waits:
                 raise Failure(_STATE_INVALID, f"{self.name} stands and waits for START: musher behavior {self.name} "
                               "--send START")
             held = ", held by the emergency stop" if self.held_by_stop else ""
@@ -165,7 +166,7 @@ class FsmActuator(Actuator):
         """Pauses the machine: do not override it, but on_pause()."""
         if not self._is_set_up:
             return  # nothing moves yet, and the machine belongs to the worker
-        self._ticking = False  # at once: no further tick begins
+        self._ticking = self._waits = False  # at once: no further tick begins, and START begins none
         self.node._run(self._pause, first=True)
 
     def _set_up(self) -> None:
@@ -179,7 +180,7 @@ class FsmActuator(Actuator):
         for warning in machine.warnings:
             self.log.warning(warning)
         self._machine = machine
-        self._has_begun = self._has_ended = False
+        self._has_begun = self._has_ended = self._waits = False
         self.node._run(self._open_all)
         self._is_set_up = True
 
@@ -226,7 +227,8 @@ class FsmActuator(Actuator):
         if self._ticking:
             return
         self._has_ended |= self._has_begun and not self.machine.running  # it was stopped in a pause
-        if self._has_ended:
+        self._waits = self._has_ended
+        if self._waits:
             self.log.info("stands, and waits for START")
             return
         self._named("on_resume", self.on_resume)
@@ -270,7 +272,7 @@ class FsmActuator(Actuator):
         if by_fault:
             self.give_up(_FAILED, self.machine.fault)
         else:
-            self._has_ended = True
+            self._has_ended = self._waits = True
             self.log.info("the machine has ended, and waits for START")
 
     def _pause(self) -> None:
@@ -278,7 +280,7 @@ class FsmActuator(Actuator):
         self._guard("on_pause", self.on_pause)
 
     def _pause_machine(self) -> None:
-        self._ticking = False
+        self._ticking = self._waits = False
         if self._ticks is not None:
             self._ticks.stop()
         if self._machine is not None:

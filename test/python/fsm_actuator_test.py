@@ -173,6 +173,20 @@ class Applications(WithRobot):
         self.assertEqual(self.robot.run("behavior", "show", "--send", "START").returncode, 0)
         self.assertTrue(self.behavior("show")["ticking"])
 
+    def test_start_begins_no_machine_that_a_released_stop_holds(self):
+        self.show("def after_tick(self):\n    if self.machine.state == 'PLAY': self.machine.stop()")
+        self.await_state(self.states_of("show"), "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_behavior("show", lambda report: not report["ticking"])
+        self.assertEqual(self.machine.estop("test"), ["show"])
+        self.machine.release_estop()
+        refused = self.robot.run("behavior", "show", "--send", "START")
+        self.assertIn("show is paused in Active, held by the emergency stop", refused.stderr)
+        self.assertFalse(self.behavior("show")["ticking"])
+        self.machine.set("Active")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "START").returncode, 0)
+        self.assertTrue(self.behavior("show")["ticking"])
+
     def test_an_emergency_stop_pauses_the_machine_until_active_is_set_again(self):
         self.show("def on_pause(self): self.log.info('pauses')")
         self.await_state(self.states_of("show"), "GREET")
