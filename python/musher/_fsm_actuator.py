@@ -99,7 +99,8 @@ class FsmActuator(Actuator):
 
     def on_pause(self) -> None:
         """The robot is in a state in which the machine is paused, or an emergency stop was engaged: bring the outputs
-        to neutral. Must return at once and be idempotent. An exception is logged."""
+        to neutral. Must return at once and be idempotent. An exception is logged; an emergency stop is then not
+        confirmed."""
 
     def on_resume(self) -> None:
         """The robot goes to Active; called before the machine is started or continues. An exception fails the switch to
@@ -167,7 +168,7 @@ class FsmActuator(Actuator):
         if not self._is_set_up:
             return  # nothing moves yet, and the machine belongs to the worker
         self._ticking = self._waits = False  # at once: no further tick begins, and START begins none
-        self.node._run(self._pause, first=True)
+        self.node._run(self._pause_at_stop, first=True)
 
     def _set_up(self) -> None:
         self._is_set_up = False
@@ -275,9 +276,14 @@ class FsmActuator(Actuator):
             self._has_ended = self._waits = True
             self.log.info("the machine has ended, and waits for START")
 
-    def _pause(self) -> None:
+    def _pause_at_stop(self) -> None:
+        if not self._pause():
+            raise Failure(_FAILED, "on_pause raised an exception")
+
+    def _pause(self) -> bool:
+        """False: on_pause has failed, and the outputs may not be neutral."""
         self._pause_machine()
-        self._guard("on_pause", self.on_pause)
+        return self._guard("on_pause", self.on_pause)
 
     def _pause_machine(self) -> None:
         self._ticking = self._waits = False

@@ -187,6 +187,13 @@ class Applications(WithRobot):
         self.assertEqual(self.robot.run("behavior", "show", "--send", "START").returncode, 0)
         self.assertTrue(self.behavior("show")["ticking"])
 
+    def test_an_emergency_stop_whose_pause_fails_is_not_confirmed(self):
+        self.show("def on_pause(self): raise OSError('the port is gone')")
+        self.await_state(self.states_of("show"), "GREET")
+        with self.assertRaisesRegex(musher.Failure, "not confirmed by show .*on_pause raised an exception"):
+            self.machine.estop("test", timeout_s=5.0)
+        self.assertFalse(self.behavior("show")["ticking"])
+
     def test_an_emergency_stop_pauses_the_machine_until_active_is_set_again(self):
         self.show("def on_pause(self): self.log.info('pauses')")
         self.await_state(self.states_of("show"), "GREET")
