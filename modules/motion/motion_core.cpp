@@ -18,6 +18,7 @@ constexpr std::array kDances = {140, 176, 177, 178};
 constexpr std::size_t kMostMotions = 1000;  // of one request
 
 constexpr const char* kWasStopped = "the body was stopped";
+constexpr const char* kWasClosed = "the machine was in ";
 
 std::string NameOf(const Motion& motion) {
   return std::to_string(motion.id) + " (" + motion.name + ")";
@@ -88,7 +89,7 @@ class Decision {
   void WatchLying();
   bool IsLifted() const;
   void WatchLifted();
-  void Interrupt(Key code, const std::string& why);
+  void Interrupt(std::int32_t code, const std::string& why);
   void ReportServo();
   void RefuseServo(const ServoCommand& command, const Error& error);
 
@@ -241,7 +242,7 @@ void Decision::WatchLying() {
     Quiet();
   }
   if (now_ - *servo.down_since < kLiesTime) return;
-  Interrupt(Key::kBoardSilent, "the body has lain down by itself");
+  Interrupt(MotionCode(Key::kBoardSilent), "the body has lain down by itself");
   StopServo("the body lies");
 }
 
@@ -253,19 +254,19 @@ bool Decision::IsLifted() const {
 void Decision::WatchLifted() {
   if (!IsLifted()) return;
   if (core_.servo) {
-    Interrupt(Key::kLifted, "the body was lifted");
+    Interrupt(MotionCode(Key::kLifted), "the body was lifted");
     StopServo("the body is lifted");
   }
   const bool stands = core_.link.until && core_.link.command.id == kWalkStand;
   if (stands) core_.link.until = now_ + kStopRepeat;
 }
 
-void Decision::Interrupt(Key code, const std::string& why) {
+void Decision::Interrupt(std::int32_t code, const std::string& why) {
   auto& stream = core_.interrupted_stream;
   std::set<std::int32_t> sources = stream ? std::move(stream->sources) : std::set<std::int32_t>();
   if (core_.servo) sources.insert(core_.servo->source);
   if (core_.last_source) sources.insert(*core_.last_source);
-  stream = {now_, MotionCode(code), why, std::move(sources)};
+  stream = {now_, code, why, std::move(sources)};
 }
 
 // After it only recovery stand may follow.
@@ -289,7 +290,7 @@ void Decision::NoteDamped(const BodyReport& before) {
 void Decision::LatchEmergencyStop() {
   if (std::exchange(core_.emergency_stop, true)) return;
   core_.stopped_at_board = true;
-  Interrupt(Key::kEstop, kWasStopped);
+  Interrupt(MotionCode(Key::kEstop), kWasStopped);
   const std::int32_t status = CodeOfStatus(core_.body->switch_status);
   const std::int32_t code = MotionCode(Key::kEstop);
   const std::string text =
@@ -372,7 +373,10 @@ void Decision::Take(const motion_event::Cancelled& event) {
 void Decision::Take(const motion_event::Closed& event) {
   core_.closed = event.state;
   const std::string why = "the machine goes to " + std::string(event.state);
-  if (core_.servo) StopServo(why);
+  if (core_.servo) {
+    Interrupt(MotionCode(KeyCode::kStateInvalid), kWasClosed + std::string(event.state));
+    StopServo(why);
+  }
   if (!core_.job || core_.job->motion_id == kEmergencyStop) return;
   const JobMotion motion = core_.job->todo.front();
   DropJob(MotionCode(KeyCode::kStateInvalid), why);
@@ -428,7 +432,7 @@ void Decision::Take(const motion_event::BoardRestarted&) {
   const std::int32_t code = MotionCode(Key::kBoardSilent);
   const bool stops = core_.job && core_.job->motion_id == kEmergencyStop;
   // Also one that was refused while the board was silent.
-  Interrupt(Key::kBoardSilent, "the motion board has restarted");
+  Interrupt(MotionCode(Key::kBoardSilent), "the motion board has restarted");
   if (core_.servo) {
     core_.servo.reset();
     actions_.emplace_back(
@@ -651,9 +655,11 @@ void Decision::Take(const motion_event::ServoArrived& event) {
   core_.last_source = command.source;
   if (interrupted && now_ - interrupted->last_frame >= kServoWatchdog) interrupted.reset();
   if (IsLifted()) {
-    Interrupt(Key::kLifted, "the body was lifted");
+    Interrupt(MotionCode(Key::kLifted), "the body was lifted");
   } else if (core_.emergency_stop) {
-    Interrupt(Key::kEstop, kWasStopped);
+    Interrupt(MotionCode(Key::kEstop), kWasStopped);
+  } else if (core_.closed) {
+    Interrupt(MotionCode(KeyCode::kStateInvalid), kWasClosed + std::string(*core_.closed));
   } else if (interrupted) {
     interrupted->last_frame = now_;
     interrupted->sources.insert(command.source);
@@ -844,7 +850,7 @@ void Decision::BeginEmergencyStop(RequestToken token) {
   const std::int32_t code = MotionCode(Key::kEstop);
   const bool was_set = std::exchange(core_.emergency_stop, true);
   core_.stopped_at_board = false;
-  Interrupt(Key::kEstop, kWasStopped);
+  Interrupt(MotionCode(Key::kEstop), kWasStopped);
   if (core_.job) DropJob(code, "interrupted by emergency stop");
   if (core_.servo) {
     core_.servo.reset();

@@ -149,6 +149,66 @@ TEST(MotionState, ThatIsActiveAgainMovesNothingByItself) {
   EXPECT_EQ(harness.sent.size(), before);
 }
 
+// Its program ignores 3003, and may do so for hours.
+TEST(MotionState, ThatWasLeftLetsNoStreamThatGoesOnMoveTheBodyInActive) {
+  for (const std::string_view state : {kLowPower, kDeActive, kError}) {
+    Harness harness;
+    harness.Stream(303, Milliseconds(500));
+    harness.Do(motion_event::Closed{State(state)});
+    harness.Stream(303, Milliseconds(1000));
+    if (state == kLowPower) {
+      const RequestToken lies = harness.LieDown(kGetDown, 3);
+      harness.Stream(303, Milliseconds(2000));
+      EXPECT_EQ(harness.CodeOf(lies), kCodeOk);
+    }
+    harness.Stream(303, Milliseconds(1000));
+    harness.Do(motion_event::Opened{});
+    const std::size_t before = harness.sent.size();
+    harness.Stream(303, Milliseconds(1000));
+    EXPECT_EQ(harness.sent.size(), before) << state;
+    EXPECT_EQ(harness.ServoCode(), 3003);
+    harness.RunFor(Milliseconds(250));
+    harness.Stream(303, Milliseconds(8000));
+    EXPECT_EQ(harness.Commanded().back(), 303) << "after a pause";
+  }
+}
+
+// As after a restart of the manager's process.
+TEST(MotionState, ThatWasNotYetActiveLetsNoStreamThatGoesOnMoveTheBody) {
+  Harness harness;
+  harness.core.closed = State(kUninitialized);
+  harness.Stream(303, Milliseconds(500));
+  harness.Do(motion_event::Opened{});
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_THAT(harness.sent, IsEmpty());
+  harness.RunFor(Milliseconds(250));
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303));
+}
+
+// Between two of its frames.
+TEST(MotionState, ThatWasLeftForAMomentLetsNoStreamThatGoesOnMoveTheBody) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.Do(motion_event::Closed{State(kDeActive)});
+  harness.Do(motion_event::Opened{});
+  harness.Stream(303, Milliseconds(1000));
+  EXPECT_EQ(harness.Commanded().back(), kWalkStand);
+  EXPECT_EQ(harness.ServoCode(), 3003);
+}
+
+// Its end frees it, as after each interruption.
+TEST(MotionState, ThatWasLeftLetsAStreamThatBeginsOnMoveTheBody) {
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.Do(motion_event::Closed{State(kDeActive)});
+  harness.Stream(303, Milliseconds(500));
+  harness.Servo(303, 0, {}, ServoCommand::kEnd);
+  harness.Do(motion_event::Opened{});
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_EQ(harness.Commanded().back(), 303);
+}
+
 // --- Lying down
 
 TEST(MotionLieDown, TakesTheBodyDownFromStanding) {
