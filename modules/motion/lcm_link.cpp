@@ -382,6 +382,7 @@ void LcmLink::NoteTaken() {
 
 void LcmLink::HandOn(Time now, LinkOutput& output) {
   body_.report.life_count = taken_;
+  body_.report.motors_taken = motors_taken_;
   output.body = body_;
   output.body->report.switch_status = StatusWithFaults(body_.report);
   output.body->age = now - received_at_;

@@ -1130,6 +1130,9 @@ std::string StopTrouble(const MotionRules& rules, const MotionCore& core) {
   const std::string held = core.board_held.empty() ? "" : "; " + core.board_held;
   if (core.BoardSilent())
     return "the motion board is silent: it may not have taken the stop" + held;
+  // It may have been off before, and report that still.
+  if (core.body->motors_taken)
+    return "another program moves the motors: no stop reaches them" + held;
   const bool stopped = core.body->switch_status == static_cast<std::int8_t>(SwitchStatus::kEstop);
   if (stopped || PresentMotion(rules, core) == kEmergencyStop) {
     const bool taken = core.body->life_count == core.link.command.life_count;

@@ -175,6 +175,17 @@ TEST_F(LcmChain, SaysWhyAnEmergencyStopHasNotStoppedTheBody) {
   EXPECT_EQ(StopTrouble(Rules(), core_), "") << "it is no longer set";
 }
 
+// The board was off when that program took the motors, and reports that still.
+TEST_F(LcmChain, ConfirmsNoEmergencyStopWhileAnotherProgramMovesTheMotors) {
+  board_ = WireBoard(0, 0);
+  RunFor(Milliseconds(500));
+  Handle(link_.OnMotorFrame("192.168.44.9:1", now_));
+  Do(motion_event::EmergencyStop{});
+  RunFor(Milliseconds(500));
+  EXPECT_THAT(StopTrouble(Rules(), core_),
+              HasSubstr("192.168.44.9:1 moves the motors directly"));
+}
+
 // The body was off before it was commanded to stand up.
 TEST_F(LcmChain, ConfirmsNoEmergencyStopByAReportFromBeforeIt) {
   RunFor(Milliseconds(500));
