@@ -112,6 +112,9 @@ Result<> Validate(const msg::NavSatFix& fix) {
 }
 
 Result<> StampChecker::Take(std::chrono::nanoseconds stamp, std::chrono::nanoseconds now) {
+  // The last one was not ahead when it was taken: the time of day was set back since.
+  const bool set_back = last_ && tolerance_ > Duration::zero() && *last_ > now + tolerance_;
+  if (set_back) last_.reset();
   if (last_ && stamp <= *last_) {
     return Refused("its stamp is " + Seconds(*last_ - stamp) + " before the last one's");
   }

@@ -123,6 +123,15 @@ TEST(Stamps, NeverGoBackUnlessTimeDoes) {
   EXPECT_TRUE(checker.Take(seconds(1), seconds(500)));
 }
 
+// By a time server, after hours of a clock that was ahead.
+TEST(Stamps, CountAfterTheTimeOfTheComputerWasSetBack) {
+  StampChecker checker(Milliseconds(500));
+  EXPECT_TRUE(checker.Take(seconds(36'000), seconds(36'000)));
+  EXPECT_TRUE(checker.Take(seconds(7'200), seconds(7'200)));
+  EXPECT_FALSE(checker.Take(seconds(7'200), seconds(7'200)));
+  EXPECT_FALSE(checker.Take(seconds(36'001), seconds(7'201)));
+}
+
 int Passed(RateLimit limit, double source_hz, int readings) {
   int passed = 0;
   for (int i = 0; i < readings; ++i) {
