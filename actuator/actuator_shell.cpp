@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "musher/lifecycle/health/health_monitor.hpp"
 #include "musher/lifecycle/refusal.hpp"
@@ -248,7 +249,7 @@ void ActuatorShell::ChangeManagedNode(const Ros2Transition& transition,
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
   node_.loop().CheckThread();
-  if (closed_) return;
+  if (closed_ && !CountsWhenClosed(event)) return;
   const std::vector<ActuatorAction> actions =
       Step(config_, index_, core_, event, node_.loop().Now());
   if (hooks_.on_report) hooks_.on_report(core_.report);  // before any reply is sent
@@ -257,6 +258,17 @@ void ActuatorShell::Handle(const ActuatorEvent& event) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
   ArmTimer();
+}
+
+// A callback that still runs may move: a stop stops it, and so does a permit that ends; again when
+// the callback has ended. Nothing of this begins one.
+bool ActuatorShell::CountsWhenClosed(const ActuatorEvent& event) {
+  const bool ended = std::holds_alternative<actuator_event::CallbackEnded>(event);
+  if (ended && core_.stopped_meanwhile) Do(actuator_action::RunEmergencyStop{});
+  if (ended || !core_.report.busy()) return false;
+  return std::holds_alternative<actuator_event::EmergencyStopReceived>(event) ||
+         std::holds_alternative<actuator_event::PermitReceived>(event) ||
+         std::holds_alternative<actuator_event::TimePassed>(event);
 }
 
 void ActuatorShell::ArmTimer() {

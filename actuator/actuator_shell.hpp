@@ -75,7 +75,8 @@ class ActuatorShell {
   void ReportFault(const Error& fault);
   // What the hook stop_trouble returns has changed. From any thread.
   void CompareStopTrouble();
-  // No callback begins from now on; a running one continues. The worker may be dropped after that.
+  // No callback begins from now on; a running one continues, and a stop still stops it. The worker
+  // may be dropped after that.
   void Close() { closed_ = true; }
 
   const ActuatorReport& report() const { return core_.report; }
@@ -117,6 +118,7 @@ class ActuatorShell {
   void Do(const actuator_action::BecomeVisible& action);
   void Do(const actuator_action::Finish& action);
   void Publish();
+  bool CountsWhenClosed(const ActuatorEvent& event);
   void ArmTimer();
   void CheckWork();
   void Heartbeat(const Checkpoints::Look& look);

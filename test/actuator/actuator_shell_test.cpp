@@ -7,6 +7,7 @@
 #include "musher/messages/protocol/fs_machine.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::actuator_shell_test {
 
@@ -55,6 +56,84 @@ TEST(ActuatorShell, ACommandThatArrivesDuringItsShutdownBeginsNoCallback) {
   shell->Close();
   network.RunFor(std::chrono::seconds(2));
   EXPECT_EQ(worker.runs, 1) << "SetUp only";
+}
+
+// An actuator whose Shutdown() waits for the callback of Active, which may move the robot.
+class AShutdown : public ::testing::Test {
+ protected:
+  void Begin() {
+    ActuatorShell::Hooks hooks;
+    hooks.on_emergency_stop = [this] { ++stopped_; };
+    shell_ = ActuatorShell::Make(*node_, worker_, config_, 0, {7, 7, "dog"}, hooks).value();
+    shell_->Start();
+    worker_.End();
+    client_ = transport::MakeClient<msg::FsMachine>(*other_, "audiomachine_service").value();
+    const auto deadline = [&] { return network_.now() + std::chrono::seconds(3); };
+    ASSERT_TRUE(network_.RunUntil([&] { return client_->Ready(); }, deadline()));
+    network_.RunFor(Milliseconds(500));  // permits arrive
+    msg::FsMachine::Request request;
+    request.target_state = "Active";
+    client_->Call(request, std::chrono::seconds(1), [](const auto&) {});
+    ASSERT_TRUE(network_.RunUntil([&] { return worker_.runs == 2; }, deadline()));
+    shell_->Close();
+  }
+
+  // The end of the callback is the second stop: it may have switched on again.
+  void ExpectASecondStopAtTheEnd() {
+    EXPECT_EQ(stopped_, 1);
+    worker_.End();
+    network_.RunFor(std::chrono::seconds(1));
+    EXPECT_EQ(stopped_, 2);
+    EXPECT_EQ(worker_.runs, 2) << "nothing begins";
+  }
+
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> node_ = network_.MakeNode("dog");
+  std::unique_ptr<transport::Node> other_ = network_.MakeNode("desk");
+  CountingWorker worker_;
+  MachineConfig config_ = OneActuatorConfig();
+  int stopped_ = 0;
+  std::unique_ptr<transport::Client<msg::FsMachine>> client_;
+  std::unique_ptr<ActuatorShell> shell_;
+};
+
+TEST_F(AShutdown, IsInterruptedByAnEmergencyStop) {
+  Begin();
+  auto stops = transport::MakePublisher<msg::EmergencyStop>(
+                   *other_, transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                   .value();
+  msg::EmergencyStop stop;
+  stop.id = 5;
+  stop.engaged = true;
+  ASSERT_TRUE(stops->Publish(stop));
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(shell_->report().emergency_stop, StopId(5));
+  ExpectASecondStopAtTheEnd();
+}
+
+TEST_F(AShutdown, IsInterruptedWhenThePermitsEnd) {
+  config_.name = "dog";
+  config_.permit = Milliseconds(500);
+  for (const BuiltInState state : {kDeActive, kActive}) {
+    config_.ranks.emplace(state, *BuiltInRank(state));
+  }
+  auto permits = transport::MakePublisher<msg::Permit>(*other_, transport::PermitTopic(""),
+                                                       transport::kHeartbeatQos)
+                     .value();
+  auto sending = other_->loop().Every(Milliseconds(100), [&] {
+    msg::Permit permit;
+    permit.participant = other_->participant().value();
+    permit.machine = "dog";
+    permit.stamp_ns = Duration(network_.now().time_since_epoch()).count();
+    static_cast<void>(permits->Publish(permit));
+  });
+  network_.RunFor(std::chrono::seconds(1));
+  Begin();
+  network_.RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(stopped_, 0) << "permitted";
+  sending = nullptr;
+  network_.RunFor(std::chrono::seconds(1));
+  ExpectASecondStopAtTheEnd();
 }
 
 }  // namespace musher::actuator_shell_test
