@@ -29,7 +29,7 @@ class LegBoard : public musher::MachineActuator {
       clock_ = &wire.clock();
       publish_ = wire.PublishFunction<musher::msg::BodyState>("world/body_state");
       wire.Subscribe<Board::Command>("world/body_command", [this](const Board::Command& command) {
-        if (!EmergencyStopped() || command.mode == 0) board_.Take(command, clock_->Now());
+        if (!HeldByStop() || command.mode == 0) board_.Take(command, clock_->Now());
       });
       wire.Every(musher::Milliseconds(20), [this] { Report(); });
     });
