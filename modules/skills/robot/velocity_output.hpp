@@ -60,6 +60,8 @@ class VelocityOutput {
 
   // Whether a skill, or a person, moves the robot.
   bool sending() const { return sending_ != nullptr; }
+  // Whether it is a person who does.
+  bool teleoperated() const { return teleop_until_.has_value(); }
   // The command that was sent last.
   const navigation::Velocity& passed() const { return verdict_.command; }
   // What the gate stops it for; empty: nothing.

@@ -192,6 +192,12 @@ bool RosRobot::Wire::HasScan() const {
 void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
   const bool active = active_at && Now() - *active_at <= kActiveWithin;
   if (!active || Drives()) return;
+  // A stick at rest may send 0 on. That moves nothing: a flyer in the air is held, and one in a
+  // hand is not used.
+  if (config.flies && twist == msg::Twist{}) {
+    if (velocity->teleoperated()) StopMotion();
+    return;
+  }
   if (holding_) StopMotion();
   navigation::Velocity command = ToMapFrame(twist, 0);
   if (config.flies && !low_battery_.empty()) {  // a person chooses where it lands, and not whether

@@ -769,6 +769,29 @@ TEST_F(ARosFlyer, ReadsABatteryThatIsPublishedAsSensorDataAndSaysWhenThereIsNone
   EXPECT_THAT(robot_.Look().others, Contains("no publisher of r/battery"));
 }
 
+// A joystick at rest sends 0 on.
+TEST_F(ARosFlyer, KeepsItsPlaceWhileTheStickOfAPersonIsAtRest) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  Fly(1);
+  robot_.StopMotion();
+  const double place_m = Fly(2);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_TRUE(peers_->teleop->Publish(msg::Twist{}));
+    Fly(0.1);
+  }
+  EXPECT_NEAR(x_m_, place_m, 0.2);
+}
+
+// It is in a hand.
+TEST_F(ARosFlyer, IsNotUsedByAStickAtRest) {
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(peers_->teleop->Publish(msg::Twist{}));
+    Fly(0.1);
+  }
+  Fly(2);
+  EXPECT_THAT(peers_->commands, IsEmpty());
+}
+
 TEST_F(ARosFlyer, IsNotHeldUpByAPersonWhileItLandsWithALowBattery) {
   robot_.SetVelocity({0.5, 0, 0, 0});
   Fly(1);
