@@ -28,6 +28,7 @@ namespace {
 constexpr Duration kFirstBackOff = Milliseconds(250);
 constexpr Duration kLongestBackOff = Milliseconds(10'000);
 constexpr Duration kConnectWithin = Milliseconds(8'000);  // ssh's own limit for TCP is 5 s
+constexpr int kEndsWithinMS = 100;                        // of ssh, after SIGKILL
 constexpr std::size_t kLongestGreeting = 65'536;          // with what a login may print before it
 constexpr std::size_t kMostErrors = 4'096;
 constexpr std::string_view kGreeting = "musher-host ";
@@ -241,7 +242,10 @@ void HostBus::DropSsh() {
   errors_pipe_ = UniqueFd();
   if (pidfd_.valid()) {
     SendSignal(pidfd_.get(), SIGKILL);
-    ReapChild(ssh_->pid());
+    // While it waits for a disk that hangs it does not end, and the loop does not wait for it.
+    pollfd ended{pidfd_.get(), POLLIN, 0};
+    poll(&ended, 1, kEndsWithinMS);
+    ReapEndedChild(ssh_->pid());
   }
   pidfd_ = UniqueFd();
   ssh_.reset();

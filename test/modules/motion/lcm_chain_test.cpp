@@ -182,8 +182,7 @@ TEST_F(LcmChain, ConfirmsNoEmergencyStopWhileAnotherProgramMovesTheMotors) {
   Handle(link_.OnMotorFrame("192.168.44.9:1", now_));
   Do(motion_event::EmergencyStop{});
   RunFor(Milliseconds(500));
-  EXPECT_THAT(StopTrouble(Rules(), core_),
-              HasSubstr("192.168.44.9:1 moves the motors directly"));
+  EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("192.168.44.9:1 moves the motors directly"));
 }
 
 // The body was off before it was commanded to stand up.
