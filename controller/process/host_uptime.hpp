@@ -25,10 +25,10 @@ inline Duration SinceBoot() {
 }
 
 // For sh: sets $running to the seconds that the first process has run, which is the uptime but in a
-// container.
+// container. A host whose /proc hides that process (hidepid) is no container: it is the uptime.
 inline constexpr const char* kReadRunning =
-    "read -r up idle </proc/uptime; read -r first </proc/1/stat; set -- ${first##*) }; "
-    "running=$((${up%%.*} - ${20} / 100)); ";
+    "read -r up idle </proc/uptime; first=; { read -r first </proc/1/stat; } 2>/dev/null; "
+    "set -- ${first##*) }; running=$((${up%%.*} - ${20:-0} / 100)); ";
 
 // A program that succeeds while the host has run for no longer than this.
 inline std::vector<std::string> UntilHostHasRun(Duration limit) {

@@ -7,12 +7,15 @@
 
 #include <signal.h>
 
+#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "musher/base/exit_status.hpp"
 #include "musher/base/files.hpp"
+#include "musher/base/program.hpp"
+#include "musher/controller/process/host_uptime.hpp"
 #include "musher/controller/process/ssh.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
@@ -121,6 +124,20 @@ TEST_F(HostConnection, ThatIsClosedEndsItsProgramAndCallsNothing) {
   const auto end = ReapChild(pid);
   EXPECT_TRUE(!end || *end == (ExitStatus{true, SIGKILL}));
   EXPECT_THAT(downs_, IsEmpty());
+}
+
+// As with hidepid, for a user who is not root.
+TEST(HostUptime, IsReadWhereTheFirstProcessIsHidden) {
+  std::string script = kReadRunning;
+  const std::string first = "/proc/1/stat";
+  script.replace(script.find(first), first.size(), "/proc/no-process/stat");
+  const auto before = std::chrono::duration_cast<std::chrono::seconds>(SinceBoot()).count();
+  ProgramSpec spec;
+  spec.argv = {"sh", "-c", script + "echo \"$running\""};
+  const auto end = RunProgram(spec, "", kSoon);
+  ASSERT_TRUE(end) << end.error().message;
+  EXPECT_EQ(end.value().errors, "");
+  EXPECT_NEAR(std::stod("0" + end.value().output), static_cast<double>(before), 60);
 }
 
 TEST(SshArguments, AskNothingAndTakeTheAddressForNoOption) {
