@@ -40,6 +40,8 @@ Result<> MotionShell::Open(const MakeBackend& make_backend) {
   OpenServices();
   if (!endpoints_.opened()) return endpoints_.opened();
   status_timer_ = dependencies_.clock.Every(kStatusPeriod, [this] { PublishStatus(); });
+  transport::EventLoop& loop = dependencies_.node.loop();
+  turns_ = loop.Every(LoopPause::kPeriod, [this, &loop] { loop_pause_.OnTurn(loop.Now()); });
   return Ok();
 }
 
@@ -132,6 +134,15 @@ void MotionShell::MeasureWay(const BodyMotion& motion) {
   position_ = at;
 }
 
+Result<> MotionShell::CheckFresh() {
+  const Time now = dependencies_.node.loop().Now();
+  loop_pause_.OnTurn(now);
+  if (!loop_pause_.HasEnded(now)) return Ok();
+  return Error{MotionCode(KeyCode::kTimeout),
+               "the motion manager stood still for a while, and its caller may have given up; "
+               "request it again"};
+}
+
 void MotionShell::Play(std::int32_t source, const Result<MotionRequests>& requests,
                        OnAnswer on_answer) {
   if (!requests) {
@@ -140,8 +151,10 @@ void MotionShell::Play(std::int32_t source, const Result<MotionRequests>& reques
                       std::to_string(requests.error().code) + ")");
     return on_answer({0, 0, requests.error().code, requests.error().message});
   }
-  if (const auto defined = CheckDefined(requests.value()); !defined) {
-    return Play(source, defined.error(), std::move(on_answer));
+  const bool stops = std::ranges::count(requests.value(), kEmergencyStop, &MotionRequest::id) > 0;
+  const auto fresh = stops ? Ok() : CheckFresh();
+  if (const auto may = fresh ? CheckDefined(requests.value()) : fresh; !may) {
+    return Play(source, may.error(), std::move(on_answer));
   }
   waiting_[++token_] = std::move(on_answer);
   Do(motion_event::PlayArrived{token_, source, requests.value()});
@@ -173,6 +186,7 @@ void MotionShell::Define(std::int32_t source, std::int32_t id, const Result<User
     then(result);
   };
   if (!gait) return done(gait.error());
+  if (const auto fresh = CheckFresh(); !fresh) return done(fresh.error());
   if (const auto fits = CheckGait(*dependencies_.table.Find(id), gait.value()); !fits) {
     return done(fits.error());
   }

@@ -18,6 +18,7 @@
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/messages/sensor_msgs/imu.hpp"
 #include "musher/messages/tf2_msgs/tf_message.hpp"
+#include "musher/modules/motion/loop_pause.hpp"
 #include "musher/modules/motion/motion_backend.hpp"
 #include "musher/modules/motion/motion_core.hpp"
 #include "musher/modules/motion/motion_sequence.hpp"
@@ -74,6 +75,8 @@ class MotionShell {
 
   void OnBody(const BodyState& body);
   void MeasureWay(const BodyMotion& motion);
+  // Refuses what may have waited while this process stood still.
+  Result<> CheckFresh();
   void Play(std::int32_t source, const Result<MotionRequests>& requests, OnAnswer on_answer);
   void Define(std::int32_t source, std::int32_t id, const Result<UserGait>& gait,
               MotionBackend::OnDefined then);
@@ -107,6 +110,8 @@ class MotionShell {
   transport::Publisher<msg::TfMessage>* tf_ = nullptr;  // null: not published
   transport::Publisher<msg::NodeError>* errors_ = nullptr;
   transport::Publisher<msg::AudioPlayExtend>* speech_ = nullptr;
+  LoopPause loop_pause_;
+  transport::LoopHandlePtr turns_;
   transport::LoopHandlePtr status_timer_;
   transport::LoopHandlePtr timer_;
   transport::Endpoints endpoints_;  // last: its callbacks use the rest

@@ -132,6 +132,40 @@ TEST_F(MotionShellTest, AnswersAResultCommandWhenItsMotionIsDone) {
   EXPECT_EQ(board_.last.mode, 17);
 }
 
+// Its caller has given up.
+TEST_F(MotionShellTest, BeginsNoMotionThatWasRequestedWhileItsProcessStoodStill) {
+  auto client =
+      transport::MakeClient<msg::MotionResultCmd>(*user_, "dog1/motion_result_cmd").value();
+  network_.RunFor(Milliseconds(500));
+  msg::MotionResultCmd::Request flip;
+  flip.motion_id = 121;
+  network_.Pause(*node_);
+  bool given_up = false;
+  client->Call(flip, Milliseconds(1000), [&](const auto& reply) { given_up = !reply; });
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_TRUE(given_up);
+  network_.Resume(*node_);
+  network_.RunFor(Milliseconds(500));
+  EXPECT_EQ(board_.commands, 0);
+  EXPECT_THAT(log_, Contains(HasSubstr("stood still for a while")));
+  network_.RunFor(Milliseconds(1000));
+  EXPECT_TRUE(RequestMotion(121).result);
+}
+
+TEST_F(MotionShellTest, CarriesOutAStopThatWasRequestedWhileItsProcessStoodStill) {
+  auto client =
+      transport::MakeClient<msg::MotionResultCmd>(*user_, "dog1/motion_result_cmd").value();
+  network_.RunFor(Milliseconds(500));
+  msg::MotionResultCmd::Request stop;
+  stop.motion_id = kEmergencyStop;
+  network_.Pause(*node_);
+  client->Call(stop, Milliseconds(1000), [](const auto&) {});
+  network_.RunFor(std::chrono::seconds(20));
+  network_.Resume(*node_);
+  network_.RunFor(Milliseconds(500));
+  EXPECT_TRUE(shell_->core().emergency_stop);
+}
+
 TEST_F(MotionShellTest, AnswersARefusedResultCommandWithItsCodeAndLogsTheReason) {
   refused_ = "back_flip";
   EXPECT_EQ(RequestMotion(121), (msg::MotionResultCmd::Response{121, false, 3013}));
