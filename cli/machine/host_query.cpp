@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::string_view kBegin = "musher-clock ";
 constexpr const char* kFirstCommand = "echo \"musher-clock $(date +%s%N)\"\n";
-constexpr std::size_t kMostBytes = 64 << 20;  // of the output of a script
+constexpr std::size_t kMostBytes = 64 << 20;  // of a line
 constexpr std::size_t kMostErrors = 4096;
 constexpr int kOfSsh = 255;  // its exit code when it has not reached the host
 
@@ -37,16 +37,17 @@ Result<Pipe> MakePipe() {
   return Pipe{UniqueFd(ends[0]), UniqueFd(ends[1])};
 }
 
-// Appends what is there; false at its end.
+// Appends what is there, up to kMostBytes in all; false at its end.
 bool Drain(int fd, std::string& text) {
   std::array<char, 16 << 10> buffer{};
-  for (;;) {
+  while (text.size() < kMostBytes) {
     const ssize_t count = read(fd, buffer.data(), buffer.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return errno == EAGAIN;
     if (count == 0) return false;
     text.append(buffer.data(), static_cast<std::size_t>(count));
   }
+  return true;
 }
 
 }  // namespace
@@ -136,6 +137,10 @@ std::string HostScript::Late(Duration within) const {
 }
 
 std::string HostScript::Trouble() {
+  if (text_.size() >= kMostBytes) {  // it may print on: ~HostScript() kills it
+    return "host " + host_.name + " (" + host_.Login() + "): it has printed a line of more than " +
+           std::to_string(kMostBytes >> 20) + " MiB";
+  }
   const auto failure = ssh_.Failure(Duration::zero());
   const auto status = ReapChild(ssh_.pid());
   ended_ = true;

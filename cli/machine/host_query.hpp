@@ -27,7 +27,7 @@ class HostScript {
   ~HostScript();  // ends it
 
   int output() const { return output_.get(); }  // readable when Read() has something
-  // Reads what is there, without waiting; false: it has ended.
+  // Reads what is there, without waiting; false: it has ended, or prints a line without end.
   bool Read();
   // Its output since the last call, in whole lines.
   std::vector<std::string> TakeLines();

@@ -87,6 +87,17 @@ TEST_F(OtherHosts, ThatAreSlowKeepWhatHasArrived) {
   EXPECT_TRUE(answers[0].clock_offset_ns);
 }
 
+TEST_F(OtherHosts, ThatPrintALineWithoutEndAreNamedAtOnce) {
+  Ssh("exec sh -s");
+  const Time begin = std::chrono::steady_clock::now();
+  const auto answers =
+      QueryHosts({{&vision_, "echo one\nexec cat /dev/zero\n"}}, std::chrono::minutes(2));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::minutes(1));
+  EXPECT_THAT(answers[0].lines, ElementsAre("one"));
+  EXPECT_THAT(answers[0].trouble,
+              HasSubstr("host vision (root@10.0.0.2): it has printed a line of more than 64 MiB"));
+}
+
 class JournalOfOtherHosts : public OtherHosts {
  protected:
   // What runs there in the place of journalctl.
