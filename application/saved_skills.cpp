@@ -147,9 +147,14 @@ Result<std::vector<std::string>> SavedSkills::Restore(skill::Manager& manager, b
   return lines;
 }
 
-std::string SavedSkills::TakeOver() {
+std::string SavedSkills::TakeOver(std::optional<Duration> since_stop) {
   const auto restored = std::exchange(restored_, std::nullopt);
-  return restored ? WhyOver(restored, host_now_()) : "";
+  if (!restored) return "";
+  const HostTime now = host_now_();
+  if (since_stop && *since_stop <= now.since_boot - restored->since_boot) {
+    return "an emergency stop has come since it was saved";
+  }
+  return WhyOver(restored, now);
 }
 
 }  // namespace musher

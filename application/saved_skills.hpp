@@ -9,8 +9,9 @@
 //
 // A robot goes on with what it did a moment ago, and not with what it did before it was switched
 // off, or long ago: only with a file of the same boot of its computer that was written kMostAge ago
-// at most, when it is read and again when the first step follows. What was restored and has made no
-// step keeps its time in the file, whatever states its process passes through.
+// at most, when it is read and again when the first step follows, and without an emergency stop in
+// between, which would have cancelled it. What was restored and has made no step keeps its time in
+// the file, whatever states its process passes through.
 //
 // Threads: one at a time. Times are the machine's, but HostTime.
 
@@ -50,8 +51,9 @@ class SavedSkills {
   Result<std::vector<std::string>> Restore(skill::Manager& manager, bool continues);
 
   // Called before steps: why what was restored must not go on by now; empty: it may. From then on
-  // the runs are those of this process.
-  std::string TakeOver();
+  // the runs are those of this process. `since_stop`: how long ago the last emergency stop was
+  // engaged or released; nullopt: none is known.
+  std::string TakeOver(std::optional<Duration> since_stop = std::nullopt);
 
  private:
   const std::string file_;

@@ -1,5 +1,7 @@
 #include "musher/application/skill_actuator.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <functional>
 #include <map>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "musher/application/saved_skills.hpp"
 #include "musher/application/skill_report.hpp"
 #include "musher/base/check.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/endpoints.hpp"
 #include "musher/transport/goal_id_text.hpp"
@@ -101,6 +104,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
       handlers.cancel = [this](const Goal& goal) { Cancel(goal); };
       topics.ServeAction<msg::SkillExecution>(options_.action, std::move(handlers));
       OpenReports(topics);
+      if (saved_) WatchStops(topics);
       owner_.OpenTopics(topics);
     });
   }
@@ -144,6 +148,21 @@ class SkillActuator::Impl final : public ApplicationImpl {
     topics.Serve<msg::CancelSkill>(
         owner_.name() + "/cancel_skill",
         [this](const auto& request, auto reply) { CancelOne(request, std::move(reply)); });
+  }
+
+  // Also of those that came and were released before this process: the last one is latched.
+  void WatchStops(transport::Endpoints& topics) {
+    topics.SubscribeWithInfo<msg::EmergencyStop>(
+        "musher/emergency_stop",
+        [this](const msg::EmergencyStop&, const transport::SampleInfo& info) {
+          last_stop_ns_ = std::max(last_stop_ns_, info.written_ns);
+        },
+        {}, transport::kLatchedFromManyQos);
+  }
+
+  std::optional<Duration> SinceLastStop() const {
+    if (last_stop_ns_ == 0) return std::nullopt;
+    return std::chrono::system_clock::now().time_since_epoch() - Duration(last_stop_ns_);
   }
 
   // Answers at the end of the run.
@@ -208,7 +227,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   Result<> Activate() override {
     if (Result<> checked = CheckNoStop(); !checked) return checked;
     if (ticking()) return Ok();
-    if (const std::string over = saved_ ? saved_->TakeOver() : ""; !over.empty()) {
+    if (const std::string over = saved_ ? saved_->TakeOver(SinceLastStop()) : ""; !over.empty()) {
       manager_->CancelAllNow("it does not go on: " + over);
       ReportGoals();
     }
@@ -364,6 +383,8 @@ class SkillActuator::Impl final : public ApplicationImpl {
   std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
   std::map<std::uint64_t, Watched> watched_;                // by the number of the run
   std::optional<SavedSkills> saved_;                        // nothing: they are not saved
+  // When the last stop was engaged or released, by the wall clock; 0: none is known.
+  std::int64_t last_stop_ns_ = 0;
 };
 
 SkillActuator::SkillActuator(const std::string& actuator_name, const Options& options)

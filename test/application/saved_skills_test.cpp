@@ -141,6 +141,22 @@ TEST_F(ASavedSkill, ThatHasMadeAStepInTimeIsThatOfTheNextProcess) {
   EXPECT_THAT(Restore(*Skills(), true).value(), ElementsAre(HasSubstr("goes on from WAITING")));
 }
 
+// The stop came and was released between the two processes: it would have cancelled what ran.
+TEST_F(ASavedSkill, DoesNotGoOnAfterAnEmergencyStop) {
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  RunUntil(*before_, 3);
+  for (const int since_stop_s : {5, 15}) {
+    const auto next = Skills();
+    SavedSkills saved = Saved();
+    ASSERT_TRUE(saved.Restore(*next, true));
+    const Duration saved_ago = std::chrono::seconds(10);
+    host_now_.since_boot += saved_ago;
+    EXPECT_EQ(saved.TakeOver(std::chrono::seconds(since_stop_s)),
+              since_stop_s == 5 ? "an emergency stop has come since it was saved" : "");
+    host_now_.since_boot -= saved_ago;
+  }
+}
+
 // The disk was full when an emergency stop cancelled it: the next process would have gone on.
 TEST_F(ASavedSkill, WhoseEndCannotBeSavedIsForgotten) {
   ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
