@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,10 +12,9 @@
 #include "musher/cli/config/config_file.hpp"
 #include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/command_times.hpp"
 #include "musher/cli/machine/machine_files.hpp"
 #include "musher/cli/render/times.hpp"
-#include "musher/controller/journal/journal_reader.hpp"
-#include "musher/lifecycle/event_name.hpp"
 
 namespace musher::cli {
 namespace {
@@ -26,21 +25,6 @@ struct TimesOptions {
   std::string since;                  // empty: all
   LearningOptions learning;
 };
-
-// The command of an entry of such an event; nullopt: it names none.
-std::optional<CommandTime> CommandOf(const JournalEntry& entry) {
-  const bool overdue = entry.event == NameOf(EventName::kCommandOverdue);
-  if (!overdue && entry.event != NameOf(EventName::kCommandDone)) return std::nullopt;
-  const auto data = nlohmann::json::parse(entry.data, nullptr, false);
-  const auto arguments = data.is_object() ? data.find("arguments") : data.end();
-  if (arguments == data.end() || !arguments->is_object()) return std::nullopt;
-  const auto target = arguments->find("target");
-  const auto took = arguments->find("took_ms");
-  if (target == arguments->end() || !target->is_string()) return std::nullopt;
-  if (took == arguments->end() || !took->is_number()) return std::nullopt;
-  return CommandTime{entry.actuator, State(target->get<std::string>()), entry.wall_ns,
-                     took->get<double>(), overdue};
-}
 
 ExitCode Times(const TimesOptions& options, const GlobalOptions& global, Console& console) {
   std::int64_t since_ns = 0;
@@ -58,12 +42,11 @@ ExitCode Times(const TimesOptions& options, const GlobalOptions& global, Console
   if (!config) return ExitCode::kUsage;
   std::vector<CommandTime> commands;
   for (const std::string& file : journals) {
-    const auto read = ReadJournal(file, since_ns, SIZE_MAX);
+    auto read = ReadCommandTimes(file, since_ns);
     if (!read) return console.Fail(read.error());
-    if (!read.value().damage.empty()) console.PrintError(file + ": " + read.value().damage);
-    for (const JournalEntry& entry : read.value().entries) {
-      if (auto command = CommandOf(entry)) commands.push_back(*std::move(command));
-    }
+    CommandTimes times = std::move(read).value();
+    if (!times.damage.empty()) console.PrintError(file + ": " + times.damage);
+    std::ranges::move(times.commands, std::back_inserter(commands));
   }
   const auto rows = LearnTimes(commands, *config, options.learning);
   console.Print(console.mode().json ? TimesJson(rows)

@@ -8,6 +8,9 @@
 #include <map>
 #include <utility>
 
+#include "musher/base/words.hpp"
+#include "musher/cli/console/wall_time.hpp"
+
 namespace musher::cli {
 namespace {
 
@@ -15,7 +18,9 @@ constexpr double kQuantile = 0.999;
 constexpr double kLeastMarginMs = 100;      // of a limit above the 99.9th percentile
 constexpr double kWorthChanging = 0.2;      // of the limit
 constexpr double kDriftFactor = 1.5;        // or its inverse
+constexpr double kLeastDriftMs = 20;        // what commands take is recorded in whole ms
 constexpr std::size_t kLeastForDrift = 40;  // commands
+constexpr double kCloseToLimit = 0.8;       // of the limit
 
 // The smallest value that is not exceeded by that part of the values.
 double Quantile(const std::vector<double>& sorted, double part) {
@@ -34,8 +39,8 @@ double RoundedUp(double ms) {
   return std::ceil(ms / step) * step;
 }
 
-// Of commands by the time of their end.
-std::optional<Drift> DriftOf(const std::vector<const CommandTime*>& done) {
+// Of commands of one robot, by the time of their end.
+std::optional<Drift> DriftOfRobot(const std::vector<const CommandTime*>& done) {
   if (done.size() < kLeastForDrift) return std::nullopt;
   const std::size_t newest = done.size() - done.size() / 4;
   std::vector<double> before;
@@ -43,9 +48,27 @@ std::optional<Drift> DriftOf(const std::vector<const CommandTime*>& done) {
   for (std::size_t i = 0; i < done.size(); ++i) {
     (i < newest ? before : after).push_back(done[i]->took_ms);
   }
-  const double factor = Median(after) / std::max(Median(before), 1e-3);
+  const double now = Median(after);
+  const double was = Median(before);
+  if (std::abs(now - was) < kLeastDriftMs) return std::nullopt;
+  const double factor = now / std::max(was, 1.0);
   if (factor < kDriftFactor && factor > 1 / kDriftFactor) return std::nullopt;
   return Drift{factor, done[newest]->wall_ns};
+}
+
+// The largest one of a robot. Robots are not compared: a slower one whose journal begins later has
+// not changed.
+std::optional<Drift> DriftOf(const std::vector<const CommandTime*>& done) {
+  std::map<std::string, std::vector<const CommandTime*>> by_journal;
+  for (const CommandTime* command : done) by_journal[command->journal].push_back(command);
+  std::optional<Drift> most;
+  for (const auto& [journal, commands] : by_journal) {
+    auto drift = DriftOfRobot(commands);
+    if (!drift || (most && most->factor >= drift->factor)) continue;
+    if (by_journal.size() > 1) drift->journal = journal;
+    most = std::move(drift);
+  }
+  return most;
 }
 
 std::optional<double> Proposed(const LearnedTime& row, const LearningOptions& options) {
@@ -59,26 +82,33 @@ std::optional<double> Proposed(const LearnedTime& row, const LearningOptions& op
 LearnedTime RowOf(const std::vector<const CommandTime*>& all, const MachineConfig& config,
                   const LearningOptions& options) {
   LearnedTime row{all.front()->actuator, all.front()->state};
+  if (const auto index = config.IndexOf(row.actuator)) {
+    const auto limit = config.actuators[*index].TimeFor(row.state);
+    if (limit) row.limit_ms = static_cast<double>(ToMilliseconds(*limit));
+  }
   std::vector<const CommandTime*> done;
   std::vector<double> took;
   for (const CommandTime* command : all) {
-    row.overdue += command->overdue ? 1 : 0;
-    if (command->overdue) continue;
+    if (command->overdue) {
+      ++row.overdue;
+      row.overdue_at_limit += row.limit_ms && command->took_ms >= *row.limit_ms ? 1 : 0;
+      continue;
+    }
     done.push_back(command);
     took.push_back(command->took_ms);
   }
   row.commands = took.size();
   row.missing = options.least_commands - std::min(options.least_commands, took.size());
-  if (const auto index = config.IndexOf(row.actuator)) {
-    const auto limit = config.actuators[*index].TimeFor(row.state);
-    if (limit) row.limit_ms = static_cast<double>(ToMilliseconds(*limit));
-  }
   if (took.empty()) return row;
   std::sort(took.begin(), took.end());
   row.median_ms = Quantile(took, 0.5);
   row.p999_ms = Quantile(took, kQuantile);
   row.longest_ms = took.back();
   row.proposed_ms = Proposed(row, options);
+  if (row.proposed_ms) {
+    const auto beyond = std::ranges::upper_bound(took, *row.proposed_ms);
+    row.beyond_proposed = static_cast<std::size_t>(took.end() - beyond);
+  }
   row.drift = DriftOf(done);
   return row;
 }
@@ -97,6 +127,34 @@ std::string Line(const std::vector<std::int64_t>& times_ms) {
 }
 
 }  // namespace
+
+std::optional<double> LearnedTime::ShareOfLimit() const {
+  if (missing != 0 || !limit_ms || *limit_ms <= 0) return std::nullopt;
+  return p999_ms / *limit_ms;
+}
+
+std::vector<std::string> TimeWarnings(const std::vector<LearnedTime>& rows) {
+  std::vector<std::string> warnings;
+  for (const LearnedTime& row : rows) {
+    if (!row.limit_ms) continue;
+    const std::string state = row.actuator + ": " + row.state.name();
+    if (row.overdue_at_limit != 0) {
+      warnings.push_back(fmt::format(
+          "{} was overdue in {} of {}, its limit is {:.0f} ms", state, row.overdue_at_limit,
+          Counted(row.commands + row.overdue, "command"), *row.limit_ms));
+    } else if (row.ShareOfLimit().value_or(0) >= kCloseToLimit) {
+      warnings.push_back(
+          fmt::format("{} comes close to its limit: 99.9 % of {} took up to {:.0f} of {:.0f} ms",
+                      state, Counted(row.commands, "command"), row.p999_ms, *row.limit_ms));
+    }
+    if (row.drift && row.drift->factor > 1) {
+      warnings.push_back(fmt::format("{} takes {:.1f} times as long since {}", state,
+                                     row.drift->factor,
+                                     LocalText(row.drift->since_wall_ns).substr(0, 16)));
+    }
+  }
+  return warnings;
+}
 
 std::vector<LearnedTime> LearnTimes(const std::vector<CommandTime>& commands,
                                     const MachineConfig& config, const LearningOptions& options) {

@@ -21,7 +21,8 @@ struct CommandTime {
   State state;               // its target
   std::int64_t wall_ns = 0;  // when it ended, since 1970
   double took_ms = 0;
-  bool overdue = false;  // it was not done by then
+  bool overdue = false;      // it was not done by then
+  std::string journal = {};  // its file: each is of one robot
 };
 
 struct LearningOptions {
@@ -33,6 +34,7 @@ struct LearningOptions {
 struct Drift {
   double factor = 1;               // the median of the newest quarter by that of the others
   std::int64_t since_wall_ns = 0;  // the begin of that quarter
+  std::string journal = {};        // its file; empty: there is only one
 };
 
 struct LearnedTime {
@@ -47,12 +49,21 @@ struct LearnedTime {
   std::optional<double> proposed_ms{};  // none: too few commands, or the limit is right
   std::size_t missing = 0;              // commands until a limit is proposed
   std::optional<Drift> drift{};
+  std::size_t beyond_proposed = 0;   // of the commands: longer than the proposed limit
+  std::size_t overdue_at_limit = 0;  // of the overdue ones: the others had a shorter limit then
+
+  // The 99.9th percentile divided by the limit; none: there is no limit, or too few commands.
+  std::optional<double> ShareOfLimit() const;
 };
 
 // A row for each actuator and state with a command, by name and then as the config lists the
 // states.
 std::vector<LearnedTime> LearnTimes(const std::vector<CommandTime>& commands,
                                     const MachineConfig& config, const LearningOptions& options);
+
+// A sentence for each state whose commands were overdue with its present limit, came close to it,
+// or take longer than before. States that the config does not list have none.
+std::vector<std::string> TimeWarnings(const std::vector<LearnedTime>& rows);
 
 // The line `times = [...]` of an actuator with the proposed limits; empty: none of its differs.
 std::string ProposedTimes(const ActuatorConfig& actuator, const std::vector<LearnedTime>& learned);

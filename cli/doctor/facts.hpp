@@ -1,6 +1,7 @@
 #pragma once
 // What `musher doctor` knows about this computer. Facts only: checks.hpp decides what they mean.
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -56,6 +57,13 @@ struct LockFacts {
   bool writable = true;      // or there is no file yet
   int held_by = 0;           // the process; 0: none, or not visible
   std::string belongs_to{};  // another machine that the folder belongs to; empty: none
+};
+
+// What commands took in the last seven days, by the journal of the machine.
+struct TimesFacts {
+  std::string error;                       // why it is not known; empty: it is known
+  std::size_t commands = 0;                // done or overdue
+  std::vector<std::string> warnings = {};  // see TimeWarnings()
 };
 
 // A log that exists and that this user may not write.
@@ -162,6 +170,7 @@ struct DoctorFacts {
   std::vector<FolderFacts> log_dirs;     // of the actuators, and of the controller
   std::optional<LockFacts> lock;         // none without a config
   std::vector<LogFacts> unwritable_logs;
+  TimesFacts times{"no journal was read"};
   Limits limits;
   CoreFacts core;
   CpuFacts cpu;

@@ -85,6 +85,26 @@ DoctorCheck CheckCommands(const DoctorFacts& facts) {
   return check;
 }
 
+DoctorCheck CheckTimes(const DoctorFacts& facts) {
+  DoctorCheck check{"time limits"};
+  const TimesFacts& times = facts.times;
+  if (!facts.config) return NotApplicable(check, "no config was given");
+  if (!times.error.empty()) return NotApplicable(check, times.error);
+  if (times.commands == 0) return NotApplicable(check, "no command in the last 7 days");
+  if (times.warnings.empty()) {
+    check.reason = fmt::format("{} in the last 7 days, none overdue or close to its limit",
+                               Counted(times.commands, "command"));
+    return check;
+  }
+  check.health = CheckStatus::kWarning;
+  check.reason = times.warnings.front();
+  if (times.warnings.size() > 1) {
+    check.reason += fmt::format(" (and {} more)", times.warnings.size() - 1);
+  }
+  check.fix = "musher times " + ShellWord(facts.config->file) + " --since 7d";
+  return check;
+}
+
 DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
   DoctorCheck check{"machine"};
   if (!facts.controllers_error.empty()) return NotApplicable(check, facts.controllers_error);
@@ -139,7 +159,7 @@ DoctorCheck CheckVersionOfController(const DoctorFacts& facts) {
 }  // namespace
 
 std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts) {
-  return {CheckKeyFiles(facts), CheckCommands(facts), CheckOtherMachines(facts),
+  return {CheckKeyFiles(facts), CheckCommands(facts), CheckTimes(facts), CheckOtherMachines(facts),
           CheckVersionOfController(facts)};
 }
 

@@ -16,8 +16,10 @@
 #include "musher/base/host.hpp"
 #include "musher/base/own_folder.hpp"
 #include "musher/base/unique_fd.hpp"
+#include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/doctor/host_facts.hpp"
 #include "musher/cli/doctor/in_child.hpp"
+#include "musher/cli/machine/command_times.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/controller/storage/state_store.hpp"
 
@@ -59,6 +61,37 @@ std::string DescribeFiles(const MachineConfig& config, int domain) {
     if (!user.empty() && access(log.c_str(), W_OK) != 0) text += log + '\n' + user + '\n';
   }
   return text;
+}
+
+constexpr std::int64_t kWeekNs = std::int64_t{7} * 24 * 3600 * 1'000'000'000;
+
+// Lines: why the times are not known, or empty; the number of commands; then each warning.
+std::string DescribeTimes(const MachineConfig& config) {
+  const std::string journal = config.state_dir + "/journal.sqlite";
+  if (access(journal.c_str(), R_OK) != 0) return "there is no journal that this user can read\n";
+  const auto read = ReadCommandTimes(journal, WallNow() - kWeekNs);
+  if (!read) return read.error().message + '\n';
+  const auto& commands = read.value().commands;
+  std::string text = fmt::format("\n{}\n", commands.size());
+  for (const std::string& warning : TimeWarnings(LearnTimes(commands, config, {}))) {
+    text += warning + '\n';
+  }
+  return text;
+}
+
+TimesFacts ReadTimes(const MachineConfig& config, Duration timeout) {
+  const Time deadline = std::chrono::steady_clock::now() + timeout;
+  auto child = InChild::Start([&] { return DescribeTimes(config); });
+  const auto text = child ? child.value().Await(deadline) : Result<std::string>(child.error());
+  if (!text) return {"the journal was not read: " + text.error().message};
+  std::istringstream lines(text.value());
+  TimesFacts times;
+  std::string line;
+  std::getline(lines, times.error);
+  std::getline(lines, line);
+  times.commands = std::strtoul(line.c_str(), nullptr, 10);
+  while (std::getline(lines, line)) times.warnings.push_back(line);
+  return times;
 }
 
 // As much as the journal needs for its next pages and their index.
@@ -112,6 +145,7 @@ void ReadStorage(DoctorFacts& facts, Duration timeout) {
   for (std::string path = line(); !path.empty(); path = line()) {
     facts.unwritable_logs.push_back({path, line()});
   }
+  facts.times = ReadTimes(config, timeout);
 }
 
 }  // namespace musher::cli

@@ -20,12 +20,28 @@ std::string Ms(double ms) {
 Table::Cell NoteOf(const LearnedTime& row) {
   std::string note;
   const auto add = [&note](const std::string& text) { note += (note.empty() ? "" : "; ") + text; };
-  if (row.proposed_ms) add("propose " + Ms(*row.proposed_ms));
+  if (row.proposed_ms) {
+    add("propose " + Ms(*row.proposed_ms));
+    if (row.beyond_proposed != 0) {
+      add(Counted(row.beyond_proposed, "command") + " would have been overdue with it");
+    }
+    if (row.limit_ms && *row.proposed_ms < *row.limit_ms) {
+      add("a hang would be seen " + Ms(*row.limit_ms - *row.proposed_ms) + " ms sooner");
+    }
+  }
+  if (const auto share = row.ShareOfLimit(); share && *share >= 0.5) {
+    add(fmt::format("{:.0f} % of the limit", 100 * *share));
+  }
   if (row.missing != 0) add(Counted(row.missing, "more command") + " needed for a limit");
-  if (row.overdue != 0) add(fmt::format("{} overdue", row.overdue));
+  if (row.overdue_at_limit != 0) add(fmt::format("{} overdue", row.overdue_at_limit));
+  if (const std::size_t before = row.overdue - row.overdue_at_limit; before != 0) {
+    add(fmt::format("{} overdue{}", before, row.limit_ms ? " with a shorter limit" : ""));
+  }
   if (row.drift) {
-    add(fmt::format("takes {:.1f} times as long since {}", row.drift->factor,
-                    LocalText(row.drift->since_wall_ns).substr(0, 16)));
+    const std::string& journal = row.drift->journal;
+    add(fmt::format("takes {:.1f} times as long since {}{}", row.drift->factor,
+                    LocalText(row.drift->since_wall_ns).substr(0, 16),
+                    journal.empty() ? "" : " in " + Printable(journal)));
   }
   if (!row.limit_ms) add("not in the config");
   const bool worth = row.proposed_ms || row.overdue != 0 || row.drift;
@@ -70,17 +86,22 @@ std::string TimesJson(const std::vector<LearnedTime>& rows) {
   for (const LearnedTime& row : rows) {
     OrderedJson drift;
     if (row.drift) {
-      drift = {{"factor", row.drift->factor}, {"since", UtcText(row.drift->since_wall_ns)}};
+      drift = {{"factor", row.drift->factor},
+               {"since", UtcText(row.drift->since_wall_ns)},
+               {"journal", Known(row.drift->journal)}};
     }
     all.push_back({{"actuator", row.actuator},
                    {"state", row.state},
                    {"commands", row.commands},
                    {"overdue", row.overdue},
+                   {"overdue_at_limit", row.overdue_at_limit},
                    {"median_ms", row.median_ms},
                    {"p999_ms", row.p999_ms},
                    {"longest_ms", row.longest_ms},
                    {"limit_ms", or_null(row.limit_ms)},
+                   {"limit_share", or_null(row.ShareOfLimit())},
                    {"proposed_ms", or_null(row.proposed_ms)},
+                   {"beyond_proposed", row.beyond_proposed},
                    {"missing_commands", row.missing},
                    {"drift", drift}});
   }

@@ -46,6 +46,7 @@ DoctorFacts Healthy() {
   facts.limits = {1024, 4096, "gdb", 0, false};
   facts.core = {1 << 20, 1 << 20, "core"};
   facts.cpu = {4, std::nullopt, {}};
+  facts.times = {"", 120};
   facts.version = "1.2.3";
   facts.now = transport::keys::WallTime(std::chrono::seconds(kNow));
   facts.keys = {{"controller", "", facts.now + std::chrono::days(300), "/etc/keys/c.key", 0600}};
@@ -304,6 +305,13 @@ const Planted kPlanted[] = {
      [](DoctorFacts& f) {
        f.programs = {{"dog.toml", 3, 1, Severity::kWarning, "no such program"}};
      }},
+    {"CommandsThatWereOverdue", "time limits", CheckStatus::kWarning,
+     "legs: Active was overdue in 3 of 120 commands, its limit is 5000 ms (and 1 more)",
+     "musher times dog.toml --since 7d",
+     [](DoctorFacts& f) {
+       f.times.warnings = {"legs: Active was overdue in 3 of 120 commands, its limit is 5000 ms",
+                           "eyes: Active takes 2.1 times as long since 2026-11-20 08:00"};
+     }},
     {"AnotherMachineInTheNamespace", "machine", CheckStatus::kError,
      "cat (pid 7) runs already in the default namespace of domain 0: dog cannot start there",
      "musher down",
@@ -381,10 +389,21 @@ TEST(Diagnose, WhatIsNotKnownOrNotUsedDoesNotCount) {
   facts.clock.error = "adjtimex: Operation not permitted";
   for (const char* name :
        {"state folder", "disk", "lock file", "log folder", "core dumps", "keys", "programs",
-        "net.core.rmem_max", "clock", "CYCLONEDDS_URI", "ROS 2 environment"}) {
+        "time limits", "net.core.rmem_max", "clock", "CYCLONEDDS_URI", "ROS 2 environment"}) {
     EXPECT_EQ(Check(facts, name).health, CheckStatus::kNotApplicable) << name;
   }
   EXPECT_EQ(Worst(Diagnose(facts)), CheckStatus::kOk);
+}
+
+TEST(Diagnose, SaysWhyTimesAreNotKnown) {
+  DoctorFacts facts = Healthy();
+  EXPECT_THAT(Check(facts, "time limits").reason, HasSubstr("120 commands in the last 7 days"));
+  facts.times = {"", 0};
+  EXPECT_EQ(Check(facts, "time limits").health, CheckStatus::kNotApplicable);
+  facts.times = {"the disk did not answer within 2000 ms"};
+  const DoctorCheck unread = Check(facts, "time limits");
+  EXPECT_EQ(unread.health, CheckStatus::kNotApplicable);
+  EXPECT_EQ(unread.reason, "the disk did not answer within 2000 ms");
 }
 
 TEST(Diagnose, NamesOneCauseOnlyWhereTheEnvironmentIsInvalid) {

@@ -9,7 +9,9 @@
 
 namespace musher::cli::learned_times_test {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 class Learning : public ::testing::Test {
  protected:
@@ -81,6 +83,84 @@ TEST_F(Learning, NamesADrift) {
   commands_.clear();
   Took(100, 200);
   EXPECT_FALSE(Active().drift);
+}
+
+// A slower robot was added to the fleet: neither of the two takes longer than before.
+TEST_F(Learning, ARobotWhoseJournalBeginsLaterIsNoDrift) {
+  Took(75, 200);
+  Took(45, 420);
+  for (std::size_t i = 75; i < commands_.size(); ++i) commands_[i].journal = "second.sqlite";
+  EXPECT_FALSE(Active().drift);
+  EXPECT_THAT(TimeWarnings({Active()}), IsEmpty());
+}
+
+TEST_F(Learning, NamesTheJournalOfTheRobotThatDrifts) {
+  Took(100, 200);
+  const std::size_t first = commands_.size();
+  Took(75, 100);
+  Took(25, 300);
+  for (std::size_t i = first; i < commands_.size(); ++i) commands_[i].journal = "second.sqlite";
+  const LearnedTime row = Active();
+  ASSERT_TRUE(row.drift);
+  EXPECT_EQ(row.drift->journal, "second.sqlite");
+  EXPECT_NEAR(row.drift->factor, 3, 1e-9);
+  EXPECT_THAT(TimesText({row}, config_, false), HasSubstr(" in second.sqlite"));
+}
+
+// They are recorded in whole milliseconds, and may be those of a busy computer.
+TEST_F(Learning, AFewMillisecondsAreNoDrift) {
+  Took(75, 0);
+  Took(25, 1);
+  EXPECT_FALSE(Active().drift);
+  commands_.clear();
+  Took(75, 2);
+  Took(25, 12);
+  EXPECT_FALSE(Active().drift);
+}
+
+TEST_F(Learning, SaysWhatTheProposedLimitWouldHaveChanged) {
+  Took(1999, 200);
+  Took(1, 900);
+  const LearnedTime row = Active();
+  EXPECT_EQ(row.proposed_ms, 300);
+  EXPECT_EQ(row.beyond_proposed, 1U);
+  EXPECT_THAT(
+      TimesText({row}, config_, false),
+      HasSubstr("propose 300; 1 command would have been overdue with it; a hang would be seen "
+                "4700 ms sooner"));
+}
+
+TEST_F(Learning, WarnsOfWhatComesCloseToItsLimit) {
+  Took(200, 4800);
+  EXPECT_THAT(TimeWarnings({Active()}),
+              ElementsAre("legs: Active comes close to its limit: 99.9 % of 200 commands took up "
+                          "to 4800 of 5000 ms"));
+  Took(1, 5000, /*overdue=*/true);
+  EXPECT_THAT(TimeWarnings({Active()}),
+              ElementsAre("legs: Active was overdue in 1 of 201 commands, its limit is 5000 ms"));
+  commands_.clear();
+  Took(99, 4800);
+  EXPECT_THAT(TimeWarnings({Active()}), IsEmpty()) << "too few to say";
+}
+
+// The limit was raised after these.
+TEST_F(Learning, DoesNotWarnOfCommandsThatWereOverdueWithAShorterLimit) {
+  Took(200, 900);
+  Took(3, 1000, /*overdue=*/true);
+  EXPECT_THAT(TimeWarnings({Active()}), IsEmpty());
+  EXPECT_THAT(TimesText({Active()}, config_, false), HasSubstr("3 overdue with a shorter limit"));
+}
+
+TEST_F(Learning, WarnsOfALongerTimeAndNotOfAShorterOne) {
+  Took(75, 200);
+  Took(25, 420);
+  EXPECT_THAT(TimeWarnings({Active()}),
+              ElementsAre(HasSubstr("legs: Active takes 2.1 times as long since ")));
+  commands_.clear();
+  Took(75, 420);
+  Took(25, 200);
+  EXPECT_TRUE(Active().drift);
+  EXPECT_THAT(TimeWarnings({Active()}), IsEmpty());
 }
 
 TEST_F(Learning, OfAStateThatTheConfigDoesNotListProposesNothing) {
