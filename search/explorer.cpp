@@ -310,7 +310,7 @@ std::vector<PathStep> StepsOf(const Model& model, const World& root, const std::
     const std::vector<Choice> choices = Choices(model, world);
     const std::size_t k = std::stoul(number);
     if (k >= choices.size()) {
-      steps.push_back({{"(no choice " + number + " here)"}, world});
+      steps.push_back({{"(no choice " + number + " here)"}, world, true});
       return steps;
     }
     Notes notes;

@@ -60,6 +60,7 @@ Searched SearchDepthFirst(const Model& model, const World& root, SearchLimits& l
 struct PathStep {
   std::vector<std::string> sentences;  // the first one names the choice
   World world;                         // after it
+  bool is_missing = false;             // there is no such choice; the last step then
 };
 
 // The choices of a path, and what they violate, which is added to `violations`.

@@ -11,9 +11,13 @@
 #include <thread>
 #include <utility>
 
+#include "musher/base/check.hpp"
+#include "musher/base/code.hpp"
 #include "musher/base/joined.hpp"
 #include "musher/base/suggest.hpp"
+#include "musher/base/words.hpp"
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/search/fingerprint.hpp"
 
 namespace musher::search {
 namespace {
@@ -129,7 +133,38 @@ class Prover {
     return std::move(proof_);
   }
 
+  // One scenario instead of all.
+  Result<CounterExample> Run(const ProofTask& task, const std::string& path) && {
+    roots_.Find([] { return false; });
+    if (!task.IsStart() && !roots_.Has(task.from)) {
+      return Error{kCodeParametersInvalid, NothingLeadsTo(task.from)};
+    }
+    CounterExample example;
+    example.task = task;
+    example.path = path;
+    example.choices = Fault{{}, path, false}.Choices();
+    example.root = RootOf(ModelOf(task), task);
+    Replay(example);
+    if (!example.steps.empty() && example.steps.back().is_missing) {
+      return Error{kCodeParametersInvalid,
+                   "event " + std::to_string(example.steps.size()) +
+                       " of this scenario is not possible here; its path is of another config, "
+                       "another version of Musher, or more faults"};
+    }
+    if (example.violations.empty()) FindRepetition(example);
+    if (example.violations.empty() && !IsWhole(example)) {
+      return Error{kCodeParametersInvalid,
+                   "this scenario ends before the machine is stable, and violates no rule until "
+                   "then; its path is not whole, or of another config"};
+    }
+    return example;
+  }
+
  private:
+  static std::string NothingLeadsTo(const State& state) {
+    return "no sequence of requests without a fault leads to " + state;
+  }
+
   void ListStates() {
     for (const State& state : config_.states) {
       if (roots_.Has(state)) {
@@ -142,9 +177,7 @@ class Prover {
 
   // To search for: then nothing would be proved.
   std::string WhyThereIsNothing() const {
-    if (options_.from && !roots_.Has(*options_.from)) {
-      return "no sequence of requests without a fault leads to " + *options_.from;
-    }
+    if (options_.from && !roots_.Has(*options_.from)) return NothingLeadsTo(*options_.from);
     if (TasksWith(0).empty()) return "the flow allows no request in " + *options_.from;
     return {};
   }
@@ -283,6 +316,30 @@ class Prover {
     example.steps = StepsOf(model, example.root, example.path, example.violations);
   }
 
+  // Whether it ends where the machine is stable, in which all rules are checked.
+  bool IsWhole(const CounterExample& example) const {
+    const World& end = example.steps.empty() ? example.root : example.steps.back().world;
+    return IsQuiet(end, Choices(ModelOf(example.task), end));
+  }
+
+  // The counter-example of a machine that never comes to rest ends where it was before.
+  void FindRepetition(CounterExample& example) const {
+    if (example.steps.empty()) return;
+    const Model model = ModelOf(example.task);
+    const World& end = example.steps.back().world;
+    const Fingerprint last = IdentityOf(model, end).fingerprint;
+    for (std::size_t i = example.steps.size(); i-- > 0;) {
+      const World& before = i == 0 ? example.root : example.steps[i - 1].world;
+      if (before.faults_left != end.faults_left) return;  // a fault is part of it
+      if (IdentityOf(model, before).fingerprint != last) continue;
+      const std::size_t count = example.steps.size() - i;
+      example.repeats = true;
+      example.violations = {"the machine is where it was before: the last " +
+                            Counted(count, "event") + (count == 1 ? " repeats" : " repeat")};
+      return;
+    }
+  }
+
   const MachineConfig& config_;
   const ProofOptions& options_;
   Roots roots_;
@@ -361,6 +418,24 @@ std::string WhyNotSearchable(const MachineConfig& config, const std::optional<St
 
 Proof Prove(const MachineConfig& config, const ProofOptions& options) {
   return Prover(config, options).Run();
+}
+
+bool IsPath(std::string_view text) {
+  constexpr std::size_t kMostDigits = 4;
+  std::size_t digits = 0;
+  for (const char c : text) {
+    const bool is_digit = c >= '0' && c <= '9';
+    if (!is_digit && (c != '.' || digits == 0)) return false;
+    digits = is_digit ? digits + 1 : 0;
+    if (digits > kMostDigits) return false;
+  }
+  return digits > 0;
+}
+
+Result<CounterExample> Replay(const MachineConfig& config, const ProofOptions& options,
+                              const ProofTask& task, const std::string& path) {
+  MUSHER_CHECK(IsPath(path), "not the path of a scenario");
+  return Prover(config, options).Run(task, path);
 }
 
 }  // namespace musher::search

@@ -9,8 +9,10 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "musher/base/result.hpp"
 #include "musher/search/explorer.hpp"
 
 namespace musher::search {
@@ -92,5 +94,14 @@ std::string WhyNotSearchable(const MachineConfig& config, const std::optional<St
 
 // `config`: a searchable one.
 Proof Prove(const MachineConfig& config, const ProofOptions& options);
+
+// Whether it is a path: numbers of at most four digits with dots between them.
+bool IsPath(std::string_view text);
+
+// The scenario of this path, for which IsPath() holds, on the real decision code; no violations:
+// every rule holds in it. Errors: the path has an event that is not possible, or ends before the
+// machine is stable; it is not whole, or of another config or version.
+Result<CounterExample> Replay(const MachineConfig& config, const ProofOptions& options,
+                              const ProofTask& task, const std::string& path);
 
 }  // namespace musher::search

@@ -13,6 +13,7 @@
 #include "musher/base/files.hpp"
 #include "musher/base/memory_limit.hpp"
 #include "musher/base/process_usage.hpp"
+#include "musher/base/suggest.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/config/config_file.hpp"
 #include "musher/cli/console/signals.hpp"
@@ -30,9 +31,11 @@ struct ProveOptions {
   std::optional<double> budget_s;
   std::optional<double> memory_gb;  // 10^9 bytes
   std::string from;
-  std::string rules;  // file with rules of the user
-  std::string svg;    // file for the drawing of the counter-example
-  unsigned jobs = 0;  // threads; 0: one per core
+  std::string to;      // with `replay`: what is requested; empty: the start
+  std::string replay;  // the path of one scenario; empty: search
+  std::string rules;   // file with rules of the user
+  std::string svg;     // file for the drawing of the counter-example
+  unsigned jobs = 0;   // threads; 0: one per core
 };
 
 constexpr double kBytesOfGb = 1e9;
@@ -132,6 +135,37 @@ void DrawCounterExample(const ProofReport& report, const std::string& file, Cons
   if (!written) console.PrintError("--svg: " + written.error().message);
 }
 
+// Of the value of --replay; empty: none.
+std::string ReplayError(const std::string& text) {
+  if (search::IsPath(text)) return "";
+  return "'" + text.substr(0, 40) + "' is not the path of a scenario, as in 0.3.1";
+}
+
+// Runs the scenario of --replay.
+ExitCode ReplayOne(const ProveOptions& options, const search::ProofOptions& proof,
+                   ProofReport& report, Console& console) {
+  const MachineConfig& config = report.config;
+  if (options.from.empty() != options.to.empty()) {
+    return console.Fail(
+        Error{kCodeParametersInvalid,
+              "--replay of a switch needs --from and --to, that of the start neither"});
+  }
+  if (!options.to.empty() && !config.HasState(options.to)) {
+    return console.Fail(Error{kCodeParametersInvalid, "--to: " + config.name + " has no state '" +
+                                                          options.to + "'" +
+                                                          DidYouMean(options.to, config.states)});
+  }
+  const search::ProofTask task{State(options.from), State(options.to), options.faults};
+  const MachineConfig searched = search::SearchableConfig(config);
+  auto example = search::Replay(searched, proof, task, options.replay);
+  if (!example) return console.Fail(example.error());
+  const bool violated = !example.value().violations.empty();
+  report.proof.counter_example = std::move(example).value();
+  console.Print(console.mode().json ? ReplayedJson(report) : ReplayedText(report));
+  DrawCounterExample(report, options.svg, console);
+  return violated ? ExitCode::kNotDone : ExitCode::kDone;
+}
+
 ExitCode Prove(const ProveOptions& options, const GlobalOptions& /*global*/, Console& console) {
   const auto config = LoadConfig(options.file, console);
   if (!config) return ExitCode::kUsage;
@@ -146,8 +180,10 @@ ExitCode Prove(const ProveOptions& options, const GlobalOptions& /*global*/, Con
   proof.threads =
       options.jobs == 0 ? std::max(1U, std::thread::hardware_concurrency()) : options.jobs;
 
-  ProofReport report{*config, options.file, options.faults, options.from, {}, {}, {}};
+  ProofReport report{*config, options.file, options.faults, options.from, {}, {}, {}, {}};
+  report.rules_file = options.rules;
   if (!options.rules.empty()) report.rules = proof.stable_rules.size();
+  if (!options.replay.empty()) return ReplayOne(options, proof, report, console);
   const MachineConfig searched = search::SearchableConfig(*config);
   ProofWatch watch(options, console);
   proof.on_progress = std::ref(watch);
@@ -172,6 +208,10 @@ void AddProve(Grammar& grammar) {
   app.add_option("--faults", options.faults, "Faults in a scenario at most; default 1")
       ->check(CLI::Range(0, kMostFaults).description(""))
       ->type_name("K");
+  auto* replay = app.add_option("--replay", options.replay,
+                                "Repeat and show one scenario, as a counter-example names it")
+                     ->check(ReplayError)
+                     ->type_name("PATH");
   app.add_option("--budget", options.budget_s, "End after this time; default: none")
       ->check(Between(0.001, 1e9, "seconds"))
       ->type_name("SECONDS");
@@ -182,6 +222,11 @@ void AddProve(Grammar& grammar) {
   grammar
       .Offer(app.add_option("--from", options.from, "Search only what begins in this state"),
              Names::kStates)
+      ->type_name("STATE");
+  grammar
+      .Offer(app.add_option("--to", options.to, "With --replay: the state that is requested"),
+             Names::kStates)
+      ->needs(replay)
       ->type_name("STATE");
   grammar
       .Offer(app.add_option("--rules", options.rules,

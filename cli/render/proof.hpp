@@ -17,6 +17,7 @@ struct ProofReport {
   std::optional<std::size_t> rules;  // of the user, how many; none: no --rules
   search::Proof proof;
   Duration took{};
+  std::string rules_file = {};  // empty: no --rules
 };
 
 std::string ProofText(const ProofReport& report, bool colour);
@@ -25,6 +26,11 @@ std::string ProofJson(const ProofReport& report);
 std::string CounterExampleSvg(const ProofReport& report);
 // The counter-example, a line for each event.
 std::string CounterExampleText(const ProofReport& report);
+// The command that repeats the counter-example; empty: it has too many events to copy, or none.
+std::string ReplayCommand(const ProofReport& report);
+// The counter-example, which was replayed, and whether it still violates a rule.
+std::string ReplayedText(const ProofReport& report);
+std::string ReplayedJson(const ProofReport& report);
 
 // "1 fault: 12 of 52 searches, 1,234,567 states, about 3 min left"; `took`: since the searches with
 // so many faults began.

@@ -61,7 +61,18 @@ std::string ProofJson(const ProofReport& report) {
     json["counter_example"] = TaskOf(proof.counter_example->task);
     json["counter_example"]["violations"] = proof.counter_example->violations;
     json["counter_example"]["text"] = CounterExampleText(report);
+    json["counter_example"]["replay"] = proof.counter_example->path;
   }
+  return JsonLine(json);
+}
+
+std::string ReplayedJson(const ProofReport& report) {
+  const search::CounterExample& example = *report.proof.counter_example;
+  OrderedJson json = {{"file", report.file}};
+  json.update(TaskOf(example.task));
+  json["replay"] = example.path;
+  json["violations"] = example.violations;
+  json["text"] = CounterExampleText(report);
   return JsonLine(json);
 }
 

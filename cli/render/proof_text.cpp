@@ -184,6 +184,29 @@ std::string CounterExampleSvg(const ProofReport& report) {
   return Picture(report.config, example).Svg(report.config.name + ", " + example.task.Text());
 }
 
+std::string ReplayCommand(const ProofReport& report) {
+  constexpr std::size_t kMostEvents = 500;
+  const CounterExample& example = *report.proof.counter_example;
+  if (example.path.empty() || example.choices > kMostEvents) return "";
+  std::string command = "musher prove " + Printable(ShellWord(report.file));
+  if (!report.rules_file.empty()) {
+    command += " --rules " + Printable(ShellWord(report.rules_file));
+  }
+  if (!example.task.IsStart()) {
+    command += " --from " + Printable(ShellWord(example.task.from.name())) + " --to " +
+               Printable(ShellWord(example.task.to.name()));
+  }
+  return command + fmt::format(" --faults {} --replay {}", example.task.faults, example.path);
+}
+
+std::string ReplayedText(const ProofReport& report) {
+  const CounterExample& example = *report.proof.counter_example;
+  const std::string verdict = example.violations.empty() ? "no rule" : "a rule";
+  return fmt::format("{}, {}, {}:\n\n{}\nThis scenario violates {}.\n", Printable(report.file),
+                     example.task.Text(), WithFaults("up to", example.task.faults),
+                     CounterExampleText(report), verdict);
+}
+
 std::string ProofText(const ProofReport& report, bool colour) {
   const search::Proof& proof = report.proof;
   std::string text = fmt::format(
@@ -197,6 +220,8 @@ std::string ProofText(const ProofReport& report, bool colour) {
     const std::string shortest = is_shortest ? "The shortest" : "A";
     text += shortest + " counter-example, " + proof.counter_example->task.Text() + ":\n\n" +
             CounterExampleText(report) + "\n";
+    const std::string command = ReplayCommand(report);
+    if (!command.empty()) text += "Replay it: " + command + "\n\n";
   }
   return text + Conclusion(report, colour);
 }

@@ -6,6 +6,8 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "musher/base/files.hpp"
 #include "musher/test/cli/program.hpp"
@@ -87,6 +89,70 @@ TEST_F(Proving, AFallbackThatAnActuatorDoesNotListIsShownAsATimeline) {
                              HasSubstr("⚡ "), HasSubstr("✗ lamp stays in Active"),
                              HasSubstr("Protected is not among the states of lamp")));
   EXPECT_THAT(ReadFile(svg), AllOf(HasSubstr("<svg"), HasSubstr(">lamp</text>")));
+}
+
+// The words of the command that replays the counter-example of `json`.
+std::vector<std::string> ReplayOf(const std::string& config, const nlohmann::json& json) {
+  const auto& example = json["counter_example"];
+  std::vector<std::string> words = {"prove",    config,
+                                    "--faults", std::to_string(example["faults"].get<int>()),
+                                    "--replay", example["replay"].get<std::string>()};
+  if (example["from"].is_null()) return words;
+  words.insert(words.end(), {"--from", example["from"].get<std::string>(), "--to",
+                             example["to"].get<std::string>()});
+  return words;
+}
+
+TEST_F(Proving, TheCommandItPrintsReplaysTheCounterExample) {
+  const std::string file = WithoutFallback();
+  const Ran ran = RunProgram({"prove", file, "--json"});
+  ASSERT_EQ(ran.exit, 1) << ran.out;
+  const auto json = nlohmann::json::parse(ran.out);
+  const std::vector<std::string> words = ReplayOf(file, json);
+  const Ran replayed = RunProgram(words);
+  EXPECT_EQ(replayed.exit, 1) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, AllOf(HasSubstr(json["counter_example"]["text"].get<std::string>()),
+                                  HasSubstr("This scenario violates a rule.")));
+  std::vector<std::string> as_json = words;
+  as_json.emplace_back("--json");
+  const auto again = nlohmann::json::parse(RunProgram(as_json).out);
+  EXPECT_EQ(again["violations"], json["counter_example"]["violations"]);
+  // With several threads another scenario of the same length may be found.
+  EXPECT_THAT(RunProgram({"prove", file}).out,
+              ::testing::ContainsRegex("Replay it: musher prove [^ ]+ --from [A-Za-z]+ --to "
+                                       "[A-Za-z]+ --faults 1 --replay [0-9.]+\n"));
+}
+
+// What has been fixed does not violate a rule in that scenario, if it still has it.
+TEST_F(Proving, AScenarioOfTheConfigBeforeItsFixViolatesNoRule) {
+  const std::string faulty = WithoutFallback();
+  const auto json = nlohmann::json::parse(RunProgram({"prove", faulty, "--json"}).out);
+  const Ran ran = RunProgram(ReplayOf(Valid(), json));
+  EXPECT_NE(ran.exit, 1) << ran.out;
+  if (ran.exit == 2) {
+    EXPECT_THAT(ran.err, HasSubstr("of another config"));
+  }
+}
+
+TEST_F(Proving, AScenarioThatDoesNotExistIsAWrongCommandLine) {
+  const std::string file = Valid();
+  const auto error_of = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"prove", file});
+    const Ran ran = RunProgram(words);
+    EXPECT_EQ(ran.exit, 2) << ran.out;
+    return ran.err;
+  };
+  for (const char* path : {"0.x", "0..1", ".1", "1.", "12345", "-1", "0.99999999999999999999"}) {
+    EXPECT_THAT(error_of({"--replay=" + std::string(path)}), HasSubstr("is not the path")) << path;
+  }
+  EXPECT_THAT(error_of({"--from", "Active", "--to", "DeActive", "--replay", "0.999"}),
+              HasSubstr("event 2 of this scenario is not possible here"));
+  EXPECT_THAT(error_of({"--from", "Active", "--to", "DeActive", "--replay", "0"}),
+              HasSubstr("its path is not whole"));
+  EXPECT_THAT(error_of({"--from", "Active", "--replay", "0"}), HasSubstr("needs --from and --to"));
+  EXPECT_THAT(error_of({"--from", "Active", "--to", "DeActve", "--replay", "0"}),
+              HasSubstr("did you mean 'DeActive'?"));
+  EXPECT_THAT(error_of({"--to", "DeActive"}), HasSubstr("--replay"));
 }
 
 TEST_F(Proving, ACounterExampleIsShownAlsoWhereItCannotBeDrawn) {

@@ -155,6 +155,28 @@ TEST(ProofOfAConfig, FindsAMachineThatNeverComesToRest) {
   EXPECT_EQ(proof.counter_example->task, (ProofTask{kActive, kDeActive, 0}));
   EXPECT_THAT(proof.counter_example->violations,
               ElementsAre(HasSubstr("the machine never comes to rest: the last ")));
+  const auto replayed = Replay(SearchableConfig(testing::MachineOf(2)), options,
+                               proof.counter_example->task, proof.counter_example->path);
+  ASSERT_TRUE(replayed);
+  EXPECT_TRUE(replayed.value().repeats);
+  EXPECT_THAT(replayed.value().violations,
+              ElementsAre(HasSubstr("the machine is where it was before: the last ")));
+}
+
+TEST(ProofOfAConfig, ReplaysACounterExample) {
+  ProofOptions options;
+  options.rules = WithoutCrashes();
+  const MachineConfig config = SearchableConfig(testing::MachineOf(2));
+  const Proof proof = ProofOf(config, 1, options);
+  ASSERT_EQ(proof.end, ProofEnd::kViolated);
+  const CounterExample& found = *proof.counter_example;
+  const auto replayed = Replay(config, options, found.task, found.path);
+  ASSERT_TRUE(replayed);
+  EXPECT_EQ(replayed.value().violations, found.violations);
+  EXPECT_EQ(replayed.value().choices, found.choices);
+  const auto without = Replay(config, {}, found.task, found.path);
+  ASSERT_TRUE(without) << "the planted fault changes no number before it";
+  EXPECT_THAT(without.value().violations, IsEmpty());
 }
 
 TEST(ProofOfAConfig, FindsAPlantedFaultWithTheFewestFaultsAndChoices) {
