@@ -5,12 +5,15 @@
 #include <signal.h>
 
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "musher/base/files.hpp"
 #include "musher/test/cli/program.hpp"
+#include "musher/test/support/nightly.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::prove_test {
@@ -247,6 +250,69 @@ TEST_F(Proving, AnUnknownStateIsAWrongCommandLine) {
   const Ran ran = RunProgram({"prove", Valid(), "--from", "DeActiv"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.err, HasSubstr("did you mean 'DeActive'?"));
+}
+
+// --- the configs that are shipped ---
+
+// With a sanitizer the search is ten times slower, and finds other errors anyway.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kFew = true;
+#else
+constexpr bool kFew = false;
+#endif
+
+// By the time that their search takes.
+std::vector<std::string> AllShipped() {
+  return {"cyberdog2", "wedding", "programs", "meilin", "robot", "cyberdog", "race", "skills"};
+}
+
+// The gate has the first one alone.
+std::vector<std::string> Shipped() {
+  if (kFew || !testing::Nightly()) return {AllShipped().front()};
+  return AllShipped();
+}
+
+// The result of a proof of the config, as JSON; prints its figures.
+nlohmann::json Proved(const std::string& name, const std::vector<std::string>& options) {
+  std::vector<std::string> words = {"prove", SourceDir() + "/config/" + name + ".toml", "--json"};
+  words.insert(words.end(), options.begin(), options.end());
+  const Ran ran = RunProgram(words);
+  EXPECT_TRUE(ran.exit == 0 || ran.exit == 1 || ran.exit == 5) << name << ran.err;
+  auto json = nlohmann::json::parse(ran.out, nullptr, false);
+  if (!json.is_object()) return nlohmann::json::object();
+  std::cout << "| " << name << " | up to " << json["faults"] << " | " << json["result"] << " | "
+            << json["states"] << " states | " << json["transitions"] << " transitions | "
+            << json["took_s"] << " s |\n";
+  const auto& found = json["counter_example"];
+  if (found.is_object()) std::cout << found["text"].get<std::string>() << "\n";
+  return json;
+}
+
+TEST(ShippedConfigs, AreAllProved) {
+  std::vector<std::string> names;
+  for (const auto& path : EntriesOf(SourceDir() + "/config")) {
+    if (path.extension() == ".toml") names.push_back(path.stem());
+  }
+  EXPECT_THAT(AllShipped(), ::testing::UnorderedElementsAreArray(names));
+}
+
+TEST(ShippedConfigs, AreProvedWithoutAFault) {
+  for (const std::string& name : Shipped()) {
+    auto json = Proved(name, {"--faults", "0"});
+    EXPECT_EQ(json["result"], "proved") << name << ": " << json["why"];
+  }
+}
+
+// The larger ones are not finished then. A suite, and so a time limit, of its own.
+TEST(ShippedConfigsWithOneFault, ViolateNoRuleWithinTheBudget) {
+  if (!testing::Nightly() || kFew) GTEST_SKIP() << "only in the nightly run";
+  for (const std::string& name : Shipped()) {
+    auto json = Proved(name, {"--budget", "90"});
+    EXPECT_TRUE(json["result"] == "proved" || json["result"] == "not finished") << name;
+    if (name == AllShipped().front()) {
+      EXPECT_EQ(json["proved_faults"], 1);
+    }
+  }
 }
 
 }  // namespace musher::cli::prove_test

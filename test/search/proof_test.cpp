@@ -477,6 +477,17 @@ TEST(SearchableConfig, HasNoPolicyAndNoOtherProtocol) {
   EXPECT_EQ(searched.actuators[0].command, searched.actuators[1].command);
 }
 
+// Where a process runs, and what it may use, is left out; without that two actuators may be alike.
+TEST(SearchableConfig, HasOneHost) {
+  MachineConfig config = testing::Ours(2);
+  config.hosts.push_back({"board", "10.0.0.2", "", "", ""});
+  config.actuators[1].host = "board";
+  config.actuators[1].limits.nice = 5;
+  const Model model(SearchableConfig(config));
+  EXPECT_EQ(model.kinds[1], model.kinds[0]);
+  EXPECT_TRUE(model.config.hosts.empty());
+}
+
 TEST(SearchableConfig, SaysWhatIsLeftOutOfIt) {
   MachineConfig config = testing::Ours(2);
   EXPECT_THAT(LeftOutOf(config), IsEmpty());
@@ -485,6 +496,9 @@ TEST(SearchableConfig, SaysWhatIsLeftOutOfIt) {
   config.capabilities.emplace_back();
   config.ros2.started_by_manager = true;
   config.transport = TransportProfile::kLan;
+  config.keys = "/etc/keys";
+  config.actuators[1].host = "board";
+  config.actuators[0].restart.prevent_exit_codes = {2, 3};
   config.actuators[0].protocol = Protocol::kCyberdog;
   config.actuators[0].checkpoint = Milliseconds(500);
   config.actuators[1].checkpoint_in[kActive] = Milliseconds(500);
@@ -492,8 +506,10 @@ TEST(SearchableConfig, SaysWhatIsLeftOutOfIt) {
   EXPECT_THAT(
       LeftOutOf(config),
       ElementsAre("[policy]", "[safety] permit_ms", "[capability]", "[ros2] start = \"manager\"",
-                  "[transport]: all run on one host", "checkpoints of a, b",
-                  "controller_lost_ms of b", "protocol (Musher's is searched) of a"));
+                  "[transport]: all run on one host", "[security]", "host of b",
+                  "restart_prevent_exit_codes (a process ends without an exit code) of a",
+                  "checkpoints of a, b", "controller_lost_ms of b",
+                  "protocol (Musher's is searched) of a"));
 }
 
 TEST(SearchableConfig, IsOneOfAtMost32ActuatorsAndFromAStateThatItHas) {
