@@ -109,6 +109,86 @@ class ComputePathToPose : public TaskNode {
   Robot& robot_;
 };
 
+// A path through places: a path to each, one after the other.
+class ComputePathThroughPoses : public TaskNode {
+ public:
+  ComputePathThroughPoses(Setup& setup, Robot& robot)
+      : TaskNode(setup, kPlacesUnknown),
+        goals_(setup.Input<Goals>("goals", "the places, in their order")),
+        start_(setup.OptionalInput<Pose>("start", "where from; else from where the robot is")),
+        planner_(setup.OptionalInput<std::string>("planner_id", "name of a planner")),
+        path_(setup.Output<Path>("path", "the path; empty after a failure or a halt")),
+        robot_(robot) {
+    static_cast<void>(
+        setup.Connect({"last_reached_index", Direction::kOut, nullptr, false, "is not set"}));
+  }
+
+ private:
+  class PartByPart : public Task {
+   public:
+    PartByPart(Robot& robot, std::vector<Pose> places, std::optional<Pose> start,
+               std::string planner)
+        : robot_(robot),
+          places_(std::move(places)),
+          start_(std::move(start)),
+          planner_(std::move(planner)) {}
+
+    std::optional<TaskEnd> Poll(Time now) override {
+      if (places_.empty()) return TaskEnd{.error_code = kNoPlacesGiven, .error = "no places"};
+      while (next_ < places_.size()) {
+        if (part_ == nullptr) part_ = robot_.ComputePath(places_[next_], start_, planner_);
+        if (part_ == nullptr) return TaskEnd{.error = "the robot does not have this action"};
+        std::optional<TaskEnd> end = part_->Poll(now);
+        if (!end) return std::nullopt;
+        part_.reset();
+        if (!end->success) return FailureOf(std::move(*end));
+        Append(end->path);
+        start_ = places_[next_++];
+      }
+      return TaskEnd{.success = true, .path = std::move(path_)};
+    }
+
+   private:
+    // A part begins where the one before has ended.
+    void Append(const Path& part) {
+      if (part.poses.empty()) return;
+      const bool same =
+          !path_.poses.empty() && Distance(path_.poses.back(), part.poses.front()) == 0;
+      path_.poses.insert(path_.poses.end(), part.poses.begin() + (same ? 1 : 0), part.poses.end());
+    }
+    TaskEnd FailureOf(TaskEnd end) const {
+      if (end.error_code != kNoError) {
+        constexpr int kFurther = kPlacesUnknown - kPlannerUnknown;
+        end.error_code = static_cast<std::uint16_t>(end.error_code + kFurther);
+      }
+      end.error = "place " + std::to_string(next_ + 1) + " of " + std::to_string(places_.size()) +
+                  ": " + end.error;
+      return end;
+    }
+
+    Robot& robot_;
+    const std::vector<Pose> places_;
+    std::optional<Pose> start_;  // of the next part
+    const std::string planner_;
+    std::size_t next_ = 0;
+    std::unique_ptr<Task> part_;
+    Path path_;
+  };
+
+  std::unique_ptr<Task> Begin() override {
+    std::optional<Pose> start;
+    if (start_.Find() != nullptr) start = *start_.Find();
+    return std::make_unique<PartByPart>(robot_, goals_.Get().poses, start, planner_.Or(""));
+  }
+  void OnEnd(const TaskEnd& end) override { path_.Set(end.success ? end.path : Path{}); }
+
+  InPort<Goals> goals_;
+  InPort<Pose> start_;
+  InPort<std::string> planner_;
+  OutPort<Path> path_;
+  Robot& robot_;
+};
+
 // A path that changes while it is followed is followed from then on, also by another controller.
 class FollowPath : public TaskNode {
  public:
@@ -276,6 +356,21 @@ class StraightDrive : public TaskNode {
   const bool backwards_;
 };
 
+class CancelControl : public Action {
+ public:
+  CancelControl(Setup& setup, Robot& robot) : robot_(robot) {
+    static_cast<void>(setup.OptionalInput<std::string>("server_name", "ignored"));
+    static_cast<void>(setup.OptionalInput<double>("server_timeout", "ignored: ms"));
+  }
+
+ private:
+  Status Do(const Tick&) override {
+    return robot_.CancelDrives() ? Status::kSuccess : Status::kFailure;
+  }
+
+  Robot& robot_;
+};
+
 class ClearEntireCostmap : public TaskNode {
  public:
   ClearEntireCostmap(Setup& setup, Robot& robot)
@@ -375,6 +470,8 @@ void AddActionNodes(Factory& factory, Robot& robot) {
   constexpr NodeKind kKind = NodeKind::kAction;
   AddNode<ComputePathToPose>(factory, "ComputePathToPose", kKind, true,
                              "Has the planner compute a path.", robot);
+  AddNode<ComputePathThroughPoses>(factory, "ComputePathThroughPoses", kKind, true,
+                                   "Has the planner compute a path through places.", robot);
   AddMover<FollowPath>(factory, robot, "FollowPath",
                        "Has the controller follow a path, and each newer one.");
   AddMover<Spin>(factory, robot, "Spin", "Turns the robot on the spot.");
@@ -385,6 +482,9 @@ void AddActionNodes(Factory& factory, Robot& robot) {
   AddNode<ClearEntireCostmap>(factory, "ClearEntireCostmap", kKind, true,
                               "Makes planner and controller forget what the scanners have seen.",
                               robot);
+  AddNode<CancelControl>(factory, "CancelControl", kKind, false,
+                         "Has the controller cancel each drive, also those of other clients.",
+                         robot);
   AddSelector(factory, robot, "PlannerSelector", "planner");
   AddSelector(factory, robot, "ControllerSelector", "controller");
   AddSelector(factory, robot, "SmootherSelector", "smoother");

@@ -211,8 +211,10 @@ struct KnownCodes {
 const std::vector<KnownCodes>& CodesToRecoverFrom() {
   static const std::vector<KnownCodes> codes = {
       {"WouldAPlannerRecoveryHelp",
-       "SUCCESS where the planner has failed with UNKNOWN, TIMEOUT or NO_VALID_PATH.",
-       {kPlannerUnknown, kPlannerTimeout, kNoValidPath}},
+       "SUCCESS where the planner has failed with UNKNOWN, TIMEOUT or NO_VALID_PATH, also of "
+       "ComputePathThroughPoses.",
+       {kPlannerUnknown, kPlannerTimeout, kNoValidPath, kPlacesUnknown, kPlacesTimeout,
+        kNoValidPathThroughPlaces}},
       {"WouldAControllerRecoveryHelp",
        "SUCCESS where the controller has failed with UNKNOWN, PATIENCE_EXCEEDED, "
        "FAILED_TO_MAKE_PROGRESS or NO_VALID_CONTROL.",

@@ -20,17 +20,19 @@ constexpr std::string_view kErrors = "error_code_id error_msg";
 constexpr std::string_view kServer = "server_name server_timeout";
 
 constexpr std::array kNodeModels = {
-    NodeModel{"Action", "AppendGoalPoseToGoals", "goal_pose input_goals", "output_goals"},
     NodeModel{"Action", "AssistedTeleop", "time_allowance is_recovery server_name server_timeout",
               kErrors},
     NodeModel{"Action", "CancelAssistedTeleop", kServer, ""},
     NodeModel{"Action", "CancelBackUp", kServer, ""},
     NodeModel{"Action", "CancelComputeAndTrackRoute", kServer, ""},
-    NodeModel{"Action", "CancelControl", kServer, ""},
     NodeModel{"Action", "CancelDriveOnHeading", kServer, ""},
     NodeModel{"Action", "CancelFollowObject", kServer, ""},
     NodeModel{"Action", "CancelSpin", kServer, ""},
     NodeModel{"Action", "CancelWait", kServer, ""},
+    NodeModel{"Action", "CheckPoseOccupancy",
+              "pose cost_threshold use_footprint consider_unknown_as_obstacle service_name "
+              "server_timeout",
+              ""},
     NodeModel{"Action", "ClearCostmapAroundPose", "service_name server_timeout pose reset_distance",
               ""},
     NodeModel{"Action", "ClearCostmapAroundRobot", "service_name server_timeout reset_distance",
@@ -41,13 +43,9 @@ constexpr std::array kNodeModels = {
               "start_id goal_id start goal use_start use_poses server_name server_timeout",
               "execution_time error_code_id error_msg last_node_id next_node_id current_edge_id "
               "route path rerouted"},
-    NodeModel{"Action", "ComputePathThroughPoses",
-              "goals start planner_id server_name server_timeout",
-              "path last_reached_index error_code_id error_msg"},
     NodeModel{"Action", "ComputeRoute",
               "start_id goal_id start goal use_start use_poses server_name server_timeout",
               "planning_time path route error_code_id error_msg"},
-    NodeModel{"Action", "ConcatenatePaths", "input_path1 input_path2", "output_path"},
     NodeModel{"Action", "DockRobot",
               "dock_id dock_pose dock_type max_staging_time navigate_to_staging_pose use_dock_id "
               "server_name server_timeout",
@@ -55,9 +53,6 @@ constexpr std::array kNodeModels = {
     NodeModel{"Action", "ExtractRouteNodesAsGoals", "route", "goals"},
     NodeModel{"Action", "FollowObject",
               "pose_topic max_duration tracked_frame server_name server_timeout", kErrors},
-    NodeModel{"Action", "GetCurrentPose", "global_frame robot_base_frame", "current_pose"},
-    NodeModel{"Action", "GetNextFewGoals", "num_goals input_goals", "output_goals"},
-    NodeModel{"Action", "GetPoseFromPath", "path index", "pose"},
     NodeModel{"Action", "NavigateThroughPoses", "goals behavior_tree server_name server_timeout",
               kErrors},
     NodeModel{"Action", "NavigateToPose", "goal behavior_tree server_name server_timeout", kErrors},
@@ -66,31 +61,15 @@ constexpr std::array kNodeModels = {
               "service_name server_timeout input_goals use_footprint cost_threshold "
               "consider_unknown_as_obstacle input_waypoint_statuses",
               "output_goals output_waypoint_statuses"},
-    NodeModel{"Action", "RemovePassedGoals",
-              "input_goals radius robot_base_frame global_frame input_waypoint_statuses",
-              "output_goals output_waypoint_statuses"},
     NodeModel{"Action", "SmoothPath",
               "smoother_id unsmoothed_path max_smoothing_duration check_for_collisions server_name "
               "server_timeout",
               "smoothed_path smoothing_duration was_completed error_code_id error_msg"},
-    NodeModel{"Action", "TruncatePath", "distance input_path", "output_path"},
-    NodeModel{"Action", "TruncatePathLocal",
-              "input_path distance_forward distance_backward robot_frame transform_tolerance pose "
-              "angular_distance_weight max_robot_pose_search_dist",
-              "output_path"},
+    NodeModel{"Action", "ToggleCollisionMonitor", "enable service_name server_timeout", ""},
     NodeModel{"Action", "UndockRobot", "dock_type max_undocking_time server_name server_timeout",
               "error_code_id error_msg success"},
-    NodeModel{"Action", "ValidatePath",
-              "server_timeout path max_cost consider_unknown_as_obstacle layer_name footprint "
-              "check_full_path",
-              "collision_poses"},
     NodeModel{"Condition", "IsBatteryCharging", "battery_topic", ""},
     NodeModel{"Condition", "IsBatteryLow", "min_battery battery_topic is_voltage", ""},
-    NodeModel{"Condition", "IsGoalNearby",
-              "path proximity_threshold max_robot_pose_search_dist global_frame robot_base_frame",
-              ""},
-    NodeModel{"Condition", "IsPathValid",
-              "path server_timeout max_cost consider_unknown_as_obstacle layer_name footprint", ""},
     NodeModel{"Condition", "IsStopped", "velocity_threshold duration_stopped", ""},
     NodeModel{"Condition", "IsStuck", "", ""},
     NodeModel{"Condition", "IsWithinPathTrackingBounds",
@@ -152,6 +131,7 @@ void AddNodes(Factory& factory, Robot& robot) {
   AddDecoratorNodes(factory, robot);
   AddConditionNodes(factory, robot);
   AddActionNodes(factory, robot);
+  AddPathNodes(factory, robot);
   AddModels(factory);
 }
 

@@ -31,5 +31,6 @@ void AddControlNodes(Factory& factory);
 void AddDecoratorNodes(Factory& factory, Robot& robot);
 void AddConditionNodes(Factory& factory, Robot& robot);
 void AddActionNodes(Factory& factory, Robot& robot);
+void AddPathNodes(Factory& factory, Robot& robot);
 
 }  // namespace musher::tree::nav2

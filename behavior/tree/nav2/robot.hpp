@@ -44,6 +44,10 @@ inline constexpr std::uint16_t kStartOccupied = 205;
 inline constexpr std::uint16_t kGoalOccupied = 206;
 inline constexpr std::uint16_t kPlannerTimeout = 207;
 inline constexpr std::uint16_t kNoValidPath = 208;
+inline constexpr std::uint16_t kPlacesUnknown = 300;  // of ComputePathThroughPoses: those of the
+inline constexpr std::uint16_t kPlacesTimeout = 307;  // planner + 100, and kNoPlacesGiven
+inline constexpr std::uint16_t kNoValidPathThroughPlaces = 308;
+inline constexpr std::uint16_t kNoPlacesGiven = 309;
 inline constexpr std::uint16_t kSpinUnknown = 700;
 inline constexpr std::uint16_t kSpinTimeout = 701;
 inline constexpr std::uint16_t kSpinPose = 702;
@@ -101,6 +105,13 @@ class Robot {
   virtual std::optional<Goals> goals_update() const { return std::nullopt; }
   // What was selected by the topic of a selector (PlannerSelector, ...). Empty: nothing.
   virtual std::string Selected(std::string_view /*topic*/) const { return ""; }
+
+  // Whether the robot sees no obstacle on the rest of the path, and on the way to it. False also
+  // where it does not see. The path has poses.
+  virtual bool IsFree(const Path& /*path*/) const { return false; }
+  // Has the controller cancel the drives that have begun until now, for any client. False: there is
+  // no controller.
+  virtual bool CancelDrives() { return false; }
 
   // A tree with a FollowPath begins a run.
   virtual void OnNewRun() {}

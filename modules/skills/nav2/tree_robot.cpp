@@ -16,6 +16,11 @@ using tree::nav2::TaskEnd;
 navigation::Pose FromTree(const tree::nav2::Pose& pose) {
   return {{pose.x_m, pose.y_m, pose.z_m}, pose.yaw_rad};
 }
+navigation::Path FromTree(const tree::nav2::Path& path) {
+  navigation::Path poses;
+  for (const tree::nav2::Pose& pose : path.poses) poses.push_back(FromTree(pose));
+  return poses;
+}
 tree::nav2::Pose ToTree(const navigation::Pose& pose) {
   return {.x_m = pose.at.x_m, .y_m = pose.at.y_m, .z_m = pose.at.z_m, .yaw_rad = pose.yaw_rad};
 }
@@ -150,16 +155,12 @@ class DriveTask : public tree::nav2::Task {
                                   : "the robot does not stand after the motion before"};
     }
     if (!begun_) Begin();
-    if (refused_) return refused_;
+    if (ended_at_once_) return ended_at_once_;
     const skill::Future<bool> end = drive_->end();
     if (!end.done()) return std::nullopt;
     const TaskEnd ended = EndOf(end.result());
-    if (ended.success) {
-      handover_.Forget();
-      handover_.NoteArrival(path_.back());
-    } else {
-      handover_.NoteEnd(path_);
-    }
+    handover_.NoteEnd(path_);
+    if (ended.success) handover_.NoteArrival(path_.back());
     return ended;
   }
 
@@ -185,18 +186,23 @@ class DriveTask : public tree::nav2::Task {
     handover_.EndWait();
     const std::string why = WhyNoPath(path_);
     if (!why.empty()) {
-      refused_ = TaskEnd{.error_code = tree::nav2::kInvalidPath, .error = why};
+      ended_at_once_ = TaskEnd{.error_code = tree::nav2::kInvalidPath, .error = why};
     } else if (!robot_.HasController()) {
-      refused_ =
+      ended_at_once_ =
           TaskEnd{.error_code = tree::nav2::kInvalidController, .error = "there is no controller"};
     } else {
       // It was planned while the robot moved on: what lies behind the robot is left out.
       const bool goes_on = handover_.GoesOn(path_);
-      drive_ = robot_.FollowPath(goes_on ? RestOf(robot_, path_) : FromHere(robot_, path_));
+      const navigation::Path rest = goes_on ? RestOf(robot_, path_) : FromHere(robot_, path_);
+      if (goes_on && handover_.IsAtEndOf(path_, rest)) {
+        ended_at_once_ = TaskEnd{.success = true};
+        return;
+      }
+      drive_ = robot_.FollowPath(rest);
       handover_.NoteBegin(path_);
       if (drive_ != nullptr && drive_->end().valid()) return;
-      refused_ = TaskEnd{.error_code = tree::nav2::kControllerTimeout,
-                         .error = "the controller has not taken the path"};
+      ended_at_once_ = TaskEnd{.error_code = tree::nav2::kControllerTimeout,
+                               .error = "the controller has not taken the path"};
     }
   }
 
@@ -205,7 +211,7 @@ class DriveTask : public tree::nav2::Task {
   const navigation::Path path_;
   Deadline deadline_;
   bool begun_ = false;
-  std::optional<TaskEnd> refused_;
+  std::optional<TaskEnd> ended_at_once_;
   std::unique_ptr<Drive> drive_;
 };
 
@@ -347,20 +353,29 @@ bool Handover::HasWaited(Time now) {
 }
 
 void Handover::NoteBegin(navigation::Path path) {
-  unfinished_ = std::move(path);
+  last_path_ = std::move(path);
   ended_at_.reset();
   arrived_at_.reset();
 }
 
 void Handover::NoteEnd(const navigation::Path& path) {
-  if (unfinished_ == path) ended_at_ = robot_.pose();
+  if (last_path_ == path) ended_at_ = robot_.pose();
 }
 
 bool Handover::GoesOn(const navigation::Path& path) const {
   constexpr double kSamePlaceM = 1;  // it may roll on a little after its end
   const auto pose = robot_.pose();
-  return pose && ended_at_ && unfinished_ == path &&
+  return pose && ended_at_ && last_path_ == path &&
          Apart(robot_, pose->at, ended_at_->at) <= kSamePlaceM;
+}
+
+bool Handover::IsAtEndOf(const navigation::Path& path, const navigation::Path& rest) const {
+  if (arrived_at_ != path.back()) return false;
+  double left_m = 0;
+  for (std::size_t i = 1; i < rest.size(); ++i) {
+    left_m += Apart(robot_, rest[i - 1].at, rest[i].at);
+  }
+  return left_m <= kArrivedWithinM;
 }
 
 void Handover::NotePlan(const navigation::Pose& goal, const navigation::Pose& end) {
@@ -402,6 +417,29 @@ double TreeRobot::most_drive_m_s() const {
   return Recovery::kMostMPerS;
 }
 
+bool TreeRobot::IsFree(const tree::nav2::Path& path) const {
+  const std::optional<navigation::Pose> pose = robot_.pose();
+  if (!pose || !robot_.HasScan()) return false;
+  navigation::Path rest = RestOf(robot_, FromTree(path));
+  rest.insert(rest.begin(), *pose);
+  return std::ranges::none_of(robot_.obstacles(), [&](const navigation::Point& obstacle) {
+    // As the controller has it: what is near does not hold a body that moves away from it.
+    constexpr double kNearerM = 0.01;
+    const double within_m =
+        std::min(robot_.radius_m(), Apart(robot_, obstacle, pose->at) - kNearerM);
+    for (std::size_t i = 1; i < rest.size(); ++i) {
+      if (ApartFromLine(robot_, obstacle, rest[i - 1].at, rest[i].at) < within_m) return true;
+    }
+    return false;
+  });
+}
+
+bool TreeRobot::CancelDrives() {
+  if (!robot_.HasController()) return false;
+  robot_.CancelEarlierDrives();
+  return true;
+}
+
 std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
     const tree::nav2::Pose& goal, const std::optional<tree::nav2::Pose>& start,
     const std::string& /*planner*/) {
@@ -415,9 +453,7 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::ComputePath(
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::FollowPath(const tree::nav2::Path& path,
                                                         const std::string& /*controller*/) {
-  navigation::Path poses;
-  for (const tree::nav2::Pose& pose : path.poses) poses.push_back(FromTree(pose));
-  return std::make_unique<DriveTask>(robot_, handover_, std::move(poses));
+  return std::make_unique<DriveTask>(robot_, handover_, FromTree(path));
 }
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::Spin(double angle_rad, Duration limit) {

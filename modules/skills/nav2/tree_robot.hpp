@@ -15,8 +15,8 @@
 // once no motion runs and the robot stands. What waits fails at its limit, a drive after 10 s. A
 // motion fails where another client begins a drive. A drive replaces a drive without a stop. Paths
 // and arrivals are checked as those of travel.hpp. Where the same run of a tree follows the same
-// path again after a drive along it that has not arrived, and the robot is within 1 m of where that
-// drive has ended, what it has passed of the path is left out.
+// path again, and the robot is within 1 m of where that drive has ended, what it has passed of the
+// path is left out: at its end nothing is left, unless the path is a loop.
 //
 // The drives that the controller has begun before the constructor, by its clock, are cancelled once
 // it can be reached: a process before this one has left them behind.
@@ -62,11 +62,14 @@ class Handover {
   bool HasWaited(Time now);
   void EndWait() { waits_since_.reset(); }
 
-  // A drive along `path` has begun, or has ended without an arrival.
+  // A drive along `path` has begun, or has ended.
   void NoteBegin(navigation::Path path);
   void NoteEnd(const navigation::Path& path);
-  // Whether the last drive was along `path`, has not arrived, and the robot is where it has ended.
+  // Whether the last drive was along `path`, and the robot is where it has ended.
   bool GoesOn(const navigation::Path& path) const;
+  // Whether that drive has arrived, nothing has moved the robot since, and `rest` is all that is
+  // left of the path: nothing. A loop has no such end.
+  bool IsAtEndOf(const navigation::Path& path, const navigation::Path& rest) const;
   void Forget() { NoteBegin({}); }
 
   // A path for `goal` was planned, which ends at `end`.
@@ -89,7 +92,7 @@ class Handover {
   bool moved_ = false;
   std::optional<Time> waits_since_;  // drives
   Time asked_at_{};                  // HasWaited()
-  navigation::Path unfinished_;      // of the last drive, until it has arrived
+  navigation::Path last_path_;       // of the last drive
   std::optional<navigation::Pose> ended_at_;
   std::deque<Plan> plans_;  // the last ones
   std::optional<navigation::Pose> arrived_at_;
@@ -115,6 +118,9 @@ class TreeRobot : public tree::nav2::Robot {
   double most_turn_rad_s() const override;
   double most_drive_m_s() const override;
   std::optional<tree::nav2::Pose> goal_update() const override { return goal_update_; }
+  // By what its scan sees now: no point within its radius of the rest of the path.
+  bool IsFree(const tree::nav2::Path& path) const override;
+  bool CancelDrives() override;
   void OnNewRun() override { handover_.Forget(); }
 
   std::unique_ptr<tree::nav2::Task> ComputePath(const tree::nav2::Pose& goal,

@@ -127,6 +127,11 @@ navigation::Path RestOf(const Robot& robot, const navigation::Path& path) {
   return rest;
 }
 
+double ApartFromLine(const Robot& robot, const navigation::Point& point,
+                     const navigation::Point& from, const navigation::Point& to) {
+  return NearestOf(robot, point, from, to).off_m;
+}
+
 std::string LengthText(double length_m) {
   return std::abs(length_m) < 1e6 ? fmt::format("{:.1f}", length_m)
                                   : fmt::format("{:.3g}", length_m);

@@ -43,6 +43,10 @@ navigation::Path FromHere(const Robot& robot, const navigation::Path& path);
 // whole path where the robot is more than 2 m off it: the controller refuses that.
 navigation::Path RestOf(const Robot& robot, const navigation::Path& path);
 
+// From `point` to the line between `from` and `to`. On the ground heights do not count.
+double ApartFromLine(const Robot& robot, const navigation::Point& point,
+                     const navigation::Point& from, const navigation::Point& to);
+
 // "4.2", or "1.41e+308": a request may have any number.
 std::string LengthText(double length_m);
 

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+
 #include "musher/behavior/tree/nav2/nodes.hpp"
 #include "musher/modules/skills/nav2/tree_robot.hpp"
 #include "musher/modules/skills/skills/travel.hpp"
@@ -113,6 +116,164 @@ TEST_F(ANav2Tree, GoesToANewerGoalWithoutAStop) {
   EXPECT_EQ(Run(30), 'S');
   EXPECT_NEAR(robot.at.at.y_m, 2, 0.01);
 }
+// Plans where the path is no longer free, or the goal has changed.
+const std::string kPlansIfInvalid =
+    "<PipelineSequence><RateController hz=\"2\"><Fallback>"
+    "<ReactiveSequence><Inverter><GlobalUpdatedGoal/></Inverter><IsPathValid path=\"{path}\"/>"
+    "</ReactiveSequence>"
+    "<ComputePathToPose goal=\"{goal}\" path=\"{path}\"/></Fallback></RateController>"
+    "<FollowPath path=\"{path}\"/></PipelineSequence>";
+
+TEST_F(ANav2Tree, PlansAgainOnlyWhereItSeesSomethingOnTheRestOfItsPath) {
+  Make(kPlansIfInvalid);
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 8}));
+  robot.points = {{-0.5, 0, 0}, {3, 1, 0}};  // behind it, beside the path
+  EXPECT_EQ(Run(3), 'R');
+  EXPECT_EQ(robot.plans, 1);
+  robot.points = {{6, 0.05, 0}};
+  EXPECT_EQ(Run(1), 'R');
+  EXPECT_GE(robot.plans, 2);
+  robot.points = {};
+  const int before = robot.plans;
+  EXPECT_EQ(Run(30), 'S');
+  EXPECT_EQ(robot.plans, before);
+}
+TEST_F(ANav2Tree, PlansAgainWhereItDoesNotSee) {
+  Make(kPlansIfInvalid);
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 8}));
+  EXPECT_EQ(Run(2), 'R');
+  robot.scan_up = false;
+  EXPECT_EQ(Run(2), 'R');
+  EXPECT_GE(robot.plans, 3);
+}
+
+TEST_F(ANav2Tree, SeesNothingInItsWayThatIsBesideItOrThatItHasPassed) {
+  tree::nav2::Path path{{Pose{}, Pose{.x_m = 4}, Pose{.x_m = 4, .y_m = 4}}};
+  robot.at.at.x_m = 3;
+  const std::map<std::string, std::pair<navigation::Point, bool>> places = {
+      {"behind it", {{2, 0, 0}, true}},
+      {"beside the path", {{3.5, 0.25, 0}, true}},
+      {"before it", {{3.5, 0.15, 0}, false}},
+      {"behind the turn", {{4.1, 3, 0}, false}},
+      {"beside the robot, which moves away from it", {{2.99, 0.1, 0}, true}}};
+  for (const auto& [name, place] : places) {
+    robot.points = {place.first};
+    EXPECT_EQ(nav2.IsFree(path), place.second) << name;
+  }
+  path = {{Pose{.x_m = 4, .y_m = 4}}};
+  robot.points = {{3.5, 2, 0}};
+  EXPECT_FALSE(nav2.IsFree(path)) << "on the way to a path of one pose";
+  robot.points = {};
+  EXPECT_TRUE(nav2.IsFree(path));
+  robot.odometry_up = false;
+  EXPECT_FALSE(nav2.IsFree(path));
+}
+
+// As nav2's follow_point: keeps 1 m away from what GoalUpdater passes on.
+TEST_F(ANav2Tree, FollowsAPointAtADistance) {
+  Make(
+      "<PipelineSequence><RateController hz=\"1\"><Sequence>"
+      "<GoalUpdater input_goal=\"{goal}\" output_goal=\"{point}\">"
+      "<ComputePathToPose goal=\"{point}\" path=\"{all}\"/></GoalUpdater>"
+      "<TruncatePath distance=\"1\" input_path=\"{all}\" output_path=\"{path}\"/>"
+      "</Sequence></RateController>"
+      "<KeepRunningUntilFailure><FollowPath path=\"{path}\"/></KeepRunningUntilFailure>"
+      "</PipelineSequence>");
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 5, .stamp = robot.Now()}));
+  EXPECT_EQ(Run(15), 'R');
+  EXPECT_NEAR(robot.at.at.x_m, 4, 0.01);
+  EXPECT_LT(robot.travelled_m, 4.1) << "it drives no path again from its begin";
+  nav2.SetGoalUpdate(Pose{.x_m = 8, .stamp = robot.Now()});
+  EXPECT_EQ(Run(15), 'R');
+  EXPECT_NEAR(robot.at.at.x_m, 7, 0.01);
+  nav2.SetGoalUpdate(Pose{.x_m = 7.3, .stamp = robot.Now()});  // comes to the robot
+  EXPECT_EQ(Run(5), 'R');
+  EXPECT_NEAR(robot.at.at.x_m, 7, 0.01);
+  EXPECT_LT(robot.travelled_m, 7.2);
+}
+
+// As the newer of nav2's default trees: near the goal it plans again only where it has to.
+TEST_F(ANav2Tree, KeepsItsPathNearTheGoalAsLongAsItIsFree) {
+  Make(
+      "<PipelineSequence><RateController hz=\"1\"><Fallback><ReactiveSequence>"
+      "<Inverter><GlobalUpdatedGoal/></Inverter>"
+      "<IsGoalNearby path=\"{path}\" proximity_threshold=\"4\" max_robot_pose_search_dist=\"1.5\"/>"
+      "<TruncatePathLocal input_path=\"{path}\" output_path=\"{rest}\" distance_forward=\"-1\" "
+      "distance_backward=\"0\"/><ValidatePath path=\"{rest}\"/></ReactiveSequence>"
+      "<ComputePathToPose goal=\"{goal}\" path=\"{path}\"/></Fallback></RateController>"
+      "<FollowPath path=\"{path}\"/></PipelineSequence>");
+  robot.drive_speed_m_s = 0.5;
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 10}));
+  EXPECT_EQ(Run(11), 'R');
+  const int far = robot.plans;
+  EXPECT_GE(far, 8);
+  EXPECT_EQ(Run(4), 'R');
+  EXPECT_GT(robot.at.at.x_m, 6.5);
+  const int near = robot.plans;
+  EXPECT_LE(near, far + 2);
+  robot.points = {{9, 0.1, 0}};
+  EXPECT_EQ(Run(2), 'R');
+  EXPECT_GE(robot.plans, near + 1);
+  robot.points = {};
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 10, .y_m = 1}));
+  EXPECT_EQ(Run(30), 'S');
+  EXPECT_NEAR(robot.at.at.y_m, 1, 0.01);
+}
+
+// As nav2's trees through poses.
+TEST_F(ANav2Tree, TravelsThroughPlacesAndForgetsThoseItHasPassed) {
+  Make(
+      "<PipelineSequence><RateController hz=\"1\"><ReactiveSequence>"
+      "<RemovePassedGoals input_goals=\"{goals}\" output_goals=\"{goals}\" radius=\"0.7\"/>"
+      "<ComputePathThroughPoses goals=\"{goals}\" path=\"{path}\"/></ReactiveSequence>"
+      "</RateController><FollowPath path=\"{path}\"/></PipelineSequence>");
+  robot.drive_speed_m_s = 0.5;
+  ASSERT_TRUE(tree->board().Set(
+      "goals", tree::nav2::Goals{{Pose{.x_m = 3}, Pose{.x_m = 3, .y_m = 3}, Pose{.y_m = 3}}}));
+  double nearest_m[2] = {1e9, 1e9};
+  char letter = 'R';
+  for (int i = 0; i < 600 && letter == 'R'; ++i) {
+    letter = Run(0.1);
+    nearest_m[0] = std::min(nearest_m[0], navigation::Distance(robot.at.at, {3, 0, 0}));
+    nearest_m[1] = std::min(nearest_m[1], navigation::Distance(robot.at.at, {3, 3, 0}));
+  }
+  EXPECT_EQ(letter, 'S');
+  EXPECT_LT(nearest_m[0], 0.71);
+  EXPECT_LT(nearest_m[1], 0.71);
+  EXPECT_NEAR(navigation::Distance(robot.at.at, {0, 3, 0}), 0, 0.01);
+  EXPECT_LT(robot.travelled_m, 9.1) << "it does not go back to a place that it has passed";
+  EXPECT_EQ(Entry<tree::nav2::Goals>("goals").poses.size(), 1U);
+}
+
+// As nav2's tree with patience at the goal: it waits before a way round that is much longer.
+TEST_F(ANav2Tree, WaitsBeforeAWayThatIsMuchLongerNearTheGoal) {
+  bool way_round = false;
+  robot.plan = [&](const auto& start, const auto& goal) -> Result<navigation::Path> {
+    if (!way_round) return navigation::Path{start, goal};
+    return navigation::Path{start, {{start.at.x_m, 9, 0}, 0}, {{goal.at.x_m, 9, 0}, 0}, goal};
+  };
+  Make(
+      "<PipelineSequence><RateController hz=\"1\">"
+      "<ComputePathToPose goal=\"{goal}\" path=\"{path}\"/></RateController>"
+      "<ReactiveSequence><PathLongerOnApproach path=\"{path}\" prox_len=\"3\" "
+      "length_factor=\"2\"><RetryUntilSuccessful num_attempts=\"1\"><SequenceWithMemory>"
+      "<CancelControl/><Wait wait_duration=\"5\"/></SequenceWithMemory></RetryUntilSuccessful>"
+      "</PathLongerOnApproach><FollowPath path=\"{path}\"/></ReactiveSequence></PipelineSequence>");
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 6}));
+  robot.drive_speed_m_s = 0.5;
+  for (int i = 0; i < 200 && robot.at.at.x_m < 4; ++i) Run(0.1);
+  way_round = true;
+  EXPECT_EQ(Run(2), 'R');
+  const navigation::Point stood = robot.at.at;
+  EXPECT_EQ(Run(2), 'R');
+  EXPECT_TRUE(robot.Rests());
+  EXPECT_EQ(robot.at.at.x_m, stood.x_m);
+  way_round = false;
+  EXPECT_EQ(Run(30), 'S');
+  EXPECT_NEAR(robot.at.at.x_m, 6, 0.01);
+  EXPECT_NEAR(robot.travelled_m, 6, 0.5);
+}
+
 TEST_F(ANav2Tree, GoesOnToAGoalThatComesJustBeforeTheEndAtTheOneBefore) {
   Make(kNavigation);
   ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 3}));

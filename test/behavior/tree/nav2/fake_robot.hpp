@@ -21,6 +21,8 @@ class FakeRobot : public Robot {
   bool has_tasks = true;
   bool polls_throw = false;
   bool has_wings = false;
+  bool sees_free = true;
+  mutable Path seen_path;  // of the last IsFree()
   bool has_controllers = true;  // several, by their names
   double most_turn = 10;
   double most_drive = 10;
@@ -36,6 +38,14 @@ class FakeRobot : public Robot {
   double most_drive_m_s() const override { return most_drive; }
   std::optional<Pose> goal_update() const override { return new_goal; }
   std::optional<Goals> goals_update() const override { return new_goals; }
+  bool IsFree(const Path& path) const override {
+    seen_path = path;
+    return sees_free;
+  }
+  bool CancelDrives() override {
+    if (has_tasks) log += "cancel drives; ";
+    return has_tasks;
+  }
   std::string Selected(std::string_view topic) const override {
     const auto found = selected.find(topic);
     return found == selected.end() ? "" : found->second;

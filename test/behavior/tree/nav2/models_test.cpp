@@ -32,12 +32,12 @@ TEST(Nav2Models, DescribeEachNodeThatRuns) {
 TEST(Nav2Models, CheckATreeWithNodesThatNoRobotHas) {
   const std::string tree =
       "<PipelineSequence><RateController hz=\"1\"><Sequence>"
-      "<ComputePathThroughPoses goals=\"{goals}\" path=\"{raw}\"/>"
+      "<ComputeRoute goal=\"{goal}\" path=\"{raw}\"/>"
       "<SmoothPath unsmoothed_path=\"{raw}\" smoothed_path=\"{path}\"/></Sequence></RateController>"
       "<FollowPath path=\"{path}\" tracking_feedback=\"{f}\"/></PipelineSequence>";
   EXPECT_EQ(Findings(Main(tree), ForCheck()), "");
-  EXPECT_THAT(Findings(Main("<ComputePathThroughPoses goal=\"{goals}\"/>"), ForCheck()),
-              HasSubstr("<ComputePathThroughPoses> has no port 'goal'; did you mean 'goals'?"));
+  EXPECT_THAT(Findings(Main("<ComputeRoute goals=\"{goals}\"/>"), ForCheck()),
+              HasSubstr("<ComputeRoute> has no port 'goals'; did you mean 'goal'?"));
   EXPECT_THAT(Findings(Main("<RateController hz=\"often\"><Wait/></RateController>"), ForCheck()),
               HasSubstr("port 'hz': 'often' is not valid: expected number"));
   EXPECT_THAT(Findings(Main("<GoalReached goal=\"1;2\"/>"), ForCheck()),
