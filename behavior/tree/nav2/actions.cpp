@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "musher/behavior/tree/nav2/path_places.hpp"
 #include "musher/behavior/tree/nav2/register.hpp"
 
 namespace musher::tree::nav2 {
@@ -196,12 +198,12 @@ class FollowPath : public TaskNode {
       : TaskNode(setup, kControllerUnknown),
         path_(setup.Input<Path>("path", "the path")),
         controller_(setup.OptionalInput<std::string>("controller_id", "name of a controller")),
+        tracking_(setup.Output<Tracking>("tracking_feedback",
+                                         "how well it keeps to the path, while it drives")),
         robot_(robot) {
     for (const char* port : {"goal_checker_id", "progress_checker_id", "path_handler_id"}) {
       static_cast<void>(setup.OptionalInput<std::string>(port, "ignored"));
     }
-    static_cast<void>(
-        setup.Connect({"tracking_feedback", Direction::kOut, nullptr, false, "is not set"}));
   }
 
  private:
@@ -211,11 +213,24 @@ class FollowPath : public TaskNode {
       followed_ = path_.Get();
     }
     followed_by_ = controller_.Or("");
+    searches_all_ = true;
+    Track();
     return robot_.FollowPath(followed_, followed_by_);
   }
   void OnNewRun(const Tick& tick) override {
     TaskNode::OnNewRun(tick);
     robot_.OnNewRun();
+  }
+  // Of a drive that is over nothing is known.
+  void OnEnd(const TaskEnd& /*end*/) override { tracking_.Set({}); }
+  // A path may cross itself: from its place on a path on the robot is sought near the last one.
+  void Track() {
+    constexpr double kSearchM = 2;
+    const std::optional<Pose> pose = tracking_.connected() ? robot_.pose() : std::nullopt;
+    if (!pose || followed_.poses.empty()) return;
+    const double search_m = std::exchange(searches_all_, false) ? PathProgress::kNoLimit : kSearchM;
+    const double along_m = progress_.Along(robot_, followed_, *pose, search_m);
+    tracking_.Set(TrackingAt(followed_, *pose, along_m));
   }
   // A failure to compute another path leaves the entry empty: the path before still counts.
   Status OnRunning(const Tick& tick) override {
@@ -228,14 +243,21 @@ class FollowPath : public TaskNode {
         replaces = true;
       }
     }
-    if (replaces) Replace();
+    if (replaces) {
+      Replace();
+    } else {
+      Track();
+    }
     return Poll(tick.now);
   }
 
   InPort<Path> path_;
   InPort<std::string> controller_;
+  OutPort<Tracking> tracking_;
   Robot& robot_;
   Path followed_;
+  PathProgress progress_;  // along it
+  bool searches_all_ = true;
   std::string followed_by_;
   std::uint64_t seen_ = 0;  // of the entry
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "musher/behavior/tree/nav2/checked.hpp"
 #include "musher/behavior/tree/nav2/goal_watch.hpp"
@@ -175,6 +176,37 @@ class ArePosesNear : public Condition {
   const Robot& robot_;
 };
 
+// A robot that does not drive is within them.
+class IsWithinPathTrackingBounds : public Condition {
+ public:
+  explicit IsWithinPathTrackingBounds(Setup& setup)
+      : left_m_(setup.Input<double>("max_error_left", 0.5, "m to the left of the path")),
+        right_m_(setup.Input<double>("max_error_right", 0.5, "m to the right of the path")),
+        heading_rad_(setup.Input<double>("max_error_heading", 3.14, "rad to either side")),
+        tracking_(setup.OptionalInput<Tracking>("tracking_feedback", "that of FollowPath")) {}
+
+ private:
+  Status Evaluate(const Tick&) override {
+    const double left_m = Limit(left_m_), right_m = Limit(right_m_);
+    const double heading_rad = Limit(heading_rad_);
+    const Tracking* tracking = tracking_.Find();
+    if (tracking == nullptr) return Status::kSuccess;
+    return StatusOf(tracking->off_m <= left_m && tracking->off_m >= -right_m &&
+                    std::abs(tracking->heading_rad) <= heading_rad);
+  }
+  // As in nav2 its sign does not count.
+  static double Limit(const InPort<double>& port) {
+    const double limit = std::abs(port.Get());
+    if (std::isnan(limit)) throw PortError("port '" + port.name() + "' has to be a number");
+    return limit;
+  }
+
+  InPort<double> left_m_;
+  InPort<double> right_m_;
+  InPort<double> heading_rad_;
+  InPort<Tracking> tracking_;
+};
+
 // One of the given codes, which are those of an action.
 class AreErrorCodesPresent : public Condition {
  public:
@@ -246,6 +278,9 @@ void AddConditionNodes(Factory& factory, Robot& robot) {
                                "SUCCESS where the entry is true.");
   AddNode<ArePosesNear>(factory, "ArePosesNear", kKind, false,
                         "SUCCESS where two poses are near each other.", robot);
+  AddNode<IsWithinPathTrackingBounds>(factory, "IsWithinPathTrackingBounds", kKind, false,
+                                      "SUCCESS where a drive is near its path, and where there is "
+                                      "none.");
   AddNode<AreErrorCodesPresent>(factory, "AreErrorCodesPresent", kKind, false,
                                 "SUCCESS where the code of an action is one of these.");
   for (const KnownCodes& known : CodesToRecoverFrom()) {

@@ -33,6 +33,15 @@ struct Goals {
   friend bool operator==(const Goals&, const Goals&) = default;
 };
 
+// How well a drive keeps to its path.
+struct Tracking {
+  double off_m = 0;        // to the left of the path; negative: to the right
+  double heading_rad = 0;  // to the left of its direction
+  double left_m = 0;       // of the path
+
+  friend bool operator==(const Tracking&, const Tracking&) = default;
+};
+
 // Without regard to directions and stamps.
 double Distance(const Pose& a, const Pose& b);
 double LengthOf(const Path& path);

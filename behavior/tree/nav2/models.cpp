@@ -72,8 +72,6 @@ constexpr std::array kNodeModels = {
     NodeModel{"Condition", "IsBatteryLow", "min_battery battery_topic is_voltage", ""},
     NodeModel{"Condition", "IsStopped", "velocity_threshold duration_stopped", ""},
     NodeModel{"Condition", "IsStuck", "", ""},
-    NodeModel{"Condition", "IsWithinPathTrackingBounds",
-              "max_error_left max_error_right max_error_heading tracking_feedback", ""},
     NodeModel{"Condition", "TransformAvailable", "child parent", ""},
     NodeModel{"Condition", "WouldARouteRecoveryHelp", "error_code error_codes_to_check", ""},
     NodeModel{"Condition", "WouldASmootherRecoveryHelp", "error_code error_codes_to_check", ""},

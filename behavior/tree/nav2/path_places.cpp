@@ -89,6 +89,22 @@ Path EndingBefore(Path path, double distance_m) {
   return path;
 }
 
+Tracking TrackingAt(const Path& path, const Pose& pose, double along_m) {
+  const Pose place = PlaceAt(path, along_m);
+  double direction_rad = place.yaw_rad, begin_m = 0;  // of the last line up to there
+  for (std::size_t i = 1; i < path.poses.size() && begin_m <= along_m; ++i) {
+    const Pose &a = path.poses[i - 1], &b = path.poses[i];
+    const double length_m = Distance(a, b);
+    if (length_m > 0) direction_rad = std::atan2(b.y_m - a.y_m, b.x_m - a.x_m);
+    begin_m += length_m;
+  }
+  const double x = pose.x_m - place.x_m, y = pose.y_m - place.y_m;
+  const double to_left = std::cos(direction_rad) * y - std::sin(direction_rad) * x;
+  return {.off_m = std::copysign(std::hypot(x, y), to_left),
+          .heading_rad = TurnBetween(pose.yaw_rad, direction_rad),
+          .left_m = LengthOf(path) - along_m};
+}
+
 double PathProgress::Along(const Robot& robot, const Path& path, const Pose& pose, double search_m,
                            double m_per_rad) {
   if (path != path_) {

@@ -14,7 +14,7 @@ namespace musher::tree::nav2::own_trees_test {
 // decorator is followed by nothing: it is checked around a child of its own.
 struct OwnTree {
   std::string name;
-  bool needs_other_servers;  // routes, a smoother, or feedback of a controller
+  bool needs_other_servers;  // routes, or a smoother
   std::string uses;
 };
 
@@ -118,7 +118,7 @@ const std::vector<OwnTree> kTrees = {
          "ReactiveSequence\nPathLongerOnApproach path={path} prox_len=3.0 length_factor=2.0\n"
          "RetryUntilSuccessful num_attempts=1\nSequenceWithMemory\nCancelControl\n" +
          kFollowWithFeedback + kRecover + kSpin},
-    {"navigate_to_pose_w_bounds_check", true,
+    {"navigate_to_pose_w_bounds_check", false,
      kPlan +
          "ReactiveSequence\n"
          "IsWithinPathTrackingBounds max_error_left=0.5 max_error_right=0.5 "
@@ -195,8 +195,7 @@ TEST(Nav2OwnTrees, HaveNoNodeThatOnlyHasAModelUnlessTheyNeedOtherServers) {
   Factory factory;
   AddNodes(factory, robot);
   const std::set<std::string> of_other_servers = {"ComputeRoute", "ExtractRouteNodesAsGoals",
-                                                  "IsWithinPathTrackingBounds", "SmoothPath",
-                                                  "WouldARouteRecoveryHelp"};
+                                                  "SmoothPath", "WouldARouteRecoveryHelp"};
   for (const OwnTree& tree : kTrees) {
     bool needs = false;
     for (const std::string& name : NodesOf(tree)) {

@@ -247,4 +247,62 @@ TEST_F(Paths, ARecoveryMayHelpAPlannerThatFailsOnItsWayThroughPlaces) {
   }
 }
 
+// As nav2's tree that checks the bounds of a drive.
+struct TrackingBounds : Paths {
+  TrackingBounds() {
+    Make(
+        "<ReactiveSequence><IsWithinPathTrackingBounds max_error_left=\"{left}\" "
+        "max_error_right=\"{right}\" max_error_heading=\"{turn}\" tracking_feedback=\"{t}\"/>"
+        "<FollowPath path=\"{path}\" tracking_feedback=\"{t}\"/></ReactiveSequence>");
+    Put("left", 0.2);
+    Put("right", 0.4);
+    Put("turn", 1.0);
+    Put("path", Path{{AtX(0), AtX(10), {.x_m = 10, .y_m = 10}}});
+  }
+  // Of the tick in which they are checked: that after the robot was there.
+  std::string At(const Pose& pose) {
+    robot.at = pose;
+    Next();
+    const std::string letter = Next();
+    tree->Halt(tree::At(now_ms)).ok();
+    return letter;
+  }
+};
+TEST_F(TrackingBounds, HoldOnEachSideOfThePath) {
+  EXPECT_EQ(At({.x_m = 4, .y_m = 0.19}), "R ");
+  EXPECT_EQ(At({.x_m = 4, .y_m = 0.21}), "F ");
+  EXPECT_EQ(At({.x_m = 4, .y_m = -0.39}), "R ");
+  EXPECT_EQ(At({.x_m = 4, .y_m = -0.41}), "F ");
+  EXPECT_EQ(At({.x_m = 9.7, .y_m = 4, .yaw_rad = 1.57}), "F ") << "to the left of the second line";
+  EXPECT_EQ(At({.x_m = 10.3, .y_m = 4, .yaw_rad = 1.57}), "R ");
+}
+TEST_F(TrackingBounds, HoldForTheDirection) {
+  EXPECT_EQ(At({.x_m = 4, .yaw_rad = 0.9}), "R ");
+  EXPECT_EQ(At({.x_m = 4, .yaw_rad = -1.1}), "F ");
+  EXPECT_EQ(At({.x_m = 10, .y_m = 4, .yaw_rad = M_PI / 2 + 2 * M_PI}), "R ");
+}
+TEST_F(TrackingBounds, BeginAgainWithTheNextDrive) {
+  robot.at = {.x_m = 4, .y_m = 1};
+  EXPECT_EQ(Next(), "R ") << "nothing is known before the drive";
+  EXPECT_NEAR(Entry<Tracking>("t").off_m, 1, 1e-9);
+  EXPECT_NEAR(Entry<Tracking>("t").left_m, 16, 1e-9);
+  EXPECT_EQ(Next(), "F ");
+  robot.at = AtX(5);
+  EXPECT_EQ(Next(), "R ") << "what was known of the drive before counts no more";
+  EXPECT_EQ(Next(), "R ");
+}
+TEST_F(TrackingBounds, AreThoseOfThePlaceOnAPathThatCrossesItself) {
+  Put("path", Path{{AtX(0), AtX(10), {.x_m = 5, .y_m = 5}, {.x_m = 5, .y_m = -5}}});
+  robot.at = AtX(4);
+  EXPECT_EQ(Next(), "R ");
+  robot.at = {.x_m = 5, .y_m = 0.3};
+  EXPECT_EQ(Next(), "R ");
+  EXPECT_NEAR(Entry<Tracking>("t").off_m, 0.3, 1e-9) << "not on the line that comes later";
+  EXPECT_EQ(Next(), "F ");
+}
+TEST_F(TrackingBounds, RefuseWhatIsNoNumber) {
+  Put("left", std::nan(""));
+  EXPECT_EQ(Next(), "! ");
+}
+
 }  // namespace musher::tree::nav2::paths_test
