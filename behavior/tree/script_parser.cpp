@@ -243,10 +243,10 @@ class ScriptParser {
       if (code == std::errc()) size = static_cast<std::size_t>(end - rest.data());
       number = static_cast<double>(whole);
     } else {
-      // The dots of "1..2" are an operator.
-      const auto* const last = rest.data() + std::min(rest.find(".."), rest.size());
-      const auto [end, code] = std::from_chars(rest.data(), last, number);
+      const auto [end, code] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
       if (code == std::errc()) size = static_cast<std::size_t>(end - rest.data());
+      // The dots of "1..2" are an operator.
+      if (size > 1 && rest[size - 1] == '.' && rest.substr(size).starts_with(".")) --size;
     }
     if (size == 0 || (size < rest.size() && IsNameStart(rest[size]))) {
       Fail("expected a number such as 2, 0.5, 1e3 or 0x1F");

@@ -149,6 +149,15 @@ class Listener:
         """Before the machine goes to its safe state or stops: "SHOW/PHOTO: OnEnter: …"."""
 
 
+@dataclasses.dataclass(frozen=True)
+class Replayed:
+    """What Machine.replay() has made of a recording."""
+
+    ticks: int
+    changes: int
+    difference: Optional[str]  #: the first change that differs from the recorded one, with both; None: none
+
+
 class Machine:
     """A machine of states. See the module.
 
@@ -254,6 +263,28 @@ class Machine:
         self._native.listen(listener.on_change, lambda unhandled: listener.on_unhandled(*unhandled), listener.on_fault,
                             lambda kept: listener.on_kept(*kept))
 
+    def record(self, write: Callable[[str], Any]) -> None:
+        """Records all that happens to the machine from its start on, a line each, for replay(): machine.record(file.write).
+        Inputs that states read besides their ticks are recorded with record_input(). Raises musher.Failure while the
+        machine runs. An exception of `write` is logged and counted; it does not disturb the machine."""
+        if not callable(write):
+            raise TypeError(f"what writes a recording is a function, not {write!r}")
+        self._native.record(write)
+
+    def record_input(self, name: str, text: str) -> None:
+        """An input of the application that states will read: a message, a measurement. For each such one, between ticks;
+        `text` is in a format of the application."""
+        self._native.record_input(name, text)
+
+    def replay(self, recording: str, apply: Optional[Callable[[str, str], Any]] = None, *,
+               file: str = "recording") -> Replayed:
+        """Repeats a recording of a machine that was built like this one, and compares the changes: states that depend
+        only on their ticks, their own data and the recorded inputs make the same ones. `apply` gets the name and the
+        text of each input; what it raises ends the replay. Raises musher.Failure with the line, named with `file`,
+        where the recording does not fit, and while the machine runs. The machine stays as it is at the end of the
+        recording. Continues after a difference."""
+        return Replayed(*self._native.replay(recording, file, apply or _no_input))
+
     # Status.
 
     @property
@@ -327,6 +358,10 @@ class Machine:
         return self._native.picture(format)
 
 
+def _no_input(name: str, text: str) -> None:
+    raise ValueError(f"the recording has the input {name}, and nothing applies it")
+
+
 def _hooks(state: State, base: type, check: str) -> Tuple[Optional[Callable[..., Any]], ...]:
     """Its functions in the order of native/fsm_state.hpp; None: that of the base class, which does nothing."""
     def own(name: str) -> Optional[Callable[..., Any]]:
@@ -363,4 +398,5 @@ def _ns(seconds: float) -> int:
     return round(seconds * 1e9)
 
 
-__all__ = ["Change", "Into", "Listener", "Machine", "Nested", "Next", "Role", "State", "Tick", "Transitions"]
+__all__ = ["Change", "Into", "Listener", "Machine", "Nested", "Next", "Replayed", "Role", "State", "Tick",
+           "Transitions"]

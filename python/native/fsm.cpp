@@ -217,6 +217,14 @@ void AddFsm(py::module_& native) {
       .def("reset",
            [](Self& self) { self.Change([](Machine& machine) { return machine.Reset(); }); })
       .def("listen", &Self::Listen)
+      .def("record", &Self::Record)
+      .def("record_input", &Self::RecordInput)
+      .def("replay",
+           [](Self& self, const std::string& recording, const std::string& file,
+              const py::object& apply) {
+             const fsm::Replayed replayed = self.Replay(recording, file, apply);
+             return py::make_tuple(replayed.ticks, replayed.changes, replayed.difference);
+           })
       .def("report_exceptions", &Self::ReportExceptions)
       .def("name", [](const Self& self) { return self.machine().name(); })
       .def("running", [](const Self& self) { return self.machine().running(); })

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/behavior/fsm/recorder.hpp"
 
 namespace musher::python {
 namespace {
@@ -56,6 +57,24 @@ class FsmMachine::PyListener final : public fsm::Listener {
   const py::object unhandled_;
   const py::object failed_;
   const py::object kept_;
+};
+
+class FsmMachine::PyRecorder {
+ public:
+  PyRecorder(fsm::Machine& machine, const std::shared_ptr<PythonErrors>& errors, py::object write)
+      : write_(std::move(write)), recorder_(machine, [this, errors](std::string_view line) {
+          errors->Call(write_, py::str(line.data(), line.size()));
+        }) {}
+
+  fsm::Recorder& recorder() { return recorder_; }
+  int Visit(visitproc visit, void* arg) const {
+    Py_VISIT(write_.ptr());
+    return 0;
+  }
+
+ private:
+  const py::object write_;
+  fsm::Recorder recorder_;
 };
 
 FsmMachine::FsmMachine(fsm::Machine::Options options)
@@ -147,6 +166,46 @@ void FsmMachine::Listen(const py::object& changed, const py::object& unhandled,
   machine_->Listen(listeners_.back().get());
 }
 
+void FsmMachine::Record(const py::object& write) {
+  fsm::Machine& machine = Own();
+  const std::string why = !built_             ? "build() comes first"
+                          : recorder_         ? "is recorded already"
+                          : machine.running() ? "runs already: a recording begins with its start"
+                                              : "";
+  if (!why.empty()) Raise("Failure", {kCodeStateInvalid, machine.name() + ": " + why});
+  recorder_ = std::make_unique<PyRecorder>(machine, errors_, write);
+  errors_->RaiseKept();
+}
+
+void FsmMachine::RecordInput(const std::string& name, const std::string& text) {
+  if (!recorder_) {
+    Raise("Failure", {kCodeStateInvalid, machine().name() + ": record() comes first"});
+  }
+  recorder_->recorder().Input(name, text);
+  errors_->RaiseKept();
+}
+
+fsm::Replayed FsmMachine::Replay(const std::string& recording, const std::string& file,
+                                 const py::object& apply) {
+  fsm::Replayed replayed;
+  Change([&](fsm::Machine& machine) -> Result<> {
+    if (machine.running()) {
+      return Error{kCodeStateInvalid, machine.name() + ": runs already: a replay starts it"};
+    }
+    const Result<fsm::Recording> read = fsm::ReadRecording(recording, file);
+    if (!read) return read.error();
+    Result<fsm::Replayed> made = fsm::Replay(
+        read.value(), machine, [&](std::string_view name, std::string_view text) -> Result<> {
+          apply(py::str(name.data(), name.size()), py::str(text.data(), text.size()));
+          return Ok();
+        });
+    if (!made) return made.error();
+    replayed = std::move(made).value();
+    return Ok();
+  });
+  return replayed;
+}
+
 int FsmMachine::Visit(visitproc visit, void* arg) const {
   if (!owned_) return 0;  // visited by that of the machine around it
   return VisitAll(visit, arg);
@@ -161,6 +220,9 @@ int FsmMachine::VisitAll(visitproc visit, void* arg) const {
   };
   if (const int result = errors_->Visit(visit, arg); result != 0) return result;
   if (const int result = all(listeners_); result != 0) return result;
+  if (recorder_) {
+    if (const int result = recorder_->Visit(visit, arg); result != 0) return result;
+  }
   if (const int result = all(states_); result != 0) return result;
   for (const auto& check : checks_) Py_VISIT(check->ptr());
   for (const auto& inside : inside_) {
@@ -172,6 +234,7 @@ int FsmMachine::VisitAll(visitproc visit, void* arg) const {
 void FsmMachine::Clear() {
   for (const auto& inside : inside_) inside->Clear();
   machine_ = nullptr;
+  recorder_.reset();  // it listens to the machine
   owned_.reset();
   listeners_.clear();
   states_.clear();

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/behavior/fsm/replay.hpp"
 #include "musher/python/native/fsm_state.hpp"
 
 namespace musher::python {
@@ -59,6 +60,12 @@ class FsmMachine {
 
   void Listen(const py::object& changed, const py::object& unhandled, const py::object& failed,
               const py::object& kept);
+  // Records it from its start on: `write` gets each line.
+  void Record(const py::object& write);
+  void RecordInput(const std::string& name, const std::string& text);
+  // Repeats a recording; `apply` gets the name and the text of each input.
+  fsm::Replayed Replay(const std::string& recording, const std::string& file,
+                       const py::object& apply);
   // Gets each exception of a state, a check or a listener.
   void ReportExceptions(const py::object& function) { errors_->Report(function); }
 
@@ -68,6 +75,7 @@ class FsmMachine {
 
  private:
   class PyListener;
+  class PyRecorder;
 
   int VisitAll(visitproc visit, void* arg) const;
   fsm::Machine& Own() const;
@@ -79,8 +87,9 @@ class FsmMachine {
   std::vector<std::shared_ptr<StateCalls>> states_;
   std::vector<std::shared_ptr<py::object>> checks_;
   std::vector<std::shared_ptr<FsmMachine>> inside_;
-  std::unique_ptr<fsm::Machine> owned_;  // none: a state of another machine has it
-  fsm::Machine* machine_ = nullptr;      // none: that machine has ended
+  std::unique_ptr<PyRecorder> recorder_;  // after Record()
+  std::unique_ptr<fsm::Machine> owned_;   // none: a state of another machine has it
+  fsm::Machine* machine_ = nullptr;       // none: that machine has ended
   bool built_ = false;
 };
 

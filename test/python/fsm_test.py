@@ -307,6 +307,110 @@ class Photo:
     of: str = ""
 
 
+class Cook(fsm.State):
+    """Goes on at 100 degrees, or by the command "photo" of more than two."""
+
+    def __init__(self, pot, next):
+        self.pot, self.next = pot, next
+
+    def declare(self, transitions):
+        transitions.to(self.next, "hot")
+
+    def check_transition(self, tick):
+        if self.pot["degrees"] >= 100 or (tick.command == "photo" and tick.data.count > 2):
+            return fsm.Next.to(self.next)
+
+
+class Recordings(WithMachine):
+    """A run that is recorded, and repeated without its robot."""
+
+    def kitchen(self, name="kitchen"):
+        pot = {"degrees": 20}
+        machine = fsm.Machine(name)
+        machine.add_event("photo", data=Photo)
+        machine.add("COLD", Cook(pot, "HOT"))
+        machine.add("HOT", Cook(pot, "COLD"))
+        machine.build("COLD")
+        return machine, pot
+
+    def recorded(self):
+        machine, pot = self.kitchen()
+        lines = []
+        machine.record(lines.append)
+        machine.start(self.now_s)
+        self.tick(machine)
+        machine.send("photo", Photo(count=3, of="a \"pot\""))
+        self.tick(machine)
+        pot["degrees"] = 120
+        machine.record_input("degrees", "120")
+        self.tick(machine, 2)
+        return machine, "".join(lines)
+
+    @staticmethod
+    def into(pot):
+        return lambda name, text: pot.update({name: int(text)})
+
+    def test_a_recording_gives_the_same_changes_again(self):
+        recorded, text = self.recorded()
+        machine, pot = self.kitchen()
+        self.assertEqual(machine.replay(text, self.into(pot)), fsm.Replayed(ticks=4, changes=4, difference=None))
+        self.assertEqual(machine.path, recorded.path)
+        self.assertEqual([c.to_state for c in machine.history], ["COLD", "HOT", "COLD", "HOT"])
+
+    def test_the_first_change_that_differs_is_named_with_its_line(self):
+        _, text = self.recorded()
+        machine, _ = self.kitchen()
+        difference = machine.replay(text, lambda name, text: None, file="monday.record").difference
+        self.assertRegex(difference, r"^monday\.record:\d+: ")
+
+    def test_what_does_not_fit_is_refused_with_a_sentence(self):
+        _, text = self.recorded()
+        with self.assertRaisesRegex(ValueError, "the recording has the input degrees, and nothing applies it"):
+            self.kitchen()[0].replay(text)
+        with self.assertRaisesRegex(musher.Failure, "recording:1"):
+            self.kitchen("garage")[0].replay(text)
+        with self.assertRaisesRegex(musher.Failure, "monday:2"):
+            self.kitchen()[0].replay(text.split("\n")[0] + "\nfly\n", file="monday")
+        with self.assertRaisesRegex(TypeError, "is a function, not 'a file'"):
+            self.kitchen()[0].record("a file")
+        machine, _ = self.kitchen()
+        with self.assertRaisesRegex(musher.Failure, "record\\(\\) comes first"):
+            machine.record_input("degrees", "1")
+        machine.record(lambda line: None)
+        with self.assertRaisesRegex(musher.Failure, "is recorded already"):
+            machine.record(lambda line: None)
+        machine.start(0)
+        with self.assertRaisesRegex(musher.Failure, "runs already: a replay starts it"):
+            machine.replay(text)
+        late, _ = self.kitchen()
+        late.start(0)
+        with self.assertRaisesRegex(musher.Failure, "a recording begins with its start"):
+            late.record(lambda line: None)
+
+    def test_what_writes_cannot_disturb(self):
+        def full(line):
+            if line.startswith("tick"):
+                raise OSError("the disk is full")
+
+        machine, _ = self.kitchen()
+        machine.record(full)
+        machine.start(self.now_s)
+        self.tick(machine, 3)
+        self.assertEqual((machine.path, machine.counts["listener_faults"]), ("COLD", 3))
+
+    def test_a_machine_that_writes_into_what_has_it_is_collected(self):
+        class Owner:
+            pass
+
+        owner = Owner()
+        owner.machine, _ = self.kitchen()
+        owner.machine.record(lambda line: owner)
+        gone = weakref.ref(owner)
+        del owner
+        gc.collect()
+        self.assertIsNone(gone())
+
+
 class Commands(WithMachine):
     """Commands that carry data, wait for another state, or come several to a tick."""
 
