@@ -225,7 +225,7 @@ TEST_P(ToPose, ArrivesWithoutAContact) {
 INSTANTIATE_TEST_SUITE_P(Nav2, ToPose, ::testing::ValuesIn(kToPose),
                          [](const auto& shape) { return shape.param.name; });
 
-// Those that plan again where the path is not free.
+// Those that also plan again by time.
 class AroundADisc : public Nav2OnARobot, public ::testing::WithParamInterface<Shape> {};
 TEST_P(AroundADisc, ThatAppearsOnItsPath) {
   Begin(GetParam().tree);
@@ -236,8 +236,7 @@ TEST_P(AroundADisc, ThatAppearsOnItsPath) {
   EXPECT_LT(OffFrom(10, 3), 0.5);
   EXPECT_GT(body_.least_room_m(), 0);
 }
-INSTANTIATE_TEST_SUITE_P(Nav2, AroundADisc,
-                         ::testing::Values(kToPose[0], kToPose[1], kToPose[2], kToPose[5]),
+INSTANTIATE_TEST_SUITE_P(Nav2, AroundADisc, ::testing::Values(kToPose[0], kToPose[2]),
                          [](const auto& shape) { return shape.param.name; });
 
 // Its odometry is not still to the last digit, so that each plan is another path.
