@@ -72,7 +72,7 @@ struct Canvas::Impl {
 };
 
 Canvas::Canvas(int width, int height, const Color& background) : impl_(new Impl) {
-  impl_->image = cv::Mat(height * kFiner, width * kFiner, CV_8UC3, Bgr<cv::Scalar>(background));
+  impl_->image = Plain(height * kFiner, width * kFiner, background);
 }
 
 Canvas::~Canvas() = default;
@@ -155,12 +155,16 @@ void Canvas::Glow(const Pixel& center, const Eigen::Vector2d& radii, const Color
       cv::Rect(cv::Point(whole(middle.x() - reach.x()), whole(middle.y() - reach.y())),
                cv::Point(whole(middle.x() + reach.x()) + 1, whole(middle.y() + reach.y()) + 1)) &
       cv::Rect({0, 0}, impl_->image.size());
+  const double rim = std::max(1 - solid, 0.02);
   for (int y = area.y; y < area.br().y; ++y) {
+    const double up = (y - middle.y()) / reach.y();
     for (int x = area.x; x < area.br().x; ++x) {
-      const double far = ((Pixel(x, y) - middle).array() / reach.array()).matrix().norm();
-      const double part = std::clamp((1 - far) / std::max(1 - solid, 0.02), 0.0, 1.0);
+      const double along = (x - middle.x()) / reach.x();
+      const double far = std::sqrt(along * along + up * up);
+      if (far >= 1) continue;
+      const double part = share * std::min((1 - far) / rim, 1.0);
       auto& pixel = impl_->image.at<cv::Vec3b>(y, x);
-      const Color mixed = Mix({pixel[2], pixel[1], pixel[0]}, color, share * part);
+      const Color mixed = part == 1 ? color : Mix({pixel[2], pixel[1], pixel[0]}, color, part);
       pixel = {mixed.blue, mixed.green, mixed.red};
     }
   }

@@ -52,8 +52,7 @@ class GroundPainter {
     const auto pixels = [&](double length_m) {
       return std::max(1, static_cast<int>(std::ceil(length_m * per_m_)));
     };
-    image_ =
-        cv::Mat(pixels(size.y()), pixels(size.x()), CV_8UC3, Bgr<cv::Scalar>(scene.ground.color));
+    image_ = Plain(pixels(size.y()), pixels(size.x()), scene.ground.color);
   }
 
   Result<Texture> Paint() {
@@ -235,9 +234,23 @@ class GroundPainter {
     // The light that is left, in 255ths.
     const double missing = 1 - LightInShadow(scene_.light);
     full.convertTo(full, CV_8U, -missing, 255);
-    cv::Mat left;
-    cv::cvtColor(full(cv::Rect({0, 0}, image_.size())), left, cv::COLOR_GRAY2BGR);
-    cv::multiply(image_, left, image_, 1 / 255.0);
+    Darken(full(cv::Rect({0, 0}, image_.size())));
+  }
+
+  // By the light that is left, in 255ths. In most of a place that is all of it.
+  void Darken(const cv::Mat& left) {
+    constexpr int kTile = 128;
+    for (int y = 0; y < left.rows; y += kTile) {
+      for (int x = 0; x < left.cols; x += kTile) {
+        const cv::Rect tile = cv::Rect(x, y, kTile, kTile) & cv::Rect({0, 0}, left.size());
+        double least = 0;
+        cv::minMaxLoc(left(tile), &least);
+        if (least == 255) continue;
+        cv::Mat each, part = image_(tile);
+        cv::cvtColor(left(tile), each, cv::COLOR_GRAY2BGR);
+        cv::multiply(part, each, part, 1 / 255.0);
+      }
+    }
   }
 
   // An object from `bottom_m` on: its outline there, its outline above, and all between.

@@ -12,6 +12,12 @@
 
 namespace musher::world {
 
+cv::Mat Plain(int rows, int cols, const Color& color) {
+  cv::Mat image(rows, cols, CV_8UC3);
+  image.setTo(cv::Scalar(color.blue, color.green, color.red));
+  return image;
+}
+
 Texture TextureOf(const cv::Mat& image) {
   MUSHER_CHECK(image.type() == CV_8UC3);
   std::vector<Texel> texels(image.total());

@@ -48,7 +48,7 @@ Texture Code(const Board& board) {
   const int rim = kRim * side;
   const int width = std::max(sheet.size().width, code.cols + 2 * rim);
   const int height = std::max(sheet.size().height, code.rows + 2 * rim);
-  cv::Mat image(height, width, CV_8UC3, Bgr<cv::Scalar>(board.color));
+  cv::Mat image = Plain(height, width, board.color);
   const cv::Rect where((width - code.cols) / 2, (height - code.rows) / 2, code.cols, code.rows);
   image(where).setTo(Bgr<cv::Scalar>(board.sign.ink), code < 128);
   return TextureOf(image);
@@ -127,7 +127,7 @@ Result<Texture> Paint(const Board& board) {
     case Sign::Kind::kArrow:
       return Arrow(board);
   }
-  return TextureOf(cv::Mat(1, 1, CV_8UC3, Bgr<cv::Scalar>(board.color)));
+  return TextureOf(Plain(1, 1, board.color));
 }
 
 }  // namespace

@@ -195,10 +195,11 @@ TEST(BarrierOverALane, HasItsDistanceUntilItReachesTheTop) {
 TEST(BarrierOverALane, ReachesTheTopBeforeItLeavesThePicture) {
   world::Scene scene = Hall();
   scene.boxes = {{"", {3, 0}, {0.025, 0.5}, 0, 0.1, 0.5, {200, 30, 30}}};
+  const auto scenery = world::SceneryOf(scene);
   bool was_top = false;
   double top_m = 0;
   for (double x_m = testing::Nightly() ? 0 : 1.4; x_m < 2.6; x_m += 0.04) {
-    const auto barrier = FindBarrier(SceneShot(scene, CourseCamera::kFront, {{x_m, 0}, 0}), {});
+    const auto barrier = FindBarrier(SceneShot(*scenery, CourseCamera::kFront, {{x_m, 0}, 0}), {});
     if (barrier && barrier->top && !was_top) top_m = 3 - kEyeM - x_m;
     EXPECT_FALSE(was_top && barrier && !barrier->top) << x_m;
     was_top = was_top || (barrier && barrier->top);

@@ -1,6 +1,7 @@
 #pragma once
 // Pictures for the finders of a course: drawn ones, noise, and scenes of the simulated world.
 
+#include <array>
 #include <opencv2/imgproc.hpp>
 #include <random>
 #include <string>
@@ -53,13 +54,19 @@ inline cv::Mat MatOf(const world::Image& image) {
 enum class CourseCamera { kFront = 0, kLeft = 1, kRight = 2 };
 
 // With the camera's noise; the robot stands at that pose.
-inline cv::Mat SceneShot(const world::Scene& scene, CourseCamera camera,
+inline cv::Mat SceneShot(const world::Scenery& scenery, CourseCamera camera,
                          const world::Pose2& robot = {}) {
-  const world::CameraSpec spec = world::CameraSet().cameras[std::size_t(camera)];
+  static const std::array<world::Camera, 3> cameras{world::Camera(world::CameraSet().cameras[0]),
+                                                    world::Camera(world::CameraSet().cameras[1]),
+                                                    world::Camera(world::CameraSet().cameras[2])};
   world::View view = world::Standing();
   view.body = robot;
   view.seed = 3;
-  return MatOf(world::ShotOf(scene, spec, view));
+  return MatOf(cameras.at(std::size_t(camera)).Shoot(scenery, view));
+}
+inline cv::Mat SceneShot(const world::Scene& scene, CourseCamera camera,
+                         const world::Pose2& robot = {}) {
+  return SceneShot(*world::SceneryOf(scene), camera, robot);
 }
 
 inline world::Scene Hall() {

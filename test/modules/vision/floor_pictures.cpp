@@ -21,8 +21,11 @@ cv::Mat Blotches(cv::RNG& random, double size_x_m, double size_y_m) {
   return fine;
 }
 
+// setTo: Mat's constructor with a color copies it pixel by pixel.
 cv::Mat Even(const cv::Scalar& albedo) {
-  return {kSidePx, kSidePx, CV_32FC3, albedo};
+  cv::Mat floor(kSidePx, kSidePx, CV_32FC3);
+  floor.setTo(albedo);
+  return floor;
 }
 
 void Multiply(cv::Mat& floor, const cv::Mat& by) {
@@ -132,12 +135,15 @@ void AddPools(cv::Mat& floor, cv::RNG& random) {
   const cv::Scalar warm(0.25, 0.7, 1.4);
   cv::Mat light = Even({1, 1, 1});
   for (int i = 0; i < kLamps; ++i) {
-    const cv::Point2d at = PixelOf({random.uniform(-0.5, 1.5), random.uniform(-1.5, 1.5)});
-    const double radius_px = random.uniform(0.25, 0.5) * kPxPerM;
-    cv::Mat pool = cv::Mat::zeros(floor.size(), CV_32FC3);
-    cv::circle(pool, at, int(radius_px), warm * random.uniform(1.0, 3.0), cv::FILLED);
-    cv::blur(pool, pool, {int(radius_px), int(radius_px)});
-    light += pool;
+    const cv::Point at = PixelOf({random.uniform(-0.5, 1.5), random.uniform(-1.5, 1.5)});
+    const int radius_px = int(random.uniform(0.25, 0.5) * kPxPerM);
+    const int reach_px = 2 * radius_px;  // of its light, with the soft edge
+    const cv::Rect area(at.x - reach_px, at.y - reach_px, 2 * reach_px + 1, 2 * reach_px + 1);
+    cv::Mat pool = cv::Mat::zeros(area.size(), CV_32FC3);
+    cv::circle(pool, at - area.tl(), radius_px, warm * random.uniform(1.0, 3.0), cv::FILLED);
+    cv::blur(pool, pool, {radius_px, radius_px});
+    const cv::Rect lit = area & cv::Rect({0, 0}, floor.size());
+    light(lit) += pool(lit - area.tl());
   }
   cv::multiply(floor, light, floor);
 }

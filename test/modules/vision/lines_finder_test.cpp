@@ -310,11 +310,11 @@ world::Pose2 At(double x_m, double y_m, double yaw_deg) {
 }
 
 TEST(LaneAhead, IsInTheMiddleLeftOrRightAsTheRobotStands) {
-  const world::Scene lane = Lane();
+  const auto lane = world::SceneryOf(Lane());
   const auto lines = [&](double y_m, double threshold) {
     LinesParameters parameters;
     parameters.ycy_threshold = threshold;
-    return FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines;
+    return FindLines(SceneShot(*lane, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines;
   };
   EXPECT_EQ(lines(0, 0.04).ycy, "center");
   EXPECT_EQ(lines(0.1, 0.04).ycy, "left");
@@ -341,8 +341,10 @@ LinesParameters Mounted() {
 TEST(OnlyLineOfALane, IsEnoughForItsMiddle) {
   world::Scene lane = Lane();
   lane.lines.pop_back();  // the one on the left
+  const auto scenery = world::SceneryOf(lane);
   const auto ycy = [&](double y_m, const LinesParameters& parameters) {
-    return FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines.ycy;
+    return FindLines(SceneShot(*scenery, CourseCamera::kFront, At(-2, y_m, 0)), parameters)
+        .lines.ycy;
   };
   EXPECT_EQ(ycy(0, Mounted()), "center");
   EXPECT_EQ(ycy(0.2, Mounted()), "left");
@@ -355,8 +357,9 @@ TEST(OnlyLineOfALane, IsEnoughForItsMiddle) {
 TEST(OnlyLine, FartherAwayThanALaneIsWideIsADoubt) {
   world::Scene lane = Lane();
   lane.lines.pop_back();
+  const auto scenery = world::SceneryOf(lane);
   const auto found = [&](double y_m) {
-    return FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, y_m, 0)), Mounted()).lines;
+    return FindLines(SceneShot(*scenery, CourseCamera::kFront, At(-2, y_m, 0)), Mounted()).lines;
   };
   EXPECT_EQ(found(0.2).doubt, "");
   const msg::YellowLines far = found(0.6);
@@ -372,11 +375,12 @@ TEST(LineAcross, IsNoneOfALaneAlongWhichTheCameraLooks) {
   world::Line across;
   across.points_m = {{-0.9, -0.6}, {-0.9, -1.6}};
   lane.lines.push_back(across);
+  const auto scenery = world::SceneryOf(lane);
   LinesParameters parameters = Mounted();
   parameters.region = {0.5, 1, 0, 1};
   parameters.along = true;
   const auto lines = [&](double y_m) {
-    return FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines;
+    return FindLines(SceneShot(*scenery, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines;
   };
   EXPECT_EQ(lines(0).contours, 2U);
   EXPECT_EQ(lines(0).ycy, "center") << lines(0).doubt;
@@ -429,10 +433,10 @@ TEST(WhatIsWiderThanALine, IsNone) {
 
 TEST(LaneAcross, IsSeenByAFisheye) {
   // The robot looks across the lane, so that the lane's lines run from left to right.
-  const world::Scene lane = Lane();
+  const auto lane = world::SceneryOf(Lane());
   for (const auto& [camera, yaw_deg] :
        {std::pair(CourseCamera::kRight, 0.0), std::pair(CourseCamera::kLeft, 0.0)}) {
-    const msg::YellowLines lines = FindLines(SceneShot(lane, camera, At(0, 0, yaw_deg)), {}).lines;
+    const msg::YellowLines lines = FindLines(SceneShot(*lane, camera, At(0, 0, yaw_deg)), {}).lines;
     EXPECT_EQ(lines.contours, 1U);
     EXPECT_GE(lines.edge_x.size(), 12U);
     EXPECT_NEAR(lines.middle_offset, 0, 0.08);
@@ -440,10 +444,10 @@ TEST(LaneAcross, IsSeenByAFisheye) {
 }
 
 TEST(LineBeside, IsNearerToTheBottomTheNearerTheRobotIs) {
-  const world::Scene lane = Lane();
+  const auto lane = world::SceneryOf(Lane());
   const auto middle = [&](double y_m) {
     const msg::YellowLines lines =
-        FindLines(SceneShot(lane, CourseCamera::kRight, At(0, y_m, 0)), {}).lines;
+        FindLines(SceneShot(*lane, CourseCamera::kRight, At(0, y_m, 0)), {}).lines;
     EXPECT_FALSE(lines.edge_y.empty());
     return lines.edge_y.empty() ? 0 : lines.edge_y[lines.edge_y.size() / 2];
   };
@@ -453,11 +457,11 @@ TEST(LineBeside, IsNearerToTheBottomTheNearerTheRobotIs) {
 
 TEST(LaneOfASide, IsLeftOrRightInTheFisheyesPicture) {
   // The robot stands across the lane: in the right picture, left is ahead.
-  const world::Scene lane = Lane();
+  const auto lane = world::SceneryOf(Lane());
   LinesParameters parameters;
   parameters.ycy_threshold = 0.03;
   const auto ycy = [&](CourseCamera camera, double ahead_m) {
-    return FindLines(SceneShot(lane, camera, At(0, ahead_m - 0.22, 90)), parameters).lines.ycy;
+    return FindLines(SceneShot(*lane, camera, At(0, ahead_m - 0.22, 90)), parameters).lines.ycy;
   };
   EXPECT_EQ(ycy(CourseCamera::kRight, 0), "center");
   EXPECT_EQ(ycy(CourseCamera::kRight, 0.1), "left");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <string>
@@ -17,10 +18,15 @@ inline View Standing() {
   return {{}, {0.29, 0, 0}};
 }
 
-inline Image ShotOf(const Scene& scene, const CameraSpec& spec, const View& view) {
-  const auto scenery = Scenery::Make(scene);
+// To be made once for all pictures of a scene: its ground has millions of texels.
+inline std::unique_ptr<Scenery> SceneryOf(const Scene& scene) {
+  auto scenery = Scenery::Make(scene);
   EXPECT_TRUE(scenery);
-  return Camera(spec).Shoot(*scenery.value(), view);
+  return std::move(scenery).value();
+}
+
+inline Image ShotOf(const Scene& scene, const CameraSpec& spec, const View& view) {
+  return Camera(spec).Shoot(*SceneryOf(scene), view);
 }
 
 inline CameraSpec FrontCamera() {
