@@ -60,8 +60,8 @@ class WorldHost {
   WorldHost(const WorldHost&) = delete;
   WorldHost& operator=(const WorldHost&) = delete;
 
-  // A copy, for a picture.
-  World world() const { return world_; }
+  // Of the loop.
+  const World& world() const { return world_; }
   const Pacer& pacer() const { return pacer_; }
 
  private:

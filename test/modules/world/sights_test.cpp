@@ -101,8 +101,9 @@ std::pair<int, int> GreenOf(const std::string& arrow) {
   const Image image = FrontShot(WithBoard({Sign::Kind::kArrow, arrow, 0, {32, 150, 60}}, 0.4, 1));
   std::pair<int, int> green;
   const int middle = PixelOf({1.27, 0, 0.4}).x();
-  for (int y = PixelOf({1.27, 0, 0.59}).y(); y < PixelOf({1.27, 0, 0.21}).y(); ++y) {
-    for (int x = PixelOf({1.27, 0.19, 0.4}).x(); x < PixelOf({1.27, -0.19, 0.4}).x(); ++x) {
+  const auto corner = PixelOf({1.27, 0.19, 0.59}), opposite = PixelOf({1.27, -0.19, 0.21});
+  for (int y = corner.y(); y < opposite.y(); ++y) {
+    for (int x = corner.x(); x < opposite.x(); ++x) {
       const std::uint8_t* bgr = image.At(x, y);
       if (bgr[1] > bgr[0] + 40 && bgr[1] > bgr[2] + 40) ++(x < middle ? green.first : green.second);
     }
