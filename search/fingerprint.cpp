@@ -178,6 +178,9 @@ class Mixer {
   void One(const actuator_event::ControllerHeartbeatReceived& heartbeat) {
     Add(heartbeat.sender, heartbeat.epoch);
   }
+  // Which controller has released it matters to the controllers' own "engaged", which the search
+  // does not publish.
+  void One(const ReleasedStop& released) { Add(released.id); }
   void One(const SwitchCommand& c) {
     // Its age by the actuator's clock.
     Add(c.epoch, c.number, c.target, c.budget, c.incarnation, c.detached);

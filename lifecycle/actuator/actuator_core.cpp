@@ -169,7 +169,8 @@ class Decision {
   void On(const event::EmergencyStopReceived& received) {
     const bool entitled = received.sender == core_.controller && core_.controller != 0;
     if (received.engaged) {
-      if (entitled) std::erase(core_.released, received.id);  // the controller decides
+      // The controller decides.
+      if (entitled && !IsReleasedBy(received.sender, received.id)) ForgetRelease(received.id);
       const StopId unnamed(received.sender.value());
       const StopId id = received.id != 0 ? received.id : unnamed != 0 ? unnamed : kUnknownStop;
       return Engage({id, received.by, received.reason});
@@ -177,8 +178,8 @@ class Decision {
     if (!entitled) return;
     core_.last_before_release = std::max(core_.last_before_release, received.last_command);
     EndFromBefore(received.last_command);
-    std::erase(core_.released, received.id);
-    core_.released.push_back(received.id);
+    ForgetRelease(received.id);
+    core_.released.push_back({received.id, received.sender});
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
     const auto same = [&](const EmergencyStop& stop) { return stop.id == received.id; };
     const bool ended = std::erase_if(core_.stops, same) != 0;
@@ -313,17 +314,28 @@ class Decision {
     StopId stop = 0;
     do {
       stop = StopId(last + ++permit.stops);
-    } while (std::ranges::count(core_.released, stop) != 0);
+    } while (IsOver(stop));
     Engage({stop, kPermitKey,
             any ? "no permit of " + permit.by + " has arrived for " +
                       std::to_string(ToMilliseconds(*machine_.permit)) + " ms"
                 : "no permit to move has arrived"});
   }
 
+  bool IsOver(StopId id) const {
+    return std::ranges::count(core_.released, id, &ReleasedStop::id) != 0;
+  }
+
+  bool IsReleasedBy(Sender sender, StopId id) const {
+    return std::ranges::count(core_.released, ReleasedStop{id, sender}) != 0;
+  }
+
+  void ForgetRelease(StopId id) {
+    std::erase_if(core_.released, [id](const ReleasedStop& one) { return one.id == id; });
+  }
+
   void Engage(EmergencyStop stop) {
-    const bool over = std::ranges::count(core_.released, stop.id) != 0;
     const bool known = std::ranges::count(core_.stops, stop.id, &EmergencyStop::id) != 0;
-    if (over || known) return;
+    if (IsOver(stop.id) || known) return;
     if (core_.stops.size() >= kMostStops) core_.stops.erase(core_.stops.begin());
     if (stop.by.size() + stop.reason.size() > kLongestStopWords) stop = {stop.id, "", ""};
     core_.stops.push_back(std::move(stop));

@@ -180,6 +180,15 @@ struct Permit {
   friend bool operator==(const Permit&, const Permit&) = default;
 };
 
+// An emergency stop that is over. The controller that has released it never engages it again: an
+// "engaged" of it that comes later was sent before. Another controller may, which does not know the
+// release.
+struct ReleasedStop {
+  StopId id = 0;
+  Sender by = 0;
+  friend bool operator==(const ReleasedStop&, const ReleasedStop&) = default;
+};
+
 // The state of one actuator: a plain value.
 struct ActuatorCore {
   ActuatorReport report;                  // all but `stamp`, which the shell sets when it publishes
@@ -199,9 +208,9 @@ struct ActuatorCore {
   Time controller_last_heartbeat{};  // its last heartbeat
   Time went_by_itself{};             // when it last set out for its safe state without a command
   std::vector<actuator_event::ControllerHeartbeatReceived>
-      announced;                     // the participants that announced themselves as controllers
-  std::vector<EmergencyStop> stops;  // the engaged stops, oldest first
-  std::vector<StopId> released;      // released stops: later samples of them are ignored
+      announced;                       // the participants that announced themselves as controllers
+  std::vector<EmergencyStop> stops;    // the engaged stops, oldest first
+  std::vector<ReleasedStop> released;  // later samples of them are ignored
   CommandNumber last_before_release = 0;  // commands up to this one switch nothing on
   bool stopped_meanwhile = false;         // an emergency stop was engaged while the callback ran
   bool under_stop = false;                // the same, or the callback began under one

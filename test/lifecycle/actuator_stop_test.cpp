@@ -182,6 +182,25 @@ TEST_F(Stopped, AReleasedStopNeverStopsItAgainAndAnotherDoes) {
   EXPECT_THAT(Engage(kStop + 1), kRuns);
 }
 
+// A link that repeats or reorders samples delivers the controller's own "engaged" behind its
+// release, which the actuator may have confirmed by then.
+TEST_F(Stopped, AnOlderSampleOfTheControllerThatHasReleasedAStopDoesNotStopItAgain) {
+  Do(EmergencyStopReceived{kStop, true, SenderOf(1)});
+  Release();
+  EXPECT_THAT(Do(EmergencyStopReceived{kStop, true, SenderOf(1)}), IsEmpty());
+  EXPECT_EQ(core_.report.emergency_stop, StopId(0));
+}
+
+// It leads another host, and does not know of the release.
+TEST_F(Stopped, AReleasedStopThatTheNextControllerHasEngagedStopsItAgain) {
+  Engage();
+  Release();
+  Announce(2);
+  Do(Command(2, "DeActive", 2));
+  EXPECT_THAT(Do(EmergencyStopReceived{kStop, true, SenderOf(2)}), kRuns);
+  EXPECT_EQ(core_.report.emergency_stop, kStop);
+}
+
 TEST_F(Stopped, AReleaseThatOvertakesItsStopCounts) {
   Release();
   EXPECT_THAT(Engage(), IsEmpty());

@@ -417,6 +417,12 @@ TEST(FoundScenario, ASwitchDownThatSwitchesEachActuatorOnEndsWhatAStopHasLeft) {
   EXPECT_EQ(ViolationOf(224520, {1, 2, 3, 7}), "");
 }
 
+// The link repeated or reordered samples: the controller's "engaged" came behind its release.
+TEST(FoundScenario, AReleasedStopIsNotEngagedAgainByAnOlderSampleOfItsController) {
+  EXPECT_EQ(ViolationOf(873610, {1, 2, 4, 5, 6, 8, 9, 11}), "");
+  EXPECT_EQ(ViolationOf(889193, {2, 4, 6, 7, 8}), "");
+}
+
 // Its process was frozen, and four seconds of permits came at one instant.
 TEST(FoundScenario, OfThePermitsThatComeTogetherTheLastOneCounts) {
   EXPECT_EQ(ViolationOf(258136, {2, 3, 5, 6, 7, 10}), "");
