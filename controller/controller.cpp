@@ -230,6 +230,7 @@ Result<> Controller::OpenStore() {
     Trouble("no journal, nothing is saved: " + store.error().message);
   }
   last_config_hash_ = StateStore::ConfigHashIn(config_.state_dir);
+  began_in_this_boot_ = StateStore::BeganInBootOf(config_.state_dir, HostId());
   return Ok();
 }
 
@@ -481,10 +482,12 @@ void Controller::Begin() {
   if (store_) {
     disk_.Do("config",
              [store = store_, hash = config_.hash] { return store->SaveConfigHash(hash); });
+    disk_.Do("boot", [store = store_] { return store->SaveBootOf(HostId()); });
   }
   const std::vector<ChildProcess> children = FindRunning(begin);
   begin.restarted = options_.restarted;
   begin.supervised = options_.supervised;
+  begin.at_boot = options_.supervised && !options_.restarted && !began_in_this_boot_;
   begin.stops = LoadStops();
   begin.policy = LoadPolicy();
   begin.stop_intent =

@@ -39,7 +39,8 @@ struct ControllerOptions {
   // down, complete that and stay down.
   bool restarted = false;
   // Started by a supervisor, at boot or again: such a start is no request to switch on what an
-  // emergency stop has switched off.
+  // emergency stop has switched off. The first one since this host was booted undoes no person's
+  // takeover.
   bool supervised = false;
   std::vector<ControllerExtension> extensions;
   ControllerShell::Hooks hooks;
@@ -130,6 +131,7 @@ class Controller {
   std::size_t held_ = 0;                  // actuators of this host whose name is held
   std::string taken_from_;                // state folder of the controller that was taken over
   std::string last_config_hash_;          // of the config of the previous controller
+  bool began_in_this_boot_ = false;       // the previous controller, since this host was booted
   bool listen_for_others_ = false;        // another controller may already lead
   const Incarnation incarnation_{NewIncarnation()};
   transport::DiskWriter disk_;

@@ -16,7 +16,7 @@ void FakeRobot::Feed(const Event& event) {
   handling_ = false;
 }
 
-void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised) {
+void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised, bool at_boot) {
   PerActuator<bool> running;
   for (const ActuatorIndex i : config_.actuators.Indices()) running.push_back(Actuator(i).alive);
   const Disk& disk = controller_.disk;
@@ -26,6 +26,7 @@ void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised) {
   begin.restarted = restarted;
   begin.remote = disk.remote;
   begin.supervised = supervised;
+  begin.at_boot = at_boot;
   Feed(begin);
 }
 

@@ -67,8 +67,9 @@ class FakeRobot {
   // An event of the controller. Events are handled one after the other, as in its shell.
   void Feed(const Event& event);
   // The controller starts, with what is on the disk. `restarted`: by a supervisor, after a crash;
-  // `supervised`: by a supervisor.
-  void BeginController(bool by_hand, bool restarted = false, bool supervised = false);
+  // `supervised`: by a supervisor; `at_boot`: by one, for the first time since its host was booted.
+  void BeginController(bool by_hand, bool restarted = false, bool supervised = false,
+                       bool at_boot = false);
   // A message arrives, after a heartbeat of its sender if that is `announced`. A process that has
   // ended, or is not set up, receives nothing.
   void Deliver(const Message& message, bool announced = true);

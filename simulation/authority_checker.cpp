@@ -6,9 +6,9 @@
 
 namespace musher::simulation {
 
-void AuthorityChecker::NoteWord(const SimulatedController& controller, bool restarted) {
+void AuthorityChecker::NoteWord(const SimulatedController& controller, bool by_supervisor) {
   std::uint64_t& last = last_word_on_[controller.host()];
-  if (!restarted || last == 0) last = ++words_;
+  if (!by_supervisor || last == 0) last = ++words_;
   Word word{last, controller.serial(), {}, {}};
   for (std::size_t which = 0; which < 2; ++which) {
     const SimulatedController* other = robot_.controller(which);

@@ -23,7 +23,7 @@ class AuthorityChecker : public SubjectChecker {
   // Another machine in the same network.
   void SetOther(const SimRobot& other) { other_ = &other; }
   // A controller begins to lead.
-  void NoteWord(const SimulatedController& controller, bool restarted);
+  void NoteWord(const SimulatedController& controller, bool by_supervisor);
   // Call after each step of a controller; the epoch before the step, 0: it had none.
   Epoch CheckEpoch(const SimulatedController& controller);
   void CheckFollows(const std::string& name, std::size_t host, const ActuatorReport& report);

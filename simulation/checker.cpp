@@ -44,10 +44,11 @@ Checker::Checker(SimRobot& robot) : context_(robot), robot_(robot), config_(robo
   robot_.on_permit = [this](Time stamp) { stops_.OnPermit(stamp); };
   robot_.on_clock = [this](Time time) { policy_time_.OnClock(time); };
   robot_.on_motion = [this](std::int32_t motion) { policy_time_.OnMotion(motion); };
-  robot_.on_begin = [this](const SimulatedController& controller, bool restarted) {
-    if (!restarted) tear_down_.OnPersonsStart();
-    release_.OnBegin(controller, restarted);
-    authority_.NoteWord(controller, restarted);
+  robot_.on_begin = [this](const SimulatedController& controller, Starter starter) {
+    // A person has switched the host on, perhaps: a boot begins the machine, and undoes nothing.
+    if (starter != Starter::kSupervisor) tear_down_.OnPersonsStart();
+    release_.OnBegin(controller, starter != Starter::kPerson);
+    authority_.NoteWord(controller, starter != Starter::kPerson);
   };
   robot_.on_release_answered = [this](const SimulatedController& controller,
                                       const Result<>& released) {

@@ -60,7 +60,7 @@ OtherMachine::OtherMachine(SimRobot& beside, Checker& beside_checker, std::size_
   for (const ActuatorConfig& actuator : robot_.config().actuators) {
     if (actuator.command.empty()) robot_.StartActuator(actuator.name);
   }
-  StartController(false);
+  StartController(Starter::kPerson);
 }
 
 OtherMachine::~OtherMachine() {
@@ -75,10 +75,9 @@ void OtherMachine::SetInRange(bool in_range) {
   }
 }
 
-void OtherMachine::StartController(bool restarted) {
-  if (robot_.MayStartFirst()) {
-    robot_.LaunchController(0, !restarted, robot_.ListenTime(), restarted);
-  }
+void OtherMachine::StartController(Starter starter) {
+  if (!robot_.MayStartFirst()) return;
+  robot_.LaunchController(0, starter == Starter::kPerson, robot_.ListenTime(), starter);
 }
 
 State OtherMachine::SampleState() {

@@ -27,7 +27,7 @@ class OtherMachine {
   void SetInRange(bool in_range);
   // A request of its operator or of a client, or a fault of it.
   void Act();
-  void StartController(bool restarted);
+  void StartController(Starter starter);
 
   std::function<void(const action::Record&)> on_record;  // may be empty
 

@@ -8,8 +8,8 @@
 
 namespace musher::simulation {
 
-void ReleaseChecker::OnBegin(const SimulatedController& controller, bool restarted) {
-  if (!restarted && TakesNothingOver(controller)) {
+void ReleaseChecker::OnBegin(const SimulatedController& controller, bool by_supervisor) {
+  if (!by_supervisor && TakesNothingOver(controller)) {
     begun_by_a_person_[controller.serial()] = ++context_.order;
   }
   if (robot_.FindsUnreadFolder(controller)) unanswered_.insert(controller.serial());

@@ -29,7 +29,7 @@ class ReleaseChecker : public SubjectChecker {
   };
 
   // A controller begins to lead; an operator has started it, or a supervisor.
-  void OnBegin(const SimulatedController& controller, bool restarted);
+  void OnBegin(const SimulatedController& controller, bool by_supervisor);
   // A controller publishes that a stop is engaged, or released.
   void OnStopPublished(const SimulatedController& controller, const msg::EmergencyStop& stop);
   // A person requests something of the policy; `up`: it may lead to a more active state.

@@ -109,8 +109,8 @@ void SimRobot::Open(std::size_t which) {
   hooks.on_signal = [this, which](std::int32_t pid) {
     if (on_signal) on_signal(*controllers_[which], pid);
   };
-  hooks.on_begin = [this, which](bool restarted) {
-    if (on_begin) on_begin(*controllers_[which], restarted);
+  hooks.on_begin = [this, which](Starter starter) {
+    if (on_begin) on_begin(*controllers_[which], starter);
   };
   hooks.on_power = [this] {
     if (on_power) on_power();
@@ -143,12 +143,12 @@ void SimRobot::StartController(Duration listens) {
 }
 
 void SimRobot::LaunchController(std::size_t which, bool takeover, Duration listens,
-                                bool restarted) {
+                                Starter starter) {
   Open(which);
-  if (listens == Duration::zero()) return controllers_[which]->Begin(takeover, restarted);
+  if (listens == Duration::zero()) return controllers_[which]->Begin(takeover, starter);
   transport::EventLoop& loop = controllers_[which]->node().loop();
-  begins_[which] = loop.At(loop.Now() + listens, [this, which, takeover, restarted] {
-    controllers_[which]->Begin(takeover, restarted);
+  begins_[which] = loop.At(loop.Now() + listens, [this, which, takeover, starter] {
+    controllers_[which]->Begin(takeover, starter);
   });
 }
 

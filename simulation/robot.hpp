@@ -77,7 +77,7 @@ class SimRobot {
   // Before a controller starts a process.
   std::function<void(const SimulatedController&, const std::string& name)> on_start;
   // A controller begins to lead; an operator has started it, or a supervisor.
-  std::function<void(const SimulatedController&, bool restarted)> on_begin;
+  std::function<void(const SimulatedController&, Starter)> on_begin;
   // A controller runs the power command.
   std::function<void()> on_power;
   // A release of the emergency stops was answered.
@@ -101,8 +101,9 @@ class SimRobot {
   // `listens`: how long it only listens for other controllers before it begins; this call waits for
   // that.
   void StartController(Duration listens = {});
-  // The same without waiting. `restarted`: by a supervisor.
-  void LaunchController(std::size_t which, bool takeover, Duration listens, bool restarted = false);
+  // The same without waiting.
+  void LaunchController(std::size_t which, bool takeover, Duration listens,
+                        Starter starter = Starter::kPerson);
   // Whether the first controller can be started: no controller leads, and none that still listens
   // holds the lock on its folder.
   bool MayStartFirst() const {

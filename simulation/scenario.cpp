@@ -257,8 +257,8 @@ void Scenario::StartPermits() {
   if (robot_.config().permit && robot_.permits() == nullptr) robot_.StartPermits(console_host_);
 }
 
-void Scenario::StartController(bool restarted) {
-  robot_.LaunchController(0, !restarted, robot_.ListenTime(), restarted);
+void Scenario::StartController(Starter starter) {
+  robot_.LaunchController(0, starter == Starter::kPerson, robot_.ListenTime(), starter);
 }
 
 bool Scenario::IsByHand(ActuatorIndex actuator) const {
@@ -326,7 +326,7 @@ void Scenario::AwaitOtherMachine() {
   if (!other_) return;
   Checker& checker = other_->checker();
   if (other_->robot().leader() == nullptr) {
-    other_->StartController(false);
+    other_->StartController();
     if (other_->robot().leader() == nullptr) RunFor(std::chrono::seconds(2));
   }
   const bool rests = RunUntil([&] { return checker.AtRest(); }, options_.bound);
@@ -567,7 +567,7 @@ void Scenario::ChangeUser(const Injection& injection) {
   const bool boots = injection.random % 4 != 0;
   if (boots) Reboot(robot_.layout().controllers[0], injection.lasts);
   Later(injection.lasts, [this] {
-    if (robot_.MayStartFirst()) StartController(false);
+    if (robot_.MayStartFirst()) StartController();
   });
 }
 
@@ -774,7 +774,9 @@ void Scenario::Reboot(std::size_t host, Duration lasts) {
       if (IsByHand(i) && robot_.layout().HostOf(i) == host) StartByHand(i);
     }
     const bool here = robot_.layout().controllers[0] == host;
-    if (had_controller && robot_.MayStartFirst()) StartController(supervised_ && here);
+    if (had_controller && robot_.MayStartFirst()) {
+      StartController(supervised_ && here ? Starter::kBoot : Starter::kPerson);
+    }
   });
 }
 
@@ -801,8 +803,9 @@ void Scenario::ApplyToController(const Injection& injection) {
       // A supervisor restarts only a controller that crashed on its own host.
       const bool restarted = supervised_ && (robot_.controller(0) != nullptr || robot_.OneHost());
       robot_.CrashController();
-      return Later(injection.lasts, [this, restarted] {
-        if (robot_.MayStartFirst()) StartController(restarted);
+      const Starter starter = restarted ? Starter::kSupervisor : Starter::kPerson;
+      return Later(injection.lasts, [this, starter] {
+        if (robot_.MayStartFirst()) StartController(starter);
       });
     }
     case InjectionKind::kStalledDisk:

@@ -115,7 +115,7 @@ class Scenario {
   void ApplyNetworkFaults();
   void ApplyToHosts(const Injection& injection);
   void Reboot(std::size_t host, Duration lasts);
-  void StartController(bool restarted = false);
+  void StartController(Starter starter = Starter::kPerson);
   void ApplyToStops(const Injection& injection);
   void ApplyAround(const Injection& injection);
   void MeetOtherMachine(const Injection& injection);

@@ -173,7 +173,7 @@ StoredPolicy SimulatedController::LoadPolicy() {
   return policy;
 }
 
-void SimulatedController::Begin(bool takeover, bool restarted) {
+void SimulatedController::Begin(bool takeover, Starter starter) {
   event::Begin begin;
   opened_ = disk_.opens;
   begin.epoch = opened_ == FolderOpens::kNo ? Epoch(0) : disk_.epoch;
@@ -194,9 +194,11 @@ void SimulatedController::Begin(bool takeover, bool restarted) {
   begin.stop_intent = disk_.stop_intent;
   if (opened_ != FolderOpens::kNo) begin.remote = disk_.remote;
   begin.policy = LoadPolicy();
-  begin.restarted = restarted;
+  begin.restarted = starter == Starter::kSupervisor;
+  begin.supervised = starter != Starter::kPerson;
+  begin.at_boot = starter == Starter::kBoot;
   begun_ = true;
-  if (hooks_.on_begin) hooks_.on_begin(restarted);
+  if (hooks_.on_begin) hooks_.on_begin(starter);
   shell_->Begin(std::move(begin), children);
 }
 

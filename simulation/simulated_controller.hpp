@@ -69,6 +69,10 @@ struct Disk {
 // its own folder, where that cannot be read.
 std::vector<UnreadFolder> UnreadFoldersOf(const Disk& disk);
 
+// Who or what starts a controller. As under systemd: of the supervisor's starts it knows the ones
+// after a crash, which complete a TearDown; the one at a boot begins the machine.
+enum class Starter : std::uint8_t { kPerson, kSupervisor, kBoot };
+
 class SimulatedController : private ProcessRunner, private ProcessProbe, private JournalSink {
  public:
   struct Hooks {
@@ -76,7 +80,7 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
     std::function<void(const action::Record&)> on_record;
     std::function<void(const Machine&, const action::SendSwitch&)> on_send;
     std::function<void(const std::string& name)> on_start;  // of a process
-    std::function<void(bool restarted)> on_begin;           // before it takes control
+    std::function<void(Starter starter)> on_begin;          // before it takes control
     std::function<void()> on_power;                         // the power command
     std::function<void(pid_t pid)> on_signal;               // before a process is signalled
     std::function<void()> on_over;  // it is stopped, fenced or refused: its process may exit
@@ -92,8 +96,8 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   ~SimulatedController() override;
 
   // Takes control of the machine. Refuses when it has received heartbeats of another controller,
-  // unless `takeover` is set. `restarted`: by a supervisor.
-  void Begin(bool takeover, bool restarted = false);
+  // unless `takeover` is set.
+  void Begin(bool takeover, Starter starter = Starter::kPerson);
   // A process has ended.
   void OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit);
 

@@ -354,6 +354,12 @@ void ActuatorPeers::RecordPeerFault(const transport::PeerFault& fault) {
 bool ActuatorPeers::KeepForBegin(const Event& event) {
   if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
     std::vector<event::StatusSeen>& known = before_begin_[seen->actuator];
+    const bool is_older = std::ranges::any_of(known, [&](const event::StatusSeen& other) {
+      return other.report.host == seen->report.host &&
+             other.report.incarnation == seen->report.incarnation &&
+             other.report.stamp > seen->report.stamp;
+    });
+    if (is_older) return true;
     std::erase_if(known, [&](const event::StatusSeen& other) {
       return other.report.host == seen->report.host;
     });

@@ -158,6 +158,10 @@ std::string ProcessesFileIn(const std::string& dir) {
 }
 
 Error Foreign(const std::string& dir, const MachineOrigin& recorded, const MachineOrigin& machine,
+std::string BootFileIn(const std::string& dir) {
+  return dir + "/boot";
+}
+
               pid_t led_by) {
   std::string what = dir + " belongs to another machine, " + recorded.Text();
   if (led_by != 0) what += ", which process " + std::to_string(led_by) + " leads";
@@ -441,6 +445,15 @@ Result<> StateStore::SaveConfigHash(const std::string& hash) {
 }
 
 std::string StateStore::ConfigHashIn(const std::string& dir) {
+Result<> StateStore::SaveBootOf(const std::string& host) {
+  return Replace(BootFileIn(dir_), BootOf(host) + "\n");
+}
+
+bool StateStore::BeganInBootOf(const std::string& dir, const std::string& host) {
+  const UniqueFd file = OpenRegular(BootFileIn(dir));
+  return file.valid() && ReadSmall(file.get()) == BootOf(host) + "\n";
+}
+
   const UniqueFd file = OpenRegular(ConfigHashFileIn(dir));
   const std::string text = file.valid() ? ReadSmall(file.get()) : "";
   return text.substr(0, text.find('\n'));

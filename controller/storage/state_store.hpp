@@ -4,6 +4,7 @@
 //   controller.lock     held while the controller runs; names it: "4711 robot"
 //   machine             the machine of the folder (machine_origin.hpp)
 //   config              the hash of the config that the machine was led with last
+//   boot                the boot of this host in which a controller began last
 //   epoch               the last epoch that was begun, as a decimal number
 //   emergency_stop      the engaged stops with origin and reason, the released ones (slot_file.hpp)
 //   processes           the processes started for actuators (child_processes.hpp)
@@ -126,6 +127,11 @@ class StateStore {
   Result<> SaveConfigHash(const std::string& hash);
   static std::string ConfigHashIn(const std::string& dir);
   std::string LoadConfigHash() const { return ConfigHashIn(dir_); }
+
+  // Notes that a controller has begun on `host` (HostId()). BeganInBootOf(): the last one has begun
+  // since that host was booted.
+  Result<> SaveBootOf(const std::string& host);
+  static bool BeganInBootOf(const std::string& dir, const std::string& host);
 
   // The running processes that were started for actuators. LoadChildren() returns only the
   // processes of `host` (HostId()).

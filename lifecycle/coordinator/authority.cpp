@@ -22,10 +22,13 @@ bool Authority::ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report)
   const KnownActuator& known = Of(i);
   const bool here = report.incarnation != 0 && report.host == known.report.host;
   const bool own = here && report.incarnation == known.control.incarnation;
-  // Meanwhile a controller has begun to lead it, whose heartbeat does not arrive here.
-  const bool taken = here && machine_.start_up.by_supervisor && known.control.rival_until &&
+  // Meanwhile a controller has begun to lead it, whose heartbeat does not arrive here; or the last
+  // query of a predecessor, which was killed, has arrived there.
+  const bool rises = here && known.control.rival_until &&
                      report.incarnation == known.report.incarnation &&
                      report.epoch > known.report.epoch;
+  const bool taken = rises && machine_.start_up.by_supervisor && report.host != machine_.host &&
+                     !control_.IsOfPredecessor(report.epoch);
   const bool higher = report.epoch > machine_.epoch && report.epoch < kLastEpoch;
   if (!(own || taken) || !higher || !AtWork()) return false;
   Release("which " + ConfigOf(i).name + " follows", report.epoch);

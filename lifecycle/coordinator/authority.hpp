@@ -17,10 +17,11 @@ class Authority : StepPart {
 
   void On(const event::RivalSeen& rival);
   // Releases control if the report is of an actuator that this controller has taken control of, and
-  // that follows a higher epoch now; after a restart by a supervisor also if it is of an actuator
-  // that is left alone for the grace, and has a higher epoch than before. Returns whether it does.
+  // that follows a higher epoch now; after a start by a supervisor also if it is of an actuator of
+  // another host that is left alone for the grace, and has a higher epoch than before, which is not
+  // from a predecessor. Returns whether it does.
   bool ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report);
-  // The same of a controller that a supervisor has restarted meanwhile.
+  // The same of a controller that a supervisor has started meanwhile.
   void ReleaseIfReplacedElsewhere();
 
  private:

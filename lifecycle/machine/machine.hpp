@@ -39,7 +39,7 @@ std::string_view PhaseName(Phase phase);  // "idle", "starting", …
 struct StartUpState {
   bool by_hand = false;        // a program drives it (MachineController's calls)
   bool finishing = false;      // a supervisor's start, which finishes the TearDown before it
-  bool by_supervisor = false;  // a supervisor restarts it after a crash
+  bool by_supervisor = false;  // a supervisor starts it, after a crash or a boot of its host
   bool restarted = false;      // the same, and the disk had an epoch
   bool raised = false;         // this controller has raised its epoch, which it may do once
   // It is no person's start, or found running processes, or an emergency stop was engaged since.

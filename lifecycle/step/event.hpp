@@ -22,7 +22,9 @@ namespace event {
 // `restarted`: a supervisor restarts the controller, not a person; with `stop_intent` the
 // controller finishes the TearDown that was begun, and the machine stays down. A person's start
 // clears the intent. `supervised`: a supervisor starts the controller, at boot or again; only a
-// person's start is a request to switch on what an emergency stop has switched off.
+// person's start is a request to switch on what an emergency stop has switched off. `at_boot`: it
+// is the first start of that kind since the host was booted, and undoes no person's takeover
+// either.
 struct Begin {
   bool by_hand = false;
   Epoch epoch = 0;
@@ -35,6 +37,7 @@ struct Begin {
   bool restarted = false;
   std::vector<RemoteActuator> remote = {};
   bool supervised = false;
+  bool at_boot = false;
   friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status was received.
@@ -238,6 +241,7 @@ inline constexpr std::tuple kFields<event::Begin> = {
     Field{"restarted", &event::Begin::restarted},
     Field{"remote", &event::Begin::remote},
     Field{"supervised", &event::Begin::supervised},
+    Field{"at_boot", &event::Begin::at_boot},
 };
 
 template <>

@@ -27,8 +27,8 @@ void StartUp::Begin(const event::Begin& begin) {
   machine_.host = begin.host;
   machine_.epoch = begin.epoch + 1;
   machine_.start_up.finishing = begin.stop_intent && begin.restarted;
-  machine_.start_up.by_supervisor = begin.restarted;
-  machine_.start_up.restarted = begin.restarted && begin.epoch > 0;
+  machine_.start_up.by_supervisor = begin.restarted || begin.at_boot;
+  machine_.start_up.restarted = machine_.start_up.by_supervisor && begin.epoch > 0;
   machine_.start_up.requests_nothing = begin.supervised || begin.restarted;
   saver_.Save(Stored::kEpoch);
   for (const ActuatorIndex i : begin.running.Indices()) {

@@ -49,13 +49,15 @@ bool Control::MayRaise() const {
 bool Control::IsReplacedElsewhere(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const bool waits = !known.control.rival_until || now_ < *known.control.rival_until;
-  if (waits || !machine_.start_up.restarted) return false;
-  return std::none_of(machine_.actuators.begin(), machine_.actuators.end(),
-                      [&](const KnownActuator& other) {
-                        const bool taken = other.control.incarnation == other.report.incarnation;
-                        return !taken && other.report.host == machine_.host &&
-                               other.report.epoch >= known.report.epoch;
-                      });
+  return !waits && machine_.start_up.restarted && !IsOfPredecessor(known.report.epoch);
+}
+
+bool Control::IsOfPredecessor(Epoch epoch) const {
+  return std::any_of(
+      machine_.actuators.begin(), machine_.actuators.end(), [&](const KnownActuator& known) {
+        const bool taken = known.control.incarnation == known.report.incarnation;
+        return !taken && known.report.host == machine_.host && known.report.epoch >= epoch;
+      });
 }
 
 // It is degraded until a person takes over, or it is restarted.

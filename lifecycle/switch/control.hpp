@@ -36,10 +36,14 @@ class Control : StepPart {
   void Take(ActuatorIndex i, bool denied = false);
   // The actuator has answered: it is present.
   void Attach(ActuatorIndex i);
-  // Whether another controller has replaced this one since its restart by a supervisor: the
+  // Whether another controller has replaced this one since a supervisor has started it: the
   // actuator has an epoch that no actuator of this host has, so the epoch is not from a predecessor
   // of this controller. The actuator is left alone for the grace.
   bool IsReplacedElsewhere(ActuatorIndex i) const;
+  // Whether an actuator of this host that this controller has not taken has this epoch or a higher
+  // one. A controller beyond a cut link does not reach this host, and the heartbeat of one that
+  // does arrives: so it is from a predecessor of this controller, which may not have saved it.
+  bool IsOfPredecessor(Epoch epoch) const;
 
  private:
   bool MayRaise() const;

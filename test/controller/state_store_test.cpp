@@ -107,6 +107,15 @@ TEST_F(Store, ReadsADamagedOrShortenedFileOfEmergencyStopsAsAnEngagedStop) {
   }
 }
 
+TEST_F(Store, KnowsWhetherAControllerHasBegunInThisBoot) {
+  StateStore store = MustOpen();
+  EXPECT_FALSE(StateStore::BeganInBootOf(dir_, "boot-1/4026531836"));
+  ASSERT_TRUE(store.SaveBootOf("boot-1/4026531836"));
+  EXPECT_TRUE(StateStore::BeganInBootOf(dir_, "boot-1/4026531836"));
+  EXPECT_TRUE(StateStore::BeganInBootOf(dir_, "boot-1/4026532000")) << "in a container";
+  EXPECT_FALSE(StateStore::BeganInBootOf(dir_, "boot-2/4026531836"));
+}
+
 TEST_F(Store, SavesEmergencyStopsInPlaceInReservedBlocks) {
   StateStore store = MustOpen();
   struct stat before {};

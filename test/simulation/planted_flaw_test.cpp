@@ -18,6 +18,7 @@ using simulation::Act;
 using simulation::Invariant;
 using simulation::Layout;
 using simulation::SimRobot;
+using simulation::Starter;
 using ::testing::HasSubstr;
 
 class PlantedFlaw : public ::testing::Test {
@@ -220,7 +221,7 @@ TEST_F(PlantedFlaw, FindsALostStopIntentThatBringsTheMachineUpAgain) {
   robot_->disk(0).stop_intent = false;
   for (const char* name : {"a", "b"}) robot_->CrashActuator(name);
   slow_ = {};
-  robot_->LaunchController(0, true, {}, true);
+  robot_->LaunchController(0, true, {}, Starter::kSupervisor);
   RunFor(std::chrono::seconds(5));
   ExpectFound(Invariant::kNoStartAfterTearDown, "after an accepted TearDown");
 }
@@ -623,7 +624,7 @@ TEST_F(FlawAfterARelease, FindsARestartedActuatorThatIsSwitchedOnWithoutARequest
 TEST_F(FlawAfterARelease, FindsANextControllerThatSwitchesARestartedActuatorOn) {
   BringUpAndRelease();
   robot_->CrashController();
-  robot_->LaunchController(0, true, {}, /*restarted=*/true);
+  robot_->LaunchController(0, true, {}, Starter::kSupervisor);
   RunFor(std::chrono::seconds(2));
   EXPECT_TRUE(robot_->machine().emergency.awaits_request);
   ForgetTheStop();

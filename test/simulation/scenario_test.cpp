@@ -377,6 +377,13 @@ TEST(FoundScenario, AControllerThatItsSupervisorRestartsMayHaveAnEpochThatNoPers
   EXPECT_EQ(ViolationOf(46300, {2, 7, 9, 10, 11, 12}), "");
 }
 
+// The epoch was not on the disk. Of an actuator that had published a false state the latched sample
+// of that arrived last, with an older epoch: the denial of the first query was taken for a newer
+// controller.
+TEST(FoundScenario, AnOlderSampleBeforeTheStartMakesNoControllerReleaseControl) {
+  EXPECT_EQ(ViolationOf(715917, {1, 4, 7, 9, 10}), "");
+}
+
 TEST(FoundScenario, WithAStopThatWasLostOrDidNotHoldHoldsEveryInvariant) {
   simulation::Coverage coverage;
   for (const std::uint64_t seed :

@@ -39,7 +39,7 @@ class Side : public FakeRobot {
     return phase != Phase::kIdle && phase != Phase::kFenced;
   }
   // A new process of it.
-  void Start(bool restarted);
+  void Start(bool restarted, bool at_boot);
 
   Records records;
   std::string fenced;  // why
@@ -102,8 +102,8 @@ class Robot {
     if (cut) Lose(which, 2);
     if (!cut && sides_[which]->leads()) RepeatStatuses(*sides_[which]);
   }
-  void Start(std::size_t which, bool restarted = false) {
-    sides_[which]->Start(restarted);
+  void Start(std::size_t which, bool restarted = false, bool at_boot = false) {
+    sides_[which]->Start(restarted, at_boot);
     RepeatStatuses(*sides_[which]);
   }
   void RunFor(Duration duration) {
@@ -250,12 +250,12 @@ Side::Side(Robot& robot, const MachineConfig& config, std::size_t which)
   own_controller_.generation = which * 100;
 }
 
-void Side::Start(bool restarted) {
+void Side::Start(bool restarted, bool at_boot) {
   ++controller_.generation;
   controller_.machine = MakeMachine(config_);
   fenced.clear();
   epochs.clear();
-  BeginController(false, restarted);
+  BeginController(false, restarted, restarted || at_boot, at_boot);
 }
 
 FakeActuator& Side::Actuator(ActuatorIndex i) {
@@ -465,6 +465,32 @@ TEST_F(TwoLinks, ASupervisorDoesNotUndoATakeover) {
   EXPECT_EQ(first().machine().phase, Phase::kFenced);
   EXPECT_TRUE(second().leads());
   EXPECT_EQ(robot_.EpochOf("c"), Epoch(6));
+}
+
+// Its host was rebooted, and the init system started it.
+TEST_F(TwoLinks, ABootDoesNotUndoATakeover) {
+  TakeOverOnB();
+  robot_.Start(0, /*restarted=*/false, /*at_boot=*/true);
+  robot_.RunFor(std::chrono::seconds(25));
+  EXPECT_EQ(first().machine().phase, Phase::kFenced);
+  EXPECT_TRUE(second().leads());
+  EXPECT_EQ(robot_.EpochOf("c"), Epoch(6));
+}
+
+// Its disk was full: it was killed, started again without its last epoch, and has not saved one.
+TEST_F(TwoLinks, AnEpochThatAnActuatorOfTheOwnHostHasIsFromAPredecessor) {
+  first().disk().epoch = 0;
+  robot_.Start(0, /*restarted=*/true);
+  robot_.RunFor(Milliseconds(100));
+  for (const std::size_t which : {0, 2}) {  // the last queries of the predecessor arrive
+    const ActuatorIndex i(which);
+    ActuatorReport report = first().Report(i);
+    report.epoch = 6;
+    first().Feed(event::StatusSeen{i, report});
+  }
+  robot_.RunFor(std::chrono::seconds(25));
+  EXPECT_TRUE(first().leads()) << first().fenced;
+  EXPECT_EQ(first().epochs, (std::vector<Epoch>{1, 7}));
 }
 
 // Its epoch was lost as well, and the takeover is not complete yet when it begins.
