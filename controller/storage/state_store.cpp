@@ -98,7 +98,10 @@ std::string StopsText(const StoredStops& stops) {
     text += line("engaged", ToString(stop.id));
     text += line("by", stop.by) + line("reason", stop.reason);
   }
-  for (const StopId id : stops.released) text += line("released", ToString(id));
+  for (const StopId id : stops.released) {
+    const bool replaced = std::ranges::count(stops.replaced, id) != 0;
+    text += line(replaced ? "replaced" : "released", ToString(id));
+  }
   if (stops.awaits_request) text += "awaits request\n";
   for (const UnreadFolder& unread : stops.unread) {
     const std::string owner = unread.owner.empty() ? "-" : OneWord(unread.owner);
@@ -134,8 +137,9 @@ std::optional<StoredStops> StopsFrom(const std::string& text) {
       stops.awaits_request = true;
     } else if (name == "engaged" && is_id) {
       stops.engaged.push_back({StopId(id), "", ""});
-    } else if (name == "released" && is_id) {
+    } else if ((name == "released" || name == "replaced") && is_id) {
       stops.released.emplace_back(id);
+      if (name == "replaced") stops.replaced.emplace_back(id);
     } else if (name == "unread" || name == "answered") {
       // What is damaged is found again, and waits for a request again.
       if (auto unread = UnreadFrom(value)) {
@@ -146,11 +150,16 @@ std::optional<StoredStops> StopsFrom(const std::string& text) {
       stops.engaged.back().by = value;
     } else if (name == "reason" && !stops.engaged.empty()) {
       stops.engaged.back().reason = value;
-    } else if (name == "engaged" || name == "released" || name == "by" || name == "reason") {
+    } else if (name == "engaged" || name == "released" || name == "replaced" || name == "by" ||
+               name == "reason") {
       return std::nullopt;
     }  // else it is of a later version
   }
   return std::nullopt;
+}
+
+std::string BootFileIn(const std::string& dir) {
+  return dir + "/boot";
 }
 
 std::string ProcessesFileIn(const std::string& dir) {
@@ -158,10 +167,6 @@ std::string ProcessesFileIn(const std::string& dir) {
 }
 
 Error Foreign(const std::string& dir, const MachineOrigin& recorded, const MachineOrigin& machine,
-std::string BootFileIn(const std::string& dir) {
-  return dir + "/boot";
-}
-
               pid_t led_by) {
   std::string what = dir + " belongs to another machine, " + recorded.Text();
   if (led_by != 0) what += ", which process " + std::to_string(led_by) + " leads";
@@ -440,11 +445,6 @@ std::vector<std::uint64_t> StateStore::LevelsTakenIn(const std::string& dir) {
   return marks;
 }
 
-Result<> StateStore::SaveConfigHash(const std::string& hash) {
-  return Replace(ConfigHashFile(), hash + "\n");
-}
-
-std::string StateStore::ConfigHashIn(const std::string& dir) {
 Result<> StateStore::SaveBootOf(const std::string& host) {
   return Replace(BootFileIn(dir_), BootOf(host) + "\n");
 }
@@ -454,6 +454,11 @@ bool StateStore::BeganInBootOf(const std::string& dir, const std::string& host) 
   return file.valid() && ReadSmall(file.get()) == BootOf(host) + "\n";
 }
 
+Result<> StateStore::SaveConfigHash(const std::string& hash) {
+  return Replace(ConfigHashFile(), hash + "\n");
+}
+
+std::string StateStore::ConfigHashIn(const std::string& dir) {
   const UniqueFd file = OpenRegular(ConfigHashFileIn(dir));
   const std::string text = file.valid() ? ReadSmall(file.get()) : "";
   return text.substr(0, text.find('\n'));

@@ -42,6 +42,7 @@ StoredStops StopsOf(const Machine& machine) {
   stops.engaged.insert(stops.engaged.end(), machine.emergency.others.begin(),
                        machine.emergency.others.end());
   stops.released = machine.emergency.released;
+  stops.replaced = machine.emergency.replaced;
   stops.awaits_request = machine.emergency.awaits_request;
   stops.unread = machine.emergency.unread;
   return stops;

@@ -67,6 +67,7 @@ struct EmergencyStopState {
   RecordId cause = 0;                 // the record of this stop, or of the last one
   std::vector<EmergencyStop> others;  // engaged beside it by other sources, released with it
   std::vector<StopId> released;  // the last released stops, with the ones that newer stops replaced
+  std::vector<StopId> replaced;  // of these, the ones that no release has covered since
   std::optional<PendingRelease> release;
   CommandNumber last_before_release = 0;  // the number of the last command then
   bool awaits_request = false;  // since the last stop no switch up was requested for all: on disk
@@ -177,6 +178,7 @@ inline constexpr std::tuple kFields<EmergencyStopState> = {
     Field{"last_before_release", &EmergencyStopState::last_before_release},
     Field{"awaits_request", &EmergencyStopState::awaits_request},
     Field{"unread_stops", &EmergencyStopState::unread},
+    Field{"replaced_stops", &EmergencyStopState::replaced},
 };
 
 template <>

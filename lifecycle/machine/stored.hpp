@@ -30,6 +30,7 @@ struct StoredStops {
   std::vector<StopId> released;        // with stops that newer ones replaced; the last release last
   bool awaits_request = false;         // since the last stop no switch up has been requested
   std::vector<UnreadFolder> unread{};  // whose stops are not known
+  std::vector<StopId> replaced{};      // of `released`, those that no release has covered since
 
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
@@ -39,7 +40,7 @@ struct StoredStops {
 // the oldest. A replaced stop is over, and the next release ends it at the actuators. Returns
 // whether the stop has new information.
 bool AddStop(StoredStops& stops, const EmergencyStop& stop);
-// A stop that is over never engages again.
+// A stop that a release has ended. It never engages again.
 void AddReleased(StoredStops& stops, StopId id);
 
 // Merges the stops on disk with the stops that other controllers and panels have sent since. A stop
@@ -101,6 +102,7 @@ inline constexpr std::tuple kFields<StoredStops> = {
     Field{"released", &StoredStops::released},
     Field{"awaits_request", &StoredStops::awaits_request},
     Field{"unread", &StoredStops::unread},
+    Field{"replaced", &StoredStops::replaced},
 };
 
 template <>

@@ -1,10 +1,13 @@
 #include "musher/lifecycle/step/emergency_stops.hpp"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "musher/base/checksum.hpp"
 #include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
@@ -45,6 +48,19 @@ void AddReason(std::string& reasons, const std::string& reason) {
   reasons.append(kThen).append(size <= kMostReasonBytes ? reason : kMore);
 }
 
+// A stop that is over, as a newer one of its source is engaged in its place: the next release ends
+// it at the actuators, too.
+void AddReplaced(StoredStops& stops, StopId id) {
+  AddReleased(stops, id);
+  stops.replaced.push_back(id);
+}
+
+// Stands for the last stop of another state folder, among those that are over: that it waited for a
+// request there is known here. It is the id of no stop.
+StopId MarkOf(StopId last) {
+  return StopId(Fnv1a("the last stop of another folder: " + ToString(last)));
+}
+
 }  // namespace
 
 std::string WhyUnread(const UnreadFolder& unread) {
@@ -55,8 +71,11 @@ std::string WhyUnread(const UnreadFolder& unread) {
 void AddReleased(StoredStops& stops, StopId id) {
   auto& released = stops.released;
   std::erase(released, id);
+  std::erase(stops.replaced, id);
   released.push_back(id);
-  if (released.size() > kMostReleasedKept) released.erase(released.begin());
+  if (released.size() <= kMostReleasedKept) return;
+  std::erase(stops.replaced, released.front());
+  released.erase(released.begin());
 }
 
 bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
@@ -70,7 +89,7 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
     if (same == engaged.end()) {
       *known = stop;
     } else {
-      AddReleased(stops, std::exchange(same->id, stop.id));
+      AddReplaced(stops, std::exchange(same->id, stop.id));
       AddReason(same->reason, stop.reason);
       engaged.erase(known);
     }
@@ -80,7 +99,7 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
   // Two stops without a source may be of two sources: each is kept while there is room for it.
   const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
   if (same != engaged.end() && (full || !stop.by.empty())) {
-    AddReleased(stops, same->id);
+    AddReplaced(stops, same->id);
     same->id = stop.id;
     AddReason(same->reason, stop.reason);
     return true;
@@ -88,7 +107,7 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
   if (full) {
     const auto unnamed = std::ranges::find(engaged, "", &EmergencyStop::by);
     const auto replaced = unnamed != engaged.end() ? unnamed : engaged.begin();
-    AddReleased(stops, replaced->id);
+    AddReplaced(stops, replaced->id);
     engaged.erase(replaced);
   }
   engaged.push_back(stop);
@@ -101,24 +120,33 @@ StoredStops WithoutReleased(const StoredStops& stored, StoredStops received) {
   };
   std::erase_if(received.engaged, [&](const EmergencyStop& stop) { return is_known(stop.id); });
   std::erase_if(received.released, is_known);
+  std::erase_if(received.replaced, is_known);
   if (received.engaged.empty() && received.released.empty()) received.awaits_request = false;
   return received;
 }
 
 StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopId unnamed) {
   const auto is_released = [&](StopId id) { return std::ranges::count(known.released, id) != 0; };
-  const auto is_engaged = [&](StopId id) {
-    return std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
-  };
   for (EmergencyStop& stop : elsewhere.engaged) {
     if (stop.id == kUnknownStop && unnamed != 0) stop.id = unnamed;
   }
   StopId last = elsewhere.released.empty() ? kUnknownStop : elsewhere.released.back();
   if (!elsewhere.engaged.empty()) last = elsewhere.engaged.back().id;
-  const bool last_is_over = last != kUnknownStop && is_released(last);
+  const bool last_is_over =
+      last != kUnknownStop && (is_released(last) || is_released(MarkOf(last)));
   elsewhere.awaits_request = elsewhere.awaits_request && !last_is_over;
   std::erase_if(elsewhere.engaged, [&](const EmergencyStop& stop) { return is_released(stop.id); });
-  std::erase_if(elsewhere.released, is_engaged);
+  elsewhere.released.clear();
+  if (elsewhere.engaged.empty()) {
+    elsewhere.replaced.clear();
+    const bool marks = elsewhere.awaits_request && last != kUnknownStop;
+    if (marks) elsewhere.released.push_back(MarkOf(last));
+    return elsewhere;
+  }
+  std::erase_if(elsewhere.replaced, [&](StopId id) {
+    return is_released(id) || std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
+  });
+  elsewhere.released = elsewhere.replaced;
   return elsewhere;
 }
 
@@ -129,6 +157,13 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   for (const auto* from : {&stored, &received}) {
     for (const StopId id : from->released) AddReleased(stops, id);
   }
+  // What one side has as released is not only replaced.
+  const auto is_replaced = [&](StopId id) {
+    return std::ranges::all_of(std::array{&stored, &received}, [&](const StoredStops* from) {
+      return std::ranges::count(from->released, id) == std::ranges::count(from->replaced, id);
+    });
+  };
+  std::ranges::copy_if(stops.released, std::back_inserter(stops.replaced), is_replaced);
   for (const auto* from : {&stored, &received}) {
     for (const EmergencyStop& stop : from->engaged) AddStop(stops, stop);
   }
@@ -140,6 +175,7 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
 void EmergencyStops::Begin(const event::Begin& begin) {
   const StoredStops& stops = begin.stops;
   machine_.emergency.released = stops.released;
+  machine_.emergency.replaced = stops.replaced;
   machine_.emergency.awaits_request = stops.awaits_request;
   machine_.emergency.unread = stops.unread;
   PublishReleased();
@@ -185,6 +221,7 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
   emergency.stop.reset();
   emergency.others.clear();
   emergency.released = std::move(stops.released);
+  emergency.replaced.clear();
   const StopId last = emergency.released.empty() ? StopId(0) : emergency.released.back();
   emergency.release = PendingRelease{
       {requested.request}, requested.by, last, now_ + kReleaseRepeat, now_ + kReleaseTime};
@@ -291,6 +328,7 @@ void EmergencyStops::CompareRelease(const ActuatorReport& report) {
     StoredStops stops = StopsOf(machine_);
     AddReleased(stops, id);
     machine_.emergency.released = std::move(stops.released);
+    machine_.emergency.replaced = std::move(stops.replaced);
   }
   saver_.Save(Stored::kEmergencyStops);
 }
@@ -325,6 +363,7 @@ bool EmergencyStops::Add(const EmergencyStop& stop) {
   machine_.emergency.stop = stops.engaged.front();
   machine_.emergency.others.assign(stops.engaged.begin() + 1, stops.engaged.end());
   machine_.emergency.released = std::move(stops.released);
+  machine_.emergency.replaced = std::move(stops.replaced);
   return true;
 }
 

@@ -11,9 +11,11 @@ namespace musher {
 std::string WhyUnread(const UnreadFolder& unread);
 
 // What of the stops in another state folder of the machine holds, beside those `known` from its
-// own: no stop that is known as released, and no release of an engaged stop. A stop without an
-// id gets `unnamed`, unless that is 0. Since the last stop there is known here, the own folder says
-// whether the machine waits for a request.
+// own: no stop that is known as released. A release there is not believed, as any user may have
+// written it: a stop that is engaged in this folder, in a third one or at the actuators stays so.
+// What a stop there has replaced is over while that one is engaged. A stop without an id gets
+// `unnamed`, unless that is 0. Since the last stop there is known here, the own folder says whether
+// the machine waits for a request; it knows it by an id among `released` that no stop has.
 StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopId unnamed);
 
 class EmergencyStops : StepPart {

@@ -14,7 +14,9 @@
 namespace musher::other_starts_test {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
@@ -34,6 +36,14 @@ class OtherStart : public ::testing::Test {
   std::vector<StopsElsewhere> Found(const StoredStops& known = {}) const {
     return FindStopsElsewhere(by_service_, robot_, {by_user_, by_service_}, known);
   }
+  // What a controller without stops of its own begins with.
+  StoredStops Merged(const std::vector<std::string>& folders) const {
+    StoredStops stops;
+    for (const StopsElsewhere& other : FindStopsElsewhere(by_service_, robot_, folders, stops)) {
+      stops = Merge(stops, other.stops);
+    }
+    return stops;
+  }
 
   const TempFolder folder_;
   const MachineOrigin robot_{"robot", "", 0, folder_ / "robot.toml"};
@@ -48,7 +58,7 @@ TEST_F(OtherStart, LeavesItsStopToTheNextOne) {
   const auto found = Found();
   ASSERT_EQ(found.size(), 1U) << "its own is known";
   EXPECT_EQ(found[0].state_dir, by_user_);
-  EXPECT_EQ(found[0].stops, kStops);
+  EXPECT_EQ(found[0].stops, (StoredStops{kStops.engaged, {}}));
 }
 
 TEST_F(OtherStart, LeavesNoStopThatHasBeenReleasedSince) {
@@ -63,9 +73,50 @@ TEST_F(OtherStart, LeavesWhatItsReleasedStopHasSwitchedOffToTheNextOne) {
   StopIn(by_user_, robot_, released);
   const auto found = Found();
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].stops, released);
+  EXPECT_TRUE(found[0].stops.awaits_request);
+  EXPECT_THAT(found[0].stops.engaged, IsEmpty());
   EXPECT_EQ(Found({{}, {3}}).size(), 1U) << "of an earlier stop";
   EXPECT_THAT(Found({{}, {3, 7}}), IsEmpty()) << "this folder says whether it waits since";
+}
+
+TEST_F(OtherStart, WaitsForOneRequestAlone) {
+  StopIn(by_user_, robot_, {{}, {3, 7}, true});
+  StoredStops own = Merged({by_user_});
+  EXPECT_TRUE(own.awaits_request);
+  own.awaits_request = false;  // a person has requested a state
+  EXPECT_THAT(Found(own), IsEmpty());
+  StopIn(by_user_, robot_, {{}, {3, 7, 8}, true});
+  EXPECT_EQ(Found(own).size(), 1U) << "of another stop";
+}
+
+// Any user can write one: the actuators that had latched the stop were released by the start.
+TEST_F(OtherStart, ReleasesNoStopThatActuatorsHaveLatched) {
+  StopIn(by_user_, robot_, {{}, {3, 7}, true});
+  const EmergencyStop stop{7, "alice", "smoke"};
+  const StoredStops own = Merged({by_user_});
+  EXPECT_THAT(own.released, AllOf(Not(Contains(StopId(3))), Not(Contains(StopId(7)))));
+  EXPECT_THAT(Merge(own, WithoutReleased(own, {{stop}, {}, true})).engaged, ElementsAre(stop));
+}
+
+// Whichever is read first: the release ended the stop if its folder was.
+TEST_F(OtherStart, ReleasesNoStopOfAThirdOne) {
+  const std::string third = folder_ / "third/robot";
+  StopIn(by_user_, robot_, {{}, {3, 7}, true});
+  StopIn(third, robot_);
+  for (const auto& folders : {std::vector{by_user_, third}, std::vector{third, by_user_}}) {
+    EXPECT_EQ(Merged(folders).engaged, kStops.engaged);
+  }
+}
+
+// An actuator may report it later. It engaged it again after the release.
+TEST_F(OtherStart, LeavesWhatItsStopHasReplacedToTheReleaseOfThatOne) {
+  StopIn(by_user_, robot_, {{{7, "a panel", "smoke"}}, {3, 6}, true, {}, {6}});
+  const auto found = Found();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].stops.released, ElementsAre(StopId(6)));
+  EXPECT_THAT(found[0].stops.replaced, ElementsAre(StopId(6)));
+  EXPECT_THAT(Found({{{6, "alice", ""}}, {}}).at(0).stops.replaced, IsEmpty()) << "engaged here";
+  EXPECT_THAT(Found({{}, {7}, false}), IsEmpty()) << "all of it is over";
 }
 
 TEST_F(OtherStart, LeavesNothingOfAReleasedStopAfterWhichAStateWasRequested) {
@@ -85,7 +136,7 @@ TEST_F(OtherStart, ReleasesNoStopThatIsEngagedHere) {
   StopIn(by_user_, robot_, {{}, {3, 7}, true});
   const auto found = Found({{{7, "alice", "smoke"}}, {}});
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].stops.released, std::vector<StopId>{StopId(3)});
+  EXPECT_THAT(found[0].stops.released, Not(Contains(StopId(7))));
 }
 
 TEST_F(OtherStart, OfAnotherMachineLeavesNone) {

@@ -107,6 +107,20 @@ TEST_F(Store, ReadsADamagedOrShortenedFileOfEmergencyStopsAsAnEngagedStop) {
   }
 }
 
+TEST_F(Store, DistinguishesReplacedEmergencyStopsFromReleasedOnes) {
+  StateStore store = MustOpen();
+  const StoredStops stops{{{8, "a panel", "smoke"}}, {5, 7, 6}, true, {}, {7}};
+  ASSERT_TRUE(store.SaveEmergencyStops(stops));
+  EXPECT_EQ(store.LoadEmergencyStops(), stops);
+}
+
+// A version that did not distinguish them has written it.
+TEST_F(Store, ReadsWhatIsOverInAnOlderFileAsReleased) {
+  StateStore store = MustOpen();
+  std::ofstream(dir_ + "/emergency_stop") << "engaged 8\nby a panel\nreason \nreleased 7\nend\n";
+  EXPECT_EQ(store.LoadEmergencyStops(), (StoredStops{{{8, "a panel", ""}}, {7}}));
+}
+
 TEST_F(Store, KnowsWhetherAControllerHasBegunInThisBoot) {
   StateStore store = MustOpen();
   EXPECT_FALSE(StateStore::BeganInBootOf(dir_, "boot-1/4026531836"));

@@ -53,6 +53,26 @@ TEST_F(ReceivedStops, OfOneSourceShowEveryReason) {
   EXPECT_TRUE(machine_.emergency.stop->reason.ends_with("; then: more"));
 }
 
+// Only what a person has released is over for the next start from another state folder.
+TEST_F(ReceivedStops, ThatNewerOnesHaveReplacedAreReleasedByTheNextReleaseOnly) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{7, "a panel", "smoke"}});
+  Do(event::EmergencyStopSeen{{8, "a panel", "smoke"}});
+  EXPECT_THAT(StopsOf(machine_).released, ElementsAre(StopId(7)));
+  EXPECT_THAT(StopsOf(machine_).replaced, ElementsAre(StopId(7)));
+  Do(event::ReleaseRequested{1, "alice", {8}});
+  EXPECT_THAT(StopsOf(machine_).released, ElementsAre(StopId(7), StopId(8)));
+  EXPECT_THAT(StopsOf(machine_).replaced, IsEmpty());
+}
+
+TEST_F(ReceivedStops, ThatOneSideHasReleasedAreNotOnlyReplaced) {
+  const StoredStops replaced{{{8, "a panel", ""}}, {7}, true, {}, {7}};
+  EXPECT_THAT(Merge(replaced, {}).replaced, ElementsAre(StopId(7)));
+  EXPECT_THAT(Merge(replaced, {{}, {7}}).replaced, IsEmpty());
+  EXPECT_THAT(Merge({{}, {7}}, replaced).replaced, IsEmpty());
+  EXPECT_THAT(Merge(replaced, replaced).replaced, ElementsAre(StopId(7)));
+}
+
 // As `ros2 topic pub` and a plain C client send them. The second one replaced the first one, which
 // was over for all that learned of it then.
 TEST_F(ReceivedStops, OfUnnamedSourcesReplaceNoneOfAnother) {
