@@ -31,7 +31,8 @@ struct ActuatorIdentity {
   Incarnation incarnation = 0;  // not 0; higher with every start on a host
   std::int32_t pid = 0;
   std::string host;
-  // Of its machine, where the controller that starts it says so; else by the config, without an id.
+  // Name and id of the machine, from the controller that has started the process. Without one: the
+  // name in the config, and no id.
   std::string machine{};
   std::string machine_id{};
 };
@@ -40,14 +41,15 @@ class ActuatorShell {
  public:
   struct Hooks {
     std::function<Result<>(const State&)> run_callback;  // on the worker
-    // Whether that process holds the name of the controller of this namespace and domain on this
-    // host. Only one can; may be empty.
+    // Whether process `pid` holds the controller's name of this namespace and domain on this host.
+    // Only one process can. The hook may be empty.
     std::function<bool(std::int32_t pid)> leads_here;
     std::function<void(bool)> set_stop_requested;  // false when a callback begins, true to stop it
     // The degraded report of the callback that has ended, code 0: none; may be empty.
     std::function<Error()> take_degraded;
     std::function<void()> on_emergency_stop;  // at once, on the loop; may be empty
-    // What that has not done, or could not do; empty: all is done. May be empty.
+    // What on_emergency_stop has not done yet, or could not do; "": all is done. The hook may be
+    // empty.
     std::function<std::string()> stop_trouble;
     std::function<void(const ActuatorReport&)> on_report;  // after each step; may be empty
     // The battery level in percent; called only if a capability of this actuator needs it.

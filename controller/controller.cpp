@@ -162,8 +162,9 @@ void Controller::BeginUnlessLed() {
   });
 }
 
-// Why it must not begin where another controller leads a machine of this name. Without this
-// machine's id that one may be another robot's, which a takeover would fence.
+// Why this controller must not begin beside a controller that leads a machine of the same name. As
+// long as the id of this machine is not known, that controller may be of another robot, and a
+// takeover would fence it.
 std::optional<Error> Controller::WhyNotBeside() const {
   const auto& rival = shell_->rival();
   if (!rival) return std::nullopt;
@@ -174,7 +175,8 @@ std::optional<Error> Controller::WhyNotBeside() const {
   return Refused<Refusal::kAlreadyLed>(rival->process);
 }
 
-// By its name, or by the pid that it reports: it may run without the name.
+// An actuator runs here if a process holds its name, or has the pid of its status: it may run
+// without the name.
 ActuatorPeers::RunsHere Controller::RunsHere() const {
   return [this](const std::string& actuator, pid_t pid) {
     return NameLock::IsHeld(LockOf(actuator)) || (pid > 0 && StartTimeOf(pid));  // not a zombie
@@ -506,9 +508,9 @@ std::vector<std::string> Controller::OtherFolders() const {
   return folders;
 }
 
-// Includes the stops of the machine's other state folders: another way to start it releases none,
-// and requests nothing. Of what cannot be read a stop is not known to be over; so it is with this
-// machine's own folder, where it cannot be opened.
+// Includes the stops of the machine's other state folders: to start the machine in another way
+// releases no stop and requests no state. In a folder that cannot be read a stop may be engaged.
+// The machine's own folder is such a folder if it cannot be opened.
 StoredStops Controller::LoadStops() {
   const std::string& own = config_.state_dir;
   StoredStops stops = store_ ? store_->LoadEmergencyStops() : OpenStopsIn(own);
@@ -532,8 +534,8 @@ StoredStops Controller::LoadStops() {
   return stops;
 }
 
-// The battery was at least as low as in any of the machine's state folders. This machine's own has
-// a level of another one from now on, and takes it over once: samples may lift it.
+// The battery was as low as the lowest level in the machine's state folders. The machine's own
+// folder takes a level of another folder over once, and stores it: samples may lift it later.
 StoredPolicy Controller::LoadPolicy() {
   StoredPolicy policy = StateStore::PolicyIn(config_.state_dir);
   if (!config_.policy || !config_.policy->battery) return policy;
@@ -585,9 +587,9 @@ void Controller::CheckFolder() {
       });
 }
 
-// That of an actuator of this machine that runs already. One that this host starts belongs here;
-// elsewhere a process of its name is another machine's. Without a state folder nothing says that an
-// actuator of another host is this machine's.
+// The machine id in the status of an actuator that runs already. An actuator that this host starts
+// belongs here: on another host, a process of its name is of another machine. Without a state
+// folder it is not known whether an actuator of another host is of this machine.
 std::string Controller::IdOfActuators() const {
   for (const auto& [actuator, status] : shell_->peers().statuses_before_begin()) {
     const bool started_elsewhere = store_ && config_.actuators[actuator].command.empty();
@@ -599,15 +601,16 @@ std::string Controller::IdOfActuators() const {
   return {};
 }
 
-// Without a state folder it says whether a controller of this machine's name is a rival.
+// Without a state folder, the id of the actuators shows whether a controller of the same machine
+// name is a rival.
 void Controller::TakeIdOfActuators() {
   if (store_ || !shell_->machine_identity().id.empty()) return;
   shell_->SetMachineId(IdOfActuators());
 }
 
-// A machine has one id on all its hosts: a state folder without one takes it from the controller
-// that is replaced, or from an actuator. Where the folder cannot be used, an id that is not known
-// is a new one for this run: with the name alone it would fence another robot of that name.
+// A machine has one id on all its hosts. A state folder without an id takes it from the replaced
+// controller, or from an actuator. If the folder cannot be used and no id is found, this run gets a
+// new id: with its name alone the controller would fence another robot of the same name.
 void Controller::TakeIdentity() {
   if (!shell_->machine_identity().id.empty()) return;
   std::string id;

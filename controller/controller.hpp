@@ -44,8 +44,8 @@ struct ControllerOptions {
   bool supervised = false;
   std::vector<ControllerExtension> extensions;
   ControllerShell::Hooks hooks;
-  // Called before it takes control of anything, once it has listened for other controllers: none
-  // leads, or it takes over. It may wait for processes that it ends.
+  // Called once the controller has listened for other controllers and is about to lead, before it
+  // takes control of anything. The hook may wait for processes that it ends.
   std::function<void()> before_begin;
   // Called once for each problem that does not stop the robot, such as a full disk. From any
   // thread.

@@ -29,8 +29,9 @@ std::string HowToReplace(pid_t pid);
 // once, if it was not killed.
 bool AwaitKilled(pid_t pid);
 
-// What `take` returns, a lock or an error; once more if the lock is held by a process that was
-// killed, after its exit. `holder`: the pid of the process that holds it, 0 if it is unknown.
+// Returns what `take` returns, a lock or an error. If a killed process still holds the lock, waits
+// for its exit and calls `take` again. `holder`: the pid of the process that holds the lock, 0 if
+// it is unknown.
 template <class Take>
 auto TakeFromKilled(Take take, const std::function<pid_t()>& holder) {
   auto taken = take();

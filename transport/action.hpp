@@ -5,8 +5,8 @@
 //
 //   // The server: `start` gets a copy of the goal's handle, which it keeps until the goal's end.
 //   ActionHandlers<msg::Fibonacci> handlers;
-//   handlers.accept = [](const msg::Fibonacci::Goal& goal, ParticipantId) { return goal.order < 47;
-//   }; handlers.start = [&](ServerGoal<msg::Fibonacci> goal) {
+//   handlers.accept = [](const auto& goal, ParticipantId) { return goal.order < 47; };
+//   handlers.start = [&](ServerGoal<msg::Fibonacci> goal) {
 //     goal.Execute();
 //     computing.push_back(goal);  // later: goal.PublishFeedback({…}), goal.Succeed({…})
 //   };

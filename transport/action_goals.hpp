@@ -82,7 +82,7 @@ struct ResultLimits {
 struct CancelChoice {
   std::int8_t return_code = msg::CancelGoal::kErrorNone;
   std::vector<GoalId> goals;      // accepted or executing; may be cancelled
-  std::vector<GoalId> canceling;  // already
+  std::vector<GoalId> canceling;  // canceling already; repeated in the reply
 };
 
 class ActionGoals {
@@ -103,8 +103,8 @@ class ActionGoals {
   // that is cancelled already is in the reply once more, so that a request may be repeated.
   CancelChoice ChooseCancelled(const msg::GoalInfo& request) const;
 
-  // A request to cancel one goal that is not known: it has overtaken its goal, perhaps. Other
-  // requests are ignored.
+  // Notes a request to cancel one goal that is not known: perhaps the request has overtaken its
+  // goal. Other requests are ignored.
   void NoteEarlyCancel(const msg::GoalInfo& request, Time now);
   // Whether that was noted for this goal within the last minute: then it must not be accepted.
   bool WasCancelledEarly(const GoalId& id, Time now) const;

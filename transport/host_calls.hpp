@@ -40,8 +40,8 @@ namespace musher::transport {
 
 class HostServer {
  public:
-  // Answers one request, now or later; a second answer, and one to a caller that has gone, does
-  // nothing.
+  // Answers one request, now or later. A second answer does nothing, nor does an answer to a caller
+  // that has exited.
   using Reply = std::function<void(const msg::Bytes&)>;
   using Handler = std::function<void(std::span<const std::byte> request, Reply reply)>;
 

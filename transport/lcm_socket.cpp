@@ -119,7 +119,8 @@ ip_mreqn Membership(const LcmOptions& options) {
   request.imr_multiaddr = AddressOf(options.url).sin_addr;
   request.imr_ifindex = static_cast<int>(
       options.network_interface.empty() ? 0 : if_nametoindex(options.network_interface.c_str()));
-  // Of what is sent; else Linux takes that of another interface for lo.
+  // The address that datagrams are sent from; else Linux takes an address of another interface for
+  // lo.
   request.imr_address = AddressOfInterface(options.network_interface);
   return request;
 }
@@ -177,9 +178,9 @@ Result<> LcmSocket::OpenReceiver(const LcmOptions& options) {
   setsockopt(in_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   // Less than asked for is no fault: it is what the system permits.
   setsockopt(in_.get(), SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
-  // Without the time of receipt a datagram is as old as its handling; so are those of the first
-  // instants of the first socket of a computer that asks for it: the kernel begins to stamp by a
-  // work queue.
+  // Without a time of receipt a datagram counts as received when it is handled. So do the first
+  // datagrams of the first socket of a computer that requests these times: the kernel begins to
+  // stamp in a work queue, an instant later.
   setsockopt(in_.get(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   const sockaddr_in group = AddressOf(url_);  // not "any", which also gets other groups' datagrams
   if (bind(in_.get(), reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0) {

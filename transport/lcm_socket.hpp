@@ -29,8 +29,8 @@ struct LcmSample {
   std::string sender;               // "192.168.44.233:41234"
   std::optional<LcmPacket> packet;  // nullopt: no LCM message
   std::size_t size = 0;             // of the datagram, in bytes
-  // Since this computer received it, as its kernel has noted: how long it waited for the loop. 1 s
-  // at most.
+  // The time since the kernel of this computer received the datagram: how long it waited for the
+  // loop. 1 s at most.
   Duration age{};
 };
 
@@ -45,7 +45,7 @@ class LcmSocket {
   // One datagram. Returns at once.
   Result<> Send(std::string_view channel, std::span<const std::byte> data);
 
-  // Of the messages that Send() sends.
+  // The sender of the messages that Send() sends, as others see it.
   const std::string& sender() const { return sender_; }
   // "udpm://239.255.76.67:7670 by eth0 (192.168.44.1)".
   const std::string& name() const { return name_; }
@@ -72,8 +72,8 @@ class LcmSocket {
   LoopHandlePtr readable_;  // last: its callback uses the rest
 };
 
-// Of the host of a sender, "192.168.44.233:41234": in the network of an address of that interface,
-// of any if it is empty. Any thread; asks the system each time.
+// Where the host of a sender is, "192.168.44.233:41234": whether it is in the network of an address
+// of `network_interface`; empty: of any interface. Any thread; queries the system each time.
 HostPlace PlaceOf(const std::string& sender, const std::string& network_interface);
 
 }  // namespace musher::transport

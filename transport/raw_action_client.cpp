@@ -9,11 +9,11 @@ namespace {
 
 // A goal may take so long: its result is requested without a timeout.
 constexpr Duration kNoTimeout = std::chrono::hours(24 * 365 * 10);
-// From a status that shows the end of a goal, or the loss of its server, to another request for a
-// result that has not come until then.
+// How long after a status has shown the end of a goal, or its server was lost, the result is
+// requested again, if it has not come.
 constexpr Duration kRetryAfter = std::chrono::seconds(1);
-// The cancellation of a goal whose acceptance is not known: a server that does not know it yet may
-// accept it later.
+// The period in which a goal is cancelled whose acceptance is not known: a server that does not
+// know the goal yet may accept it later.
 constexpr Duration kCancelAgain = std::chrono::seconds(1);
 constexpr int kCancelRepeats = 10;
 // Feedback that is kept for a goal before its acceptance is known: the depth of the topic.
@@ -229,7 +229,7 @@ void RawActionClient::OnStatuses(const msg::GoalStatusArray& statuses) {
     const auto goal = goals_.find(status.goal_info.goal_id.uuid);
     if (goal == goals_.end()) continue;  // another client's
     const auto state = static_cast<GoalState>(status.status);
-    // Both also before the acceptance is known.
+    // Both members are set before the acceptance is known, too.
     goal->second.has_ended = IsTerminal(state);
     if (goal->second.state == GoalState::kUnknown) goal->second.listed = true;
     listed[goal->first] = state;
@@ -242,7 +242,7 @@ void RawActionClient::OnStatuses(const msg::GoalStatusArray& statuses) {
     const auto status = listed.find(id);
     const bool was_listed = std::exchange(goal.listed, status != listed.end());
     if (!goal.listed) {
-      // A first status without it may be older than the goal.
+      // A first status without the goal may be older than the goal.
       if (was_listed) RequestResult(id);
     } else if (IsTerminal(status->second)) {
       if (!goal.retry) RetryResult(id);

@@ -4,9 +4,9 @@
 //
 // A goal is started after the reply that accepts it is sent, which may be held (raw_server.hpp): an
 // rclcpp client drops the feedback of a goal that it does not know to be accepted. A goal that is
-// cancelled before ends without being started, and its result says so where it has a text. One
-// whose cancellation has overtaken it, on a topic of its own, is rejected; the reply to the
-// cancellation is ROS 2's, that the goal is unknown.
+// cancelled before its start ends without being started, and its result says so where it has a
+// text. A goal whose cancellation has overtaken it, on a topic of its own, is rejected; the
+// cancellation is answered as ROS 2 does: the goal is unknown.
 //
 // Threads: loop thread only.
 

@@ -10,7 +10,8 @@ namespace musher::transport {
 namespace {
 
 constexpr Duration kLongestHold = std::chrono::seconds(5);
-// Of a client that is still there, half discovered. On a bad network discovery takes 10 s.
+// How long a reply is held for a client that is half discovered. On a bad network discovery takes
+// 10 s.
 constexpr Duration kLongestDiscovery = std::chrono::seconds(15);
 // The writer and the reader of a closed client are unmatched within this time of each other.
 constexpr Duration kUnmatchInterval = std::chrono::seconds(1);
@@ -52,7 +53,8 @@ void RawServer::SendOrHold(ParticipantId participant, msg::Bytes reply) {
   Hold(std::prev(held_.end()), loop_.Now() + kLongestDiscovery);
 }
 
-// Work that waits for the reply waits no longer for a client that is still there.
+// If work waits for a held reply, the reply is dropped after kLongestHold, even if its client still
+// exists.
 void RawServer::Hold(std::list<Held>::iterator held, Time until) {
   held->expiry = loop_.At(std::min(loop_.Now() + kLongestHold, until), [this, held, until] {
     const bool there = requests_->HasWriterOf(held->participant);

@@ -25,8 +25,8 @@
 namespace musher {
 namespace {
 
-// Its two ends: of the process, of its program. Packets keep their bounds, and one for a process
-// that has ended raises no signal.
+// The two ends of a channel: for the new process, and for its program. Packets keep their bounds,
+// and a packet to a process that has ended raises no signal.
 std::pair<UniqueFd, UniqueFd> MakeChannel() {
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) return {};
@@ -40,9 +40,9 @@ constexpr char kNote = 'n';
 
 constexpr Duration kLongestEnd = std::chrono::seconds(1);  // of a process that is cancelled
 
-// Waits until the process is to publish, or is cancelled; whether it is to publish. `ended` becomes
-// readable with the end of the program, also where a copy of that has the channel; -1: it has
-// ended.
+// Waits until the process is to publish, or is cancelled. Returns whether it is to publish. `ended`
+// becomes readable when the program ends, even while a copy of the program has the channel open;
+// -1: the program has ended.
 bool IsToPublish(int channel, int ended, std::optional<Duration> timeout,
                  DetachedPublisher::Notes& notes) {
   using Clock = std::chrono::steady_clock;
@@ -88,8 +88,8 @@ class Copies {
   Copies(const Copies&) = delete;
   Copies& operator=(const Copies&) = delete;
 
-  // Begins one where none runs, or a network has come. The one before goes on: a robot may have
-  // discovered that alone.
+  // Starts a copy if none runs, or if a network has come up. The copy before keeps running: a robot
+  // may have discovered that copy alone.
   void Update() {
     std::set<std::string> present = OuterAddresses();
     if (!pids_.empty() && std::ranges::includes(joined_, present)) return;
@@ -100,7 +100,7 @@ class Copies {
     joined_ = std::move(present);
     if (const pid_t pid = Begin(); pid > 0) pids_.push_back(pid);
   }
-  // Whether one of them has ended because the stop is released.
+  // Whether a copy has ended because the stop is released.
   bool Released() {
     bool released = false;
     std::erase_if(pids_, [&released](pid_t pid) {

@@ -35,7 +35,7 @@ class DetachedPublisher {
 
   static constexpr std::size_t kLongestNote = 1024;  // bytes; a longer one is dropped
 
-  // Of the program, in their order.
+  // The notes of the program, in the order of their calls.
   using Notes = std::vector<std::string>;
   // Runs in a new process, without a second thread, and is killed after kKeptPublished at the
   // latest. Publishes the stop until it is released; false: it cannot.
@@ -50,18 +50,19 @@ class DetachedPublisher {
   explicit DetachedPublisher(const std::vector<std::string>& program);
   DetachedPublisher(const DetachedPublisher&) = delete;
   DetachedPublisher& operator=(const DetachedPublisher&) = delete;
-  // Unless it was cancelled, the process publishes.
+  // The process begins to publish, unless it was cancelled.
   ~DetachedPublisher();
 
-  // For the process, which has it when it publishes, unless it has begun already. Waits for
-  // nothing.
+  // Passes a note to the process, for Publish. No effect once the process publishes. Returns at
+  // once.
   void Note(std::string_view note);
   void Begin();
-  // Every actuator has confirmed the stop, or it is released. Waits for a second at most.
+  // Ends the process: every actuator has confirmed the stop, or the stop is released. Waits for one
+  // second at most.
   void Cancel();
   pid_t pid() const { return std::max(pid_, 0); }  // 0: there is no such process
 
-  // In the new process. `channel`: from its program, the process `parent`.
+  // Called in the new process. `channel`: the channel from its program, the process `parent`.
   [[noreturn]] static void PublishWhenAsked(int channel, pid_t parent,
                                             std::optional<Duration> timeout,
                                             const Publish& publish);

@@ -108,7 +108,7 @@ void LeaderWatch::NoteCandidate(const MachineIdentity& machine) {
   if (is_new && candidates_.size() < kMostCandidates) candidates_.push_back(machine);
 }
 
-// Of the machine of this host, after another one was found.
+// Whether the status is of the machine of this host, and another machine was found before.
 bool LeaderWatch::ReplacesElsewhere(const msg::MachineStatus& status) const {
   return options_.prefer_here && !found_here_ && IsHere(status) &&
          (!leader_ || !IsHere(*leader_)) &&
@@ -127,13 +127,14 @@ bool LeaderWatch::Follows(const msg::MachineStatus& status,
     if (!SameMachine(by_name ? MachineIdentity{machine_.name, ""} : machine_, theirs)) return false;
   }
   if (leader_) {
-    // A status without a participant's number that says the same process is a repeated one.
+    // A status that names the leader's process, but no participant, is a repeated sample if the
+    // leader names its participant.
     const bool same = status.pid == leader_->pid && status.host == leader_->host;
     const bool repeated =
         same && from.writer != from_.writer && status.participant == 0 && leader_->participant != 0;
     return status.epoch >= leader_->epoch && !repeated;
   }
-  // What a process that has exited had latched is delivered until its lease expires.
+  // DDS delivers the latched status of an exited process until the lease of that process expires.
   return ended_ == 0 || from.writer != ended_;
 }
 

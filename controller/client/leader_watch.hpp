@@ -43,13 +43,14 @@ class LeaderWatch {
     WatchProcess watch_process;    // empty: watches no process
     MachineIdentity machine = {};  // empty: the first machine whose controller is found …
     bool one_machine = false;      // … and no other one after that
-    // The machine of this host instead of the first, also when another one was found before; once
-    // it was found, none of another host.
+    // Prefers the machine of this host, even after a machine of another host was found. Once it is
+    // found, no machine of another host is followed.
     bool prefer_here = false;
     // After the loss of a leader, only a machine of the same name is taken. A machine that was
     // started again with another state folder has another id.
     bool one_name = false;
-    // By which a person chooses it: its name, or the beginning of its id; empty: any.
+    // The word by which a person chooses the machine: its name, or the beginning of its id; empty:
+    // any machine.
     std::string word = {};
   };
   // The leader with this status has ended. `how` follows its name: "has exited", "sends no
@@ -66,10 +67,11 @@ class LeaderWatch {
   // The leader's participant. Services of a crashed controller stay matched until its lease
   // expires.
   transport::ParticipantId participant() const { return from_.participant; }
-  // The machine of the leader, or of the last one. Before one was found: the given one, or the
-  // given word as a name; empty: none was given.
+  // The machine of the leader, else of the last leader. Before the first leader: the machine of the
+  // options, else their word as a name; empty: they have neither.
   const MachineIdentity& machine() const { return machine_; }
-  // It is the preferred one, of this host, also once its controller leads no longer.
+  // Whether machine() is the preferred machine, which runs on this host; also after its controller
+  // has stopped leading.
   bool found_here() const { return found_here_; }
   // The machines that the options permit and that have published a status, at most
   // kMostCandidates; no two are the same.

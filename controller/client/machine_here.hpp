@@ -14,10 +14,10 @@ struct MachineHere {
   bool lan = false;                       // it may have actuators on other hosts
   std::vector<std::string> interfaces{};  // of its config, to other hosts
   std::vector<std::string> actuators{};   // of its config; empty: it cannot be read
-  std::vector<std::string> elsewhere{};   // that its last controller knew on other hosts
-  std::string unread{};                   // what of it this user may not read; empty: nothing
+  std::vector<std::string> elsewhere{};   // actuators that its last controller knew on other hosts
+  std::string unread{};                   // what this user may not read; empty: nothing
 
-  // Whether one of these actuators, which run on this host, may be one of it.
+  // Whether an actuator that runs on this host may belong to the machine, by its name.
   bool HasOneOf(const std::vector<std::string>& running_here) const {
     return std::ranges::any_of(running_here, [this](const std::string& name) {
       return std::ranges::count(actuators, name) != 0;

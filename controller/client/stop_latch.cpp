@@ -15,7 +15,7 @@
 namespace musher {
 namespace {
 
-// Of what is known of other machines for a message.
+// Limits of what is kept about other machines.
 constexpr std::size_t kMostMachines = 8;
 constexpr std::size_t kLongestUnknownMachine = 80;
 constexpr std::size_t kMostOrigins = 64;  // of releases, and of heartbeats
@@ -23,10 +23,10 @@ constexpr std::size_t kMostFound = 64;    // processes' hosts of the machines th
 constexpr const char* kElsewhere = "not found here, it may run on another host";
 constexpr const char* kExitUnknown = "silent, and its exit is not known: it may still run";
 
-// Whether it may move. One that is lost may, unless its process is known to have ended: on another
-// host "crashed" is a verdict from silence, and a frozen process is as silent as one that has
-// exited. So may one whose process a new controller has found, or has stored as running on another
-// host, and has not taken control of yet.
+// Whether the actuator may move. A lost actuator may, unless its process is known to have ended: on
+// another host "crashed" only means silent, and a frozen process is as silent as an exited one. So
+// may an actuator that a new controller does not control yet, if the controller has found its
+// process, or knows from the disk that it ran on another host.
 bool MayMove(const msg::ActuatorInfo& actuator, const std::string& controller_host) {
   const auto is = [&](Presence presence) { return actuator.presence == PresenceName(presence); };
   if (is(Presence::kPresent) || is(Presence::kStarting)) return true;
@@ -39,7 +39,7 @@ bool MayMove(const msg::ActuatorInfo& actuator, const std::string& controller_ho
   return actuator.pid != 0 || elsewhere;
 }
 
-// Why it may not be stopped, by the controller.
+// Why the actuator may not be stopped, as the controller reports it; empty: no reason.
 std::string TroubleOf(const msg::ActuatorInfo& actuator) {
   if (actuator.health == HealthName(Health::kWell)) return "";
   const bool exit_unknown = actuator.presence == PresenceName(Presence::kLost) &&
@@ -47,8 +47,8 @@ std::string TroubleOf(const msg::ActuatorInfo& actuator) {
   return exit_unknown ? kExitUnknown : actuator.health;
 }
 
-// Whether both are of one boot of a host, or it is not known: a status from before a reboot is
-// known until its writer is lost. A host is named by its boot id, and what follows a '/'.
+// Whether both names may be of one boot of a host; an empty name may be of any. DDS keeps a status
+// from before a reboot until its writer is lost. The name of a host is its boot id, a '/' and more.
 bool MayBeOneBoot(const std::string& host, const std::string& other) {
   const auto boot = [](std::string_view name) { return name.substr(0, name.find('/')); };
   return host.empty() || other.empty() || boot(host) == boot(other);
@@ -183,7 +183,7 @@ bool StopLatch::IsMeant(const MachineIdentity& machine) const {
   return !narrowed && (SameMachine(given(), machine) || BeginsIdOf(machine, id_begins_));
 }
 
-// Also where several ids begin so: no other answer is safe.
+// Addresses every machine whose id begins so, even if there are several: no other answer is safe.
 void StopLatch::AddBeginningOfId(std::string beginning, const std::vector<MachineIdentity>& known) {
   id_begins_ = std::move(beginning);
   for (const MachineIdentity& machine : known) {
@@ -229,7 +229,8 @@ void StopLatch::Address(const MachineIdentity& machine) {
   static_cast<void>(stops_by_id_->Publish(stop));
 }
 
-// Of more machines than it can address each may be meant.
+// From now on the stop goes to the ids of the found machines alone. Not if there are more machines
+// than it can address: each of them may be meant.
 void StopLatch::Narrow() {
   if (!stops_by_id_ || addressed_.size() >= kMostMachines) return;
   stops_ = nullptr;
@@ -243,7 +244,8 @@ std::string StopLatch::NoteOf(const Found& found) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Whether the program had narrowed it. One that was given an id goes on as it was given.
+// Continues from the notes of the program. Returns whether the program had narrowed the stop to
+// ids. A stop that was given an id stays as it was given.
 bool StopLatch::ContinueFrom(const DetachedPublisher::Notes& notes) {
   for (const std::string& note : notes) {
     const auto info = msg::Decode<msg::MachineInfo>(std::as_bytes(std::span(note)));
@@ -269,7 +271,7 @@ void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
   if (known) return;
   if (origins.size() >= kMostOrigins) origins.erase(origins.begin());
   origins.push_back(std::move(origin));
-  // One that names no machine is for those, too, that have not received it yet.
+  // A stop that names no machine goes on: machines that have not received it yet are meant, too.
   const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
   std::vector<MachineIdentity> meant = machines_;
   meant.insert(meant.end(), addressed_.begin(), addressed_.end());
@@ -287,7 +289,7 @@ void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
   if (options_.on_change) options_.on_change();
 }
 
-// By a controller of it.
+// Whether a controller of the machine has released the stop.
 bool StopLatch::IsReleasedFor(const MachineIdentity& machine) const {
   return std::any_of(releases_.begin(), releases_.end(), [&](const Origin& release) {
     return SameMachine(release.machine, machine) &&
@@ -315,7 +317,8 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   if (options_.on_change) options_.on_change();
 }
 
-// Those that have received the stop, and whose controller has. No two are the same.
+// The machines with an actuator or a controller that was received, as far as the stop means them;
+// each once.
 std::vector<MachineIdentity> StopLatch::Machines() const {
   std::vector<MachineIdentity> machines = machines_;
   for (const Origin& controller : controllers_) Note(machines, controller.machine);
@@ -380,11 +383,12 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
   return report;
 }
 
-// The controller may have learned of the stop from an actuator first. The program that engaged it
-// must not exit before the controller has received the stop from the program itself: with its
-// origin, which the status has of the first one. A controller that lists another stop of the same
-// person instead has taken that for this one, which the actuators still have: not those that it has
-// lost, whose last statuses are known until DDS has lost them, too.
+// The controller may have learned of the stop from an actuator first, without its origin. The
+// program that engaged the stop must not exit before the controller has received it from the
+// program itself. The status of the controller shows the origin of the first stop only. A
+// controller that lists another stop of the same person has replaced this stop by it; then this
+// stop is held if an actuator still has it. Actuators that the controller has lost do not count:
+// DDS keeps their last statuses for a while.
 bool StopLatch::IsHeld(const EstopReport& report,
                        const std::optional<msg::MachineStatus>& controller) const {
   if (withdrawn()) return true;
@@ -411,9 +415,9 @@ bool StopLatch::IsHeld(const EstopReport& report,
          });
 }
 
-// A controller reports which actuators belong to the machine. Without one those count whose
-// processes run on this host, whose status is received, and which may run on other hosts by what
-// this host has of the machine; there may be more.
+// A controller reports which actuators belong to the machine. Without a controller there may be
+// more than the counted ones: actuators with a process on this host, actuators whose status is
+// received, and actuators that may run on other hosts according to the files of this host.
 EstopReport StopLatch::Report(const StopView& view) const {
   // A controller of another host may be of another machine than what runs here.
   const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
@@ -430,7 +434,7 @@ EstopReport StopLatch::Report(const StopView& view) const {
   return report;
 }
 
-// Those of this host that the stop is for.
+// The machines of this host that the stop is for.
 std::vector<const MachineHere*> StopLatch::MachinesOf(const StopView& view) const {
   const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
   std::vector<const MachineHere*> meant;

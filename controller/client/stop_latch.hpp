@@ -48,7 +48,7 @@ struct EstopReport {
     bool stopped = false;
     bool before = false;       // by an earlier emergency stop
     Duration after{};          // since this one was published; 0 if it was stopped before
-    std::string trouble;       // if not stopped: what it, or the controller, says of that: "hung"
+    std::string trouble;       // if not stopped: why, by itself or the controller: "hung"
     bool unsupported = false;  // its protocol has no emergency stop
     bool found = true;         // else it is only known from a config or a state folder
   };
@@ -62,9 +62,10 @@ struct EstopReport {
   std::string reason;
   bool controller = false;          // a controller leads …
   bool controller_latched = false;  // … has latched the stop and publishes it to later actuators …
-  // This stop itself is engaged: with its origin and reason in the controller's list, or by each
-  // actuator that is stopped. Else an earlier stop may be all that holds the machine, and its
-  // release would let it go. Also once a controller has said that this one is over.
+  // This stop itself is engaged: the controller lists it with its origin and reason, or every
+  // stopped actuator has it. If not, perhaps only an earlier stop holds the machine, and the
+  // release of the earlier stop would free it. Also true once a controller has reported that this
+  // stop is over.
   bool held = false;
   std::optional<Earlier> earlier;
   std::vector<Actuator> actuators;
@@ -104,7 +105,7 @@ struct StopView {
   std::vector<MachineHere> machines = {};      // that this host has or had
 };
 
-// Where it looks for it.
+// Where a program that engages a stop looks for its machine.
 struct StopScope {
   std::string name_space;
   int domain_id = 0;
@@ -119,7 +120,7 @@ struct StopOptions {
   bool with_keys = false;                // the machine has [security], and so has the node
   bool lan = false;                      // other hosts may take as long as a bad link to be found
   std::function<void()> on_change = {};  // the report has changed, or the stop is released
-  // In the process of a DetachedPublisher: of the latch that it continues.
+  // In the process of a DetachedPublisher: the notes of the latch that this one continues.
   DetachedPublisher::Notes notes = {};
 };
 
@@ -137,13 +138,14 @@ class StopLatch {
                                                   const msg::EmergencyStop& stop,
                                                   StopOptions options = {});
 
-  // The stop is also for each machine whose id begins so: published at once to those that are
-  // `known`, to others as soon as anything of them is received. For a word that a person gives as
-  // the name of a machine, and that may be that.
+  // The stop is also for each machine whose id begins with `beginning`. It is published at once to
+  // the `known` machines, to others as soon as a sample of them is received. For a word of a person
+  // that may be the name of a machine, or the beginning of an id.
   void AddBeginningOfId(std::string beginning, const std::vector<MachineIdentity>& known = {});
 
-  // The publisher, which outlives this object, continues it: it gets notes of the machines that are
-  // found, and is cancelled once the stop is released, by whatever process that was requested.
+  // The publisher outlives this object and continues the stop after it. It gets a note of each
+  // machine that is found, and is cancelled once the stop is released, whichever process has
+  // requested the release.
   void ContinueWith(DetachedPublisher& publisher);
 
   // The actuators whose status was received, and those that the controller's status lists as
@@ -155,15 +157,15 @@ class StopLatch {
   // the machine that may run on other hosts belong to it, too.
   EstopReport Report(const StopView& view) const;
 
-  // No second machine is known that it is for.
+  // Whether no second machine is known for which the stop is meant.
   bool IsForOneMachine() const { return addressed_.size() < 2 && Machines().size() < 2; }
 
   // The stop is released: it is published no longer.
   bool withdrawn() const { return withdrawn_; }
 
-  // Whether waiting brings no more: every actuator of the machine has latched the stop, as far as
-  // it can. Without a controller, which would list the actuators, not before the time of discovery
-  // is over: the first actuator that is found may not be the only one.
+  // Whether there is nothing left to wait for: every actuator of the machine that can latch the
+  // stop has done so. Without a controller no process lists the actuators. Then the time of
+  // discovery has to be over, too: the first actuator that is found may not be the only one.
   bool IsOver(const EstopReport& report) const;
 
  private:
@@ -197,7 +199,7 @@ class StopLatch {
   static void Note(std::vector<MachineIdentity>& machines, const MachineIdentity& machine);
   std::vector<MachineIdentity> Machines() const;
   MachineIdentity given() const { return {stop_.machine, stop_.machine_id}; }
-  // It goes to machines by their ids alone.
+  // Whether the stop goes to machines by their ids alone.
   bool by_ids() const { return !stops_ || !stop_.machine_id.empty(); }
   bool IsMeant(const MachineIdentity& machine) const;
   bool IsHeld(const EstopReport& report, const std::optional<msg::MachineStatus>& controller) const;
@@ -228,8 +230,9 @@ class StopLatch {
   std::vector<MachineIdentity> addressed_;  // by their ids, whole
   std::vector<Origin> controllers_;         // the last ones
   std::vector<Origin> releases_;            // of this stop, the last ones
-  // As it was given, until it is narrowed, and to those that are addressed. The other one begins
-  // long before the first one ends: a reader on a bad link would have to discover it.
+  // `stops_` publishes the stop as it was given, until Narrow(); `stops_by_id_` publishes it to the
+  // addressed machines. The second one begins long before the first one ends: a reader on a bad
+  // link needs time to discover it.
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_by_id_;
   transport::LoopHandlePtr narrow_at_;

@@ -101,7 +101,7 @@ void SwitchClient::OnStatus(const msg::MachineStatus& status) {
   }
 }
 
-// The last status of the controller that was called, which ends with its machine.
+// Keeps the last status of the called controller, which exits with its machine.
 void SwitchClient::TakeStopped(const msg::MachineStatus& status) {
   if (status.phase == kStopped && watch_->participant() == called_) stopped_ = status;
 }

@@ -49,9 +49,9 @@ class SwitchClient {
     Duration timeout = std::chrono::seconds(60);   // in total
     Duration find = std::chrono::seconds(60);      // for a controller that leads
     Duration successor = std::chrono::seconds(5);  // for another controller to lead
-    // The last status of a controller that was called in another way, and has exited before its
-    // reply: the client begins as orphaned, unless that says that the machine is stopped, or a
-    // status of the same participant does so at once.
+    // The last status of a controller that was called in another way and has exited before its
+    // reply. The client begins as orphaned, unless this status, or a first one from the same
+    // participant, reports that the machine is stopped.
     std::optional<msg::MachineStatus> exited = std::nullopt;
   };
   // A sentence to print at once: the controller has exited, the client waits for another one.

@@ -25,8 +25,8 @@ using Damage = std::string;
 
 constexpr const char* kNotAsWritten = ": wrong checksum or missing data";
 
-// What SQLite opens. Of a journal that no process writes now, its reader would make a shared memory
-// file beside it; a reader that may not write there reads the file as it is.
+// The name that SQLite opens. Beside a journal that no process writes now, SQLite would make a
+// shared memory file. A reader that may not write there reads the file as it is.
 std::string NameToOpen(const std::string& path) {
   const std::filesystem::path file(path);
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";

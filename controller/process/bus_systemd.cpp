@@ -220,7 +220,7 @@ void AppendLimits(sd_bus_message* message, const ProcessLimits& limits) {
   }
   if (limits.nice) {
     sd_bus_message_append(message, "(sv)", "Nice", "i", *limits.nice);
-    // Nice counts among the processes of one session or unit only, where the kernel weighs those.
+    // If the kernel weighs sessions or units, nice only counts among the processes of one of them.
     sd_bus_message_append(message, "(sv)", "CPUWeight", "t", CpuWeight(*limits.nice));
   }
   if (limits.realtime_priority) {

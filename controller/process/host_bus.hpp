@@ -42,12 +42,12 @@ class HostBus {
   };
   struct Hooks {
     std::function<void()> on_up;
-    // `for_good`: it does not help to try again, such as a key that is refused. `was_up`: the
-    // connection is lost.
+    // `for_good`: another attempt does not help, for example after a refused key. `was_up`: an open
+    // connection was lost.
     std::function<void(bool was_up, bool for_good)> on_down;
     std::function<void(const BusMessage&)> on_signal;
-    // Why the host that answers is not used, before D-Bus is begun; empty: it is. None: each is.
-    // `running`: since its kernel was booted.
+    // Returns why the host that answers is not used; empty: it is used. Called before D-Bus begins.
+    // Without this hook every host is used. `running`: the time since its kernel was booted.
     std::function<std::string(const std::string& host_id, Duration running)> refuse = nullptr;
   };
   // The reply, which may be an error; see sd_bus_message_is_method_error().
@@ -68,7 +68,7 @@ class HostBus {
   const std::string& host_id() const { return host_id_; }  // of the last connection
   // For how long its host has run, by that host's clock; too short by the delay of the link.
   Duration running() const { return loop_.Now() - booted_; }
-  // Why it is not up, with what to do; empty: it has not failed since it was up last.
+  // Why the connection is not up, with what to do; empty: no failure since it was up last.
   const std::string& trouble() const { return trouble_; }
 
   // A call of a method of systemd; null if it is not up.
@@ -103,7 +103,7 @@ class HostBus {
   State state_ = State::kClosed;
   std::string host_id_;
   pid_t bridge_ = 0;  // the process there at the end of the last connection; 0: not known
-  Time booted_{};     // the host of the last connection, by our clock
+  Time booted_{};     // boot time of the last connection's host, by our clock
   std::string trouble_;
   Duration back_off_;
   std::string greeting_;  // what the host has printed so far

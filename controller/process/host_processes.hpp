@@ -21,13 +21,13 @@ inline std::string UnitNameOf(const std::string& machine, const std::string& act
 
 class HostProcesses {
  public:
-  // None runs inside a call of this class.
+  // No hook runs inside a call of this class.
   struct Hooks {
     // A process runs, with this pid on the host with this HostId(): Start() has started it, or it
     // was `found` running. Repeated for the same pid by Start().
     std::function<void(const std::string& actuator, pid_t pid, const std::string& host, bool found)>
         on_started;
-    // `waits`: its host is out of reach, and it is started once that is reached.
+    // `waits`: the host is out of reach, and the process is started once the host is reached.
     std::function<void(const std::string& actuator, const std::string& why, bool waits)>
         on_not_started;
     std::function<void(const std::string& actuator, pid_t pid, const ProcessExit& exit)> on_ended;
@@ -53,12 +53,13 @@ class HostProcesses {
   // Connects to all hosts, and again whenever a connection is lost, until Close(). The processes
   // that run there already are reported.
   virtual void Open(Hooks hooks) = 0;
-  // Starts the process of an actuator. If one runs already, from an earlier controller or since its
-  // host was out of reach, that one is reported instead. A host that is out of reach is waited for,
-  // however long.
+  // Starts the process of an actuator. If a process runs already, started by an earlier controller
+  // or before its host was out of reach, that process is reported instead. Waits without a limit
+  // for a host that is out of reach.
   virtual void Start(const ProcessSpec& spec) = 0;
-  // Sends a signal to all processes of the unit. If its host is out of reach, once it is reached
-  // again, unless another process runs there meanwhile or the reason has passed (still_ends).
+  // Sends a signal to all processes of the unit. If the host is out of reach, the signal waits
+  // until it is reached again, and is dropped if another process runs there by then or the signal
+  // is no longer wanted (still_ends).
   virtual void Signal(const std::string& actuator, pid_t pid, int signal) = 0;
   // Asks all hosts, within some seconds.
   virtual void Find(std::function<void(const std::vector<Found>&)> done) = 0;

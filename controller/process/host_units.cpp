@@ -18,8 +18,8 @@ namespace {
 // not answered. A connection that is just being made needs some time.
 constexpr Duration kFindWithin = Milliseconds(1'000);
 constexpr Duration kExamineAgain = Milliseconds(500);
-// How long a host may carry out a start after it was sent: a greeting that was late by all of the
-// time for it (8 s), a start within its time (10 s), and a margin.
+// How long after it was sent a host may carry out a start: the longest delay of a greeting (8 s),
+// the longest start (10 s), and a margin.
 constexpr Duration kStartValid = Milliseconds(20'000);
 // How long a host may have been off before its connection is found to be lost (ssh: 6 s).
 constexpr Duration kLossSeenWithin = Milliseconds(10'000);
@@ -73,8 +73,8 @@ struct HostUnits::Host {
   const HostConfig& config;
   std::unique_ptr<Systemd> systemd;
   std::vector<Unit*> units = {};
-  std::string seen = {};                 // its HostId() when its units were looked at last
-  bool reported = false;                 // that it is out of reach
+  std::string seen = {};                 // its HostId() when its units were last examined
+  bool reported = false;                 // its loss was reported
   std::optional<Duration> lost_at = {};  // since_boot() when its connection was lost
 };
 
@@ -84,17 +84,17 @@ struct HostUnits::Unit {
   std::string name;
   UnitState state = {};
   pid_t pid = 0;                           // of the process that was reported as started
-  std::string invocation = {};             // the start of the unit that made it; empty: not read
+  std::string invocation = {};             // the start that made the process; empty: not read
   std::optional<ProcessSpec> wanted = {};  // to be started
-  bool waits = false;                      // for its host, with that start, which was reported
+  bool waits = false;                      // the start waits for the host, which was reported
   bool asked = false;                      // StartTransientUnit was sent
   std::string job = {};                    // its job
-  bool given_up = false;                   // that start, which is to be ended
+  bool given_up = false;                   // the start was given up and is to be ended
   int signal = 0;                          // to be sent, or sent and not confirmed
-  bool refused = false;                    // a signal was, which was reported
+  bool refused = false;                    // a signal was refused, which was reported
   bool signalled = false;                  // the machine ends its process
-  std::optional<ProcessExit> exit = {};    // of the process, which is not reported yet
-  bool asks_system = false;                // whether its host shuts down
+  std::optional<ProcessExit> exit = {};    // the end of the process, not reported yet
+  bool asks_system = false;                // whether the host shuts down: not answered yet
   bool examining = false;
   std::string unread = {};                      // why its state could not be read
   std::uint64_t examined = 0;                   // how often
@@ -187,8 +187,8 @@ std::string HostUnits::Unreached(const Host& host) const {
   return "host " + host.config.name + " (" + host.config.Login() + "): " + TroubleOf(*host.systemd);
 }
 
-// Its address may be that of another board now, with the same key if one image was copied to both.
-// That board was not booted since this one was reached last.
+// The address may belong to another board now, with the same key if both were made from one image.
+// That board has been running since before the known host was reached last.
 std::string HostUnits::WhyRefused(const Host& host, const std::string& id, Duration running) const {
   if (host.seen.empty() || !host.lost_at || BootOf(host.seen) == BootOf(id)) return {};
   const Duration lost_for = options_.since_boot() - *host.lost_at;
@@ -400,11 +400,11 @@ void HostUnits::Reset(Unit& unit) {
   unit.host.systemd->Reset(unit.name);
 }
 
-// By the start of the unit, not by its name: what waits in a connection that is lost may arrive
+// Names the start of the unit, not the unit: a signal that waits in a lost connection may arrive
 // when a newer process runs.
 void HostUnits::Kill(Unit& unit, int signal) {
   if (unit.invocation.empty()) return Examine(unit);  // and then
-  // Without a reply it may be lost with the connection: then it is sent again.
+  // Without a reply the signal may be lost with the connection: then it is sent again.
   unit.host.systemd->Kill(
       unit.invocation, signal, [this, &unit, signal](const std::optional<SystemdError>& error) {
         if (unit.signal == signal) unit.signal = 0;
@@ -430,8 +430,8 @@ void HostUnits::Start(const ProcessSpec& spec) {
   });
 }
 
-// A start waits so long for the unit before it to end, or until its host is said to be out of
-// reach.
+// Limits how long a start waits for the previous unit to end, and how long for its host until the
+// host is reported as out of reach.
 void HostUnits::ArmDeadline(Unit& unit) {
   unit.deadline = loop_.At(loop_.Now() + options_.start_within, [this, &unit] {
     if (!unit.wanted) return;
@@ -450,7 +450,7 @@ void HostUnits::ArmDeadline(Unit& unit) {
   });
 }
 
-// Ends the start that was given up: its job, or what that has begun.
+// Ends the start that was given up: cancels its job, or stops the unit that the job has started.
 void HostUnits::EndStart(Unit& unit) {
   if (!unit.asked || (unit.state.ended() && unit.job.empty())) return;
   unit.given_up = false;
@@ -464,7 +464,8 @@ void HostUnits::StartUnit(Unit& unit) {
   start.unit = unit.name;
   start.description = unit.actuator + " of the machine " + config_.name;
   start.process = *unit.wanted;
-  // What waits in a connection that is lost starts nothing later, when no one may want it any more.
+  // A start that waits in a lost connection is not carried out later, when it may not be wanted any
+  // more.
   start.until = unit.host.systemd->running() + kStartValid;
   unit.asked = true;
   unit.given_up = false;
@@ -492,7 +493,7 @@ void HostUnits::OnStartAnswered(Unit& unit, const std::optional<SystemdError>& e
     return;
   }
   const std::string host = "host " + unit.host.config.name + " (" + unit.host.config.Login() + ")";
-  // Nothing starts beside the job of its shutdown, until that has ended.
+  // systemd starts no unit beside the job of its shutdown, until that job has ended.
   if (error->kind == SystemdError::Kind::kShuttingDown) {
     unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
     if (!unit.waits) Await(unit, host + " is shutting down");

@@ -8,14 +8,15 @@
 // environment: a unit of that name that runs already is this machine's, and is found again, or
 // another machine's, and is neither touched nor replaced. systemd never runs two units of one name.
 //
-// While a host is out of reach its units run on, and nothing is reported of them. When it is
-// reached again each is looked at: it runs still, or has ended meanwhile; after a reboot of the
-// host all have. What ends while its host shuts down, with whatever exit code, has ended with that
-// host (unit_end.hpp), and a start waits until the host is back. A host at its address that has run
-// for longer than it was out of reach is another one: it is not used.
+// While a host is out of reach, its units keep running, and nothing is reported about them. Once
+// the host is reached again, each unit is examined: it still runs, or has ended meanwhile; after a
+// reboot of the host all units have ended. A unit that ends while its host shuts down has ended
+// with the host, whatever its exit code (unit_end.hpp), and its next start waits until the host is
+// back. Another host may answer at the address: it has been running for longer than the known host
+// was out of reach, and is not used.
 //
-// A signal, and the end of a start that was given up, name that one start of the unit: carried out
-// late, they end no newer process. A start is not carried out late.
+// A signal, and the end of a start that was given up, name one start of the unit: carried out late,
+// they end no newer process. A start is never carried out late.
 //
 // Threads: loop thread only, callbacks too.
 
@@ -44,7 +45,8 @@ class HostUnits : public HostProcesses {
     std::function<Duration()> since_boot = SinceBoot;
   };
 
-  // All must outlive it. `machine`: what the controller's machine is known by now.
+  // All must outlive this object. `machine`: returns the present name and id of the controller's
+  // machine.
   HostUnits(transport::EventLoop& loop, const MachineConfig& config,
             std::function<MachineIdentity()> machine, const ConnectSystemd& connect,
             Options options);

@@ -1,8 +1,8 @@
 #pragma once
-// Bounds of what another host carries out late. The kernel may deliver what was written to a
-// connection minutes after that was lost. The next connection ends it there; where none follows, a
-// start has a limit in the time for which that host has run, by its own clock, as the shell there
-// reads it: no clock of two hosts is the same.
+// Keeps another host from carrying out a start late. The kernel may deliver what was written to a
+// connection minutes after the connection was lost. The next connection ends the old one on that
+// host. If no connection follows, a start still has a limit: the time for which the host has run,
+// as the shell there reads it, because the clocks of two hosts differ.
 //
 // Threads: any.
 
@@ -37,8 +37,8 @@ inline std::vector<std::string> UntilHostHasRun(Duration limit) {
           std::string(kReadRunning) + "[ \"$running\" -le " + std::to_string(seconds) + " ]"};
 }
 
-// For sh: ends the other end of a connection, what it has not delivered with it, if that still runs
-// in the same boot. `boot_id`: of that host.
+// For sh: kills `bridge`, the other end of an earlier connection, with all that it has not
+// delivered, if it still runs and its host is still in the boot `boot_id`.
 inline std::string EndBridge(const std::string& boot_id, pid_t bridge) {
   const std::string pid = std::to_string(bridge);
   return "[ \"$(cat /proc/sys/kernel/random/boot_id)\" = " + boot_id + " ] && [ \"$(cat /proc/" +

@@ -32,8 +32,8 @@ void WriteMark(char* const* environment) {
   }
 }
 
-// In the child, which is a session of its own: a kernel with autogroups weighs those, and the
-// niceness only among the processes of one. Without them there is no such file.
+// Runs in the child, which has a session of its own. A kernel with autogroups weighs sessions, and
+// the niceness only counts inside a session. A kernel without autogroups has no such file.
 void WriteAutogroup(int nice) {
   const int file = open("/proc/self/autogroup", O_WRONLY | O_CLOEXEC);
   if (file < 0) return;

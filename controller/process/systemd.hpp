@@ -47,11 +47,11 @@ struct UnitState {
 struct SystemdError {
   enum class Kind : std::uint8_t {
     kOther,
-    kDenied,        // this user may not
-    kNoReply,       // of systemd, in time
+    kDenied,        // this user has no permission
+    kNoReply,       // systemd has not replied in time
     kGone,          // the unit, or that start of it, is not loaded any more
-    kUnitExists,    // one of that name is loaded
-    kShuttingDown,  // its host is
+    kUnitExists,    // a unit of that name is loaded
+    kShuttingDown,  // the host shuts down
   };
   Kind kind = Kind::kOther;
   std::string text;
@@ -70,15 +70,16 @@ class Systemd {
   using Merge = std::function<void(UnitState&)>;
   struct Hooks {
     std::function<void()> on_up;
-    // `for_good`: it does not help to try again, such as a key that is refused. `was_up`: the
-    // connection is lost.
+    // `for_good`: another attempt does not help, for example after a refused key. `was_up`: an open
+    // connection was lost.
     std::function<void(bool was_up, bool for_good)> on_down;
     // Values of a unit have changed, which `merge` sets. `whole`: no others follow of this change.
     std::function<void(const std::string& unit, const Merge& merge, bool whole)> on_change;
     // The job has ended. The changes of its unit were reported before.
     std::function<void(const std::string& unit, const std::string& job, const std::string& result)>
         on_job_removed;
-    // Why the host that answers is not used; empty: it is. `running`: since its kernel was booted.
+    // Returns why the host that answers is not used; empty: it is used. `running`: the time since
+    // its kernel was booted.
     std::function<std::string(const std::string& host_id, Duration running)> refuse;
   };
   // The error; none: the call was carried out. It is not called if the connection is lost before
@@ -98,7 +99,7 @@ class Systemd {
   virtual const std::string& host_id() const = 0;  // HostId() there, of the last connection
   // For how long its host has run, by that host's clock; too short by the delay of the link.
   virtual Duration running() const = 0;
-  // Why it is not up, with what to do; empty: it has not failed since it was up last.
+  // Why the connection is not up, with what to do; empty: no failure since it was up last.
   virtual const std::string& trouble() const = 0;
 
   // The calls do nothing while it is not up.

@@ -2,7 +2,7 @@
 // What the end of a unit on another host means: its program ended by itself, or with its host.
 //
 // At an orderly shutdown of a host its systemd ends all units by SIGTERM. A program that handles
-// that exits with code 0, as one does that has done its work; but it is to be started again once
+// SIGTERM exits with code 0, as if its work were done. Yet the process has to be started again once
 // the host is back.
 //
 // Threads: any.

@@ -35,7 +35,7 @@ class ActuatorPeers {
   // Receives the actuators' status, until Unsubscribe(). `health` must outlive that.
   Result<> Subscribe(HealthWatch& health);
   void Unsubscribe();
-  // What this controller's machine is known by.
+  // Sets the name and id of this controller's machine.
   void SetMachine(const MachineIdentity& machine);
   // The link to the process whose report is current; the previous process may still be matched.
   ActuatorLink& LinkTo(ActuatorIndex actuator);
@@ -55,8 +55,8 @@ class ActuatorPeers {
   // Keeps an event from before the begin of the machine: an actuator latches its status once, so a
   // status received before would not be received again. Returns whether it is kept.
   bool KeepForBegin(const Event& event);
-  // Forgets the events of actuators of this host that do not run any more. `runs_here`: whether the
-  // actuator with that name, and the pid of its status, does.
+  // Forgets the events of actuators of this host that do not run any more. `runs_here`: whether an
+  // actuator runs, by its name and the pid of its status.
   using RunsHere = std::function<bool(const std::string& actuator, std::int32_t pid)>;
   void ForgetEnded(const RunsHere& runs_here);
   // The last status of each actuator from before the begin of the machine.

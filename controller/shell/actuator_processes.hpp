@@ -44,11 +44,11 @@ class ActuatorProcesses {
   void CancelStarts();
 
  private:
-  // Whether another host runs its command.
+  // Whether the command of the actuator runs on another host, by the config.
   bool IsOnHost(ActuatorIndex actuator) const;
-  // Whether the process that the controller has started runs there.
+  // Whether the process that the controller has started for the actuator runs on another host.
   bool RunsOnHost(ActuatorIndex actuator) const;
-  // The processes of this host, which are watched then.
+  // Finds the processes of this host, and watches them from then on.
   event::ProcessesFound FindHere();
   ProcessSpec SpecOf(ActuatorIndex actuator) const;
   bool WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child);
@@ -66,7 +66,7 @@ class ActuatorProcesses {
   bool children_unsaved_ = false;                   // the last save failed, which was reported
   bool power_command_runs_ = false;                 // the command of power-off or reboot
   std::map<ActuatorIndex, transport::LoopHandlePtr> starts_later_;
-  std::uint64_t searches_ = 0;  // of the other hosts; the last one is answered
+  std::uint64_t searches_ = 0;  // searches of other hosts; only the last one is answered
 };
 
 }  // namespace musher

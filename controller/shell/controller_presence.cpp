@@ -12,8 +12,8 @@
 namespace musher {
 namespace {
 
-// A release is published once for each stop that it ends: as many as a machine keeps, and more for
-// those that are published meanwhile.
+// A release is published once for each stop that it ends. The depth has room for all stops that a
+// machine keeps, and for more that are published meanwhile.
 constexpr transport::Qos kStopsQos{transport::Qos::Reliability::kReliable,
                                    transport::Qos::Durability::kTransientLocal, 512};
 

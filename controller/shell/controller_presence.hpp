@@ -38,14 +38,14 @@ class ControllerPresence {
     std::string process;  // "process 4711 of this host"
     Epoch epoch = 0;
     MachineIdentity machine;
-    // Since its last emergency stop no switch up was requested, or it may not read whether one is
-    // engaged in another folder.
+    // No switch up was requested since its last emergency stop, or the controller may not read
+    // whether a stop is engaged in another folder.
     bool awaits_request = false;
     bool here = false;  // on this host
   };
-  // Called when another machine appears in the namespace and domain and now and then while it
-  // stays, with its controller; with null when one is no longer received, or is received again
-  // that was reported a short time ago.
+  // Called with its controller when another machine appears in the namespace and domain, and now
+  // and then while the machine stays. Called with null when a machine is no longer received, or is
+  // received again a short time after it was reported.
   using OnOtherMachine = std::function<void(const Rival*)>;
 
   // How long this computer was suspended since its boot, which the loop's time does not count.

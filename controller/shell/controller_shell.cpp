@@ -236,7 +236,7 @@ bool ControllerShell::KeepForBegin(const Event& event) {
 void ControllerShell::Handle(const Event& event) {
   CheckThread();
   if (KeepForBegin(event)) return;
-  // Every event may begin a time of the policy: the end of a switch that of lying still.
+  // Every event may begin a time of the policy: the end of a switch begins the time of lying still.
   if (policy_inputs_ && !handling_) policy_inputs_->EmitTime();
   queue_.push_back(event);
   if (handling_) return;

@@ -29,7 +29,7 @@ struct ShellDependencies {
   ProcessProbe* process_probe = nullptr;
   // The processes of actuators with a `host`; null: `processes` starts them as well.
   HostProcesses* hosts = nullptr;
-  std::map<std::string, std::string> host_environment = {};  // of those, beside their own
+  std::map<std::string, std::string> host_environment = {};  // of these processes, beside their own
   JournalSink* journal = nullptr;
   // These save what must survive this controller. Each hands its value to the disk and does not
   // wait: `done` runs on the loop, at once or later, when the value is on disk or has failed, and

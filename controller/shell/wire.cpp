@@ -96,13 +96,13 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     info.state = known.state();
     info.target = known.command ? known.command->target : known.report.target;
     info.presence = PresenceName(known.presence);
-    // Also of a lost one, unless its process is known to have ended.
+    // A lost actuator has a pid, too, unless its process is known to have ended.
     const bool may_run =
         known.presence != Presence::kAbsent && known.process.dead != known.report.incarnation;
     info.pid = known.process.pid != 0 ? known.process.pid : may_run ? known.report.pid : 0;
-    // If it was out of reach before this controller began: what the disk says.
+    // If the actuator was out of reach before this controller began: the host on the disk.
     info.host = known.report.host.empty() ? known.elsewhere.value_or("") : known.report.host;
-    if (!known.process.host.empty()) info.host = known.process.host;  // that of its pid
+    if (!known.process.host.empty()) info.host = known.process.host;  // the host of the pid
     info.stage = config.actuators[i].stage;
     info.critical = config.actuators[i].critical;
     info.held = known.held;

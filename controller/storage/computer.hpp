@@ -18,12 +18,12 @@ namespace musher {
 // Those that vendors leave unset ("Default string") are no parts. `root`: of the files, for tests.
 std::vector<std::string> ComputerParts(const std::string& root = "");
 
-// Whether the computer with the parts `now` is another one than that with the parts `stored`: both
-// are known, and have nothing in common. A network card that was replaced changes one part.
+// Whether `now` and `stored` are the parts of two computers: both lists have parts, and no part is
+// in both. A replaced network card changes one part only.
 bool IsOtherComputer(const std::vector<std::string>& stored, const std::vector<std::string>& now);
 
-// What to store next: the parts `now`, and those stored ones of whose kind none is known now: this
-// user may not read them.
+// What to store next: the parts `now`, and each stored part whose kind has no part in `now`,
+// because this user may not read it.
 std::vector<std::string> ComputerToStore(const std::vector<std::string>& stored,
                                          std::vector<std::string> now);
 

@@ -59,7 +59,8 @@ bool IsClosed(const fs::path& folder) {
   return access(folder.c_str(), R_OK | X_OK) != 0 && errno == EACCES;
 }
 
-// Also one whose machine is not known: its file has another owner, or the disk fails.
+// Whether this user may not read the folder, or its machine is not known: the file of the machine
+// has another owner, or the disk fails.
 bool IsUnread(const fs::path& folder) {
   if (IsClosed(folder)) return true;
   return !OpenRegular(OriginFile(folder)).valid() && errno != ENOENT;
@@ -112,7 +113,8 @@ class Search {
     found_.push_back(std::move(machine));
     return true;
   }
-  // Those of the actuators that run here; each config once, however many actuators of it run.
+  // Adds the machines of the actuators that run here. Reads each config once, however many of its
+  // actuators run.
   void InProcesses() {
     std::map<std::pair<std::string, std::string>, bool> read;
     std::vector<std::string> hidden;  // of a user whose processes this one may not read
@@ -137,8 +139,8 @@ class Search {
     AddUnread(hidden, Joined(hidden) + (hidden.size() == 1 ? " runs" : " run") +
                           " as processes of another user, whose config is not read");
   }
-  // The state folders of a default place. One that is closed may be of the machine of an actuator
-  // whose process names no config.
+  // Adds the machines of the state folders in a default place. A closed folder may belong to the
+  // machine of an actuator whose process names no config.
   void InPlace(const fs::path& place) {
     if (IsClosed(place)) AddUnread(of_no_config_, place.string() + " is not read");
     for (const fs::path& folder : EntriesOf(place)) {

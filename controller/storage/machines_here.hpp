@@ -18,8 +18,8 @@
 
 namespace musher {
 
-// One machine may be found several times, also as one of which only `unread` is known, and the
-// actuators that run here and may be of it. `configs`: files to read as well.
+// A machine may be found several times. An entry may have no more than `unread`, and the actuators
+// of this host that may belong to the machine. `configs`: files to read as well.
 std::vector<MachineHere> MachinesHere(int domain_id, const std::string& name_space,
                                       const std::vector<std::string>& configs = {});
 

@@ -105,7 +105,7 @@ std::string StampOf(const std::string& path) {
   return stat(path.c_str(), &info) == 0 ? StampOf(path, info) : std::string();
 }
 
-// Of a stop without an id in a folder, as long as its file is not written again.
+// The id of a stop without an id in a folder. It changes when the file is written again.
 StopId IdOfUnknownStop(const std::string& folder) {
   const std::uint64_t hash = Fnv1a(StampOf(StateStore::EmergencyStopFileIn(folder)));
   return StopId(std::max(hash, kUnknownStop.value() + 1));
@@ -148,7 +148,7 @@ Readable ReadableIn(const std::string& folder) {
   return stops == 0 && policy == 0 ? Readable::kYes : Readable::kToNone;  // its disk fails
 }
 
-// nullopt: it can be read, or belongs to another machine, or nothing is seen of a folder.
+// nullopt: the folder can be read, belongs to another machine, or cannot be seen at all.
 std::optional<SeenFolder> UnreadIn(const std::string& folder, const MachineOrigin& machine) {
   SeenFolder seen{{folder}};
   UnreadFolder& unread = seen.unread;

@@ -24,9 +24,10 @@ namespace musher {
 // StateDirectory= of musher@.service.
 inline constexpr const char* kServicePlace = "/var/lib/musher";
 
-// Where the machine has its state folder when it is started otherwise: by this user, by systemd, by
-// the owner of its config file; root finds those of every user in the file `users`, too, whose home
-// is on a disk of this host by the file `mounts`. Folders of other users only where there is one.
+// The places of the machine's state folder when the machine is started in another way: by this
+// user, by systemd, or by the owner of its config file. For root also by each user in the file
+// `users` whose home is on a disk of this host, according to the file `mounts`. A folder of another
+// user is only listed if it exists.
 std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine,
                                           const std::string& users = "/etc/passwd",
                                           const std::string& mounts = "/proc/self/mountinfo");
@@ -41,11 +42,11 @@ struct StopsElsewhere {
   StoredStops stops;
 };
 
-// Of the folders other than `state_dir` that belong to this machine, those with a stop that `known`
-// does not know as released: it is engaged there, or was released and waits for a request. A folder
-// that does not say which machine it belongs to may be this one's. A damaged file is a stop, too,
-// with an id of its own until it is written again: so a release ends it. What this user may not
-// read is passed over here: see FindUnreadFolders().
+// Finds the folders of this machine, other than `state_dir`, with a stop that is not released in
+// `known`: the stop is engaged there, or was released and waits for a request. A folder that does
+// not name its machine may belong to this machine. A damaged file counts as a stop, with an id of
+// its own until the file is written again, so that a release ends it. Folders that this user may
+// not read are left to FindUnreadFolders().
 std::vector<StopsElsewhere> FindStopsElsewhere(const std::string& state_dir,
                                                const MachineOrigin& machine,
                                                const std::vector<std::string>& folders,
@@ -58,16 +59,16 @@ struct LevelElsewhere {
   std::uint64_t mark = 0;  // another one once the level was stored again
 };
 
-// Of the folders other than `state_dir` that belong to this machine, those with a low battery, as
-// above. A level that this machine's own folder has taken over is known there by its mark
-// (StateStore::SaveLevelsTaken): samples may have lifted it since.
+// Finds the folders of this machine, other than `state_dir`, with a low battery. The machine's own
+// folder has the marks of the levels that it has taken over (StateStore::SaveLevelsTaken): samples
+// may have lifted a level since.
 std::vector<LevelElsewhere> FindLevelsElsewhere(const std::string& state_dir,
                                                 const MachineOrigin& machine,
                                                 const std::vector<std::string>& folders);
 
-// Of the folders other than `state_dir`, those that may belong to this machine and that cannot be
-// read: a stop may be engaged there, or the battery low. Known of them is what can be seen from
-// outside.
+// Finds the folders, other than `state_dir`, that may belong to this machine and cannot be read: a
+// stop may be engaged there, or the battery low. Only what is visible from outside is known of
+// them.
 //
 //   the folder is there                  it has the machine's name, namespace and domain: it counts
 //   the place is there, and closed       it counts, by the place: one may be in it
@@ -75,10 +76,10 @@ std::vector<LevelElsewhere> FindLevelsElsewhere(const std::string& state_dir,
 //   the disk fails                       it counts, at each start
 //
 // `state_dir`: empty if this machine's own folder could not be opened; then it is one of `folders`.
-// `known`: those that an earlier start has found. What a person has answered stays answered until
-// the folder has changed, or the place: each start of a controller touches both (StateStore::Open).
-// Where others than the owner of a closed place can start a machine in it, and may not be able to
-// touch it, each start has to be answered.
+// `known`: the folders that an earlier start has found. A folder that a person has answered stays
+// answered until the folder or its place changes: each start of a controller touches both
+// (StateStore::Open). If other users than the owner can start a machine in a closed place, they may
+// be unable to touch the place: then a person has to answer at each start.
 std::vector<UnreadFolder> FindUnreadFolders(const std::string& state_dir,
                                             const MachineOrigin& machine,
                                             const std::vector<std::string>& folders,

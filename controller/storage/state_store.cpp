@@ -70,8 +70,8 @@ Result<> MakeFolders(const std::string& dir) {
   return CheckOwnFolder(dir + "/logs");
 }
 
-// For a user who may not read the folder, or not even look into the one around it: see
-// FindUnreadFolders(). It outlasts a power cut, as a stop does that is saved later.
+// Shows the start to a user who may not read the folder, or its parent folder: see
+// FindUnreadFolders(). The new times outlast a power cut, like a stop that is saved later.
 void Touch(const fs::path& dir) {
   for (const fs::path& folder : {dir, dir.parent_path()}) {
     if (utimensat(AT_FDCWD, folder.c_str(), nullptr, 0) == 0) SyncFolder(folder);

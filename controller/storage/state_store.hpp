@@ -60,8 +60,8 @@ class StateStore {
   const std::string& machine_id() const { return machine_.id; }
   void SetMachineId(std::string id) { machine_.id = std::move(id); }
   Result<> SaveMachineId();
-  // The id that the folder had on another computer, from which it was copied, as with an image;
-  // the machine has a new one. nullopt: it was not.
+  // The id that the folder had on another computer, if it was copied from there, as with an image.
+  // The machine has a new id then. nullopt: the folder was not copied.
   const std::optional<std::string>& copied_from() const { return copied_from_; }
 
   // The functions …In(dir) read a folder without its lock: one that cannot be opened for writing,
@@ -87,7 +87,7 @@ class StateStore {
 
   // Whether the machine is to be torn down, and to stay so until a person starts it.
   Result<> SaveStopIntent(bool intended);
-  // StopIntentIn(): it is known to be so.
+  // StopIntentIn(): only if the file is known to exist.
   static bool StopIntentIn(const std::string& dir);
   bool LoadStopIntent() const;
 
@@ -102,8 +102,8 @@ class StateStore {
   static std::vector<RemoteActuator> RemoteActuatorsIn(const std::string& dir,
                                                        const std::string& host);
 
-  // The stored values of the policy; nothing without a file. One that cannot be read may have held
-  // the lowest level that powers nothing off.
+  // The stored values of the policy; nothing without a file. A file that cannot be read counts as
+  // the lowest battery level that powers nothing off.
   Result<> SavePolicy(const StoredPolicy& policy);
   static StoredPolicy PolicyIn(const std::string& dir);
   StoredPolicy LoadPolicy() const { return PolicyIn(dir_); }

@@ -90,9 +90,9 @@ class Decision {
       return Refuse({arrived.token}, *refusal);
     if (Repeated(arrived)) return;
     const auto refusal = CheckCommand(command);
-    // Also of a refused command: its copy must not run once the stop is released. A copy of a
-    // command that is too old is too old as well; if it only appeared so, it is sent again with a
-    // right clock.
+    // The number of a refused command is used up, too: a copy must not run once the stop is
+    // released. Not if the command is too old: then its copy is as well. If it only appeared too
+    // old, it is sent again with the right clock.
     const bool too_old = refusal && refusal->code == kCodeTimeout;
     if (command.incarnation == report_.incarnation && !too_old) UseUp(command.number);
     if (refusal) return Refuse({arrived.token}, *refusal);
@@ -348,8 +348,8 @@ class Decision {
     ReportStops();
   }
 
-  // A command from before a stop that this actuator has missed, and which came before the release:
-  // its callback ends as under that stop.
+  // For a stop that this actuator has missed: the callback of a command from before the release
+  // ends as if the stop had been engaged.
   void EndFromBefore(CommandNumber last_command) {
     const bool before =
         report_.busy() && report_.busy_number != 0 && report_.busy_number <= last_command;
@@ -374,8 +374,8 @@ class Decision {
   }
 
   // The result of a callback that has ended. If an emergency stop was engaged while it ran, it may
-  // have switched on, after the stop action, what that had switched off: the action runs again. An
-  // upward callback has failed, even where the stop was released before its end.
+  // have switched on again what the stop action had switched off: the action runs again. An upward
+  // callback has failed, even if the stop was released before its end.
   event::CallbackEnded UnderStop(const State& target, const event::CallbackEnded& ended) {
     if (!std::exchange(core_.stopped_meanwhile, false)) return ended;
     Do(RunEmergencyStop{});
@@ -390,9 +390,8 @@ class Decision {
     return core_.stops.empty() ? Refused<Refusal::kCommandBeforeRelease>() : Stopped();
   }
 
-  // The callback of the present state leads up, too, where it undoes a failed downward callback, or
-  // would switch on what a stop has switched off. It leads down where it undoes a failed upward
-  // one.
+  // The callback of the present state leads up if it undoes a failed downward callback, or would
+  // switch on what a stop has switched off. It leads down if it undoes a failed upward callback.
   bool GoesUp(const State& target) const {
     if (target != report_.state) return Rises(machine_, report_.state, target);
     const bool switches_on =
@@ -474,9 +473,9 @@ class Decision {
     return CheckStop(command.target);
   }
 
-  // Begins the command that waits, if it need not wait longer; returns whether it has. If it leads
-  // up from where the callback before it has led, a stop that was engaged while it waited refuses
-  // it, also after the release.
+  // Begins the waiting command if nothing holds it any longer; returns whether it has begun. A stop
+  // that was engaged meanwhile refuses a command that leads up from the state of the previous
+  // callback, also after the release.
   bool BeginWaiting() {
     const bool waits = core_.waiting && !report_.busy();
     if (!waits || AwaitsPermit(core_.waiting->command.target)) return false;

@@ -29,9 +29,9 @@
 //     command to its present state runs the callback.
 //   - A release names the last command that its controller has sent before. No command up to that
 //     number switches anything on: it is late, or repeated. A release that a successor repeats
-//     names no command: it may be older than the last requests of the controller before.
-//   - Where it has gone to its safe state by itself, because its controller was lost, no command
-//     that was sent before switches anything on: its sender did not know of that.
+//     names no command: the release may be older than the last requests of the controller before.
+//   - An actuator that has lost its controller goes to its safe state by itself. After that no
+//     command that was sent before switches anything on: its sender did not know of the change.
 //   - With [safety] permit_ms an actuator above DeActive, or on the way there, latches a stop of
 //     its own when no permit arrives in time. A permit that is late or repeated, compared with the
 //     others of its sender, counts for nothing. In a process that has just started a command waits

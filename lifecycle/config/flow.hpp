@@ -25,12 +25,13 @@ bool Falls(const MachineConfig& config, std::string_view from, std::string_view 
 // states of the same rank.
 bool SwitchesOnAgain(const MachineConfig& config, std::string_view from, std::string_view to);
 
-// Whether the callback of `to` may switch on what is off in `from`: of another state that is more
-// active, or as active above DeActive. While an emergency stop is engaged it does not run.
+// Whether the callback of `to` may switch on what is off in `from`: `to` is another state, and more
+// active, or as active above DeActive. While an emergency stop is engaged, such a callback does not
+// run.
 bool MaySwitchOn(const MachineConfig& config, std::string_view from, std::string_view to);
 
-// Whether a switch of the actuator runs a callback: not of a ROS 2 node that is in the same ROS 2
-// state in both.
+// Whether a switch of the actuator runs a callback. For a ROS 2 node, both states may stand for the
+// same ROS 2 state: then none runs.
 bool RunsCallback(const MachineConfig& config, ActuatorIndex actuator, std::string_view from,
                   std::string_view to);
 

@@ -16,12 +16,13 @@ class Authority : StepPart {
       : StepPart(step), control_(control), switches_(switches), tear_down_(tear_down) {}
 
   void On(const event::RivalSeen& rival);
-  // Releases control if the report is of an actuator that this controller has taken control of, and
-  // that follows a higher epoch now; after a start by a supervisor also if it is of an actuator of
-  // another host that is left alone for the grace, and has a higher epoch than before, which is not
-  // from a predecessor. Returns whether it does.
+  // Releases control if an actuator that this controller has taken control of reports a higher
+  // epoch. After a start by a supervisor, also if an actuator of another host that is left alone
+  // for the grace reports a higher epoch than before, and it is not the epoch of a predecessor.
+  // Returns whether control is released.
   bool ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report);
-  // The same of a controller that a supervisor has started meanwhile.
+  // Releases control if another controller has replaced this one since its start by a supervisor
+  // (Control::IsReplacedElsewhere()).
   void ReleaseIfReplacedElsewhere();
 
  private:

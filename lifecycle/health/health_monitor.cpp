@@ -218,8 +218,8 @@ void HealthMonitor::EvaluateRemote(ActuatorIndex actuator, MonitoredProcess& pro
   }
 }
 
-// Whether another actuator of the host was received after this one fell silent: within half of its
-// limit, while this one has exceeded its own.
+// Whether another actuator of the host was received after this one fell silent: within half of the
+// other's limit, while this one has exceeded its own limit.
 bool HealthMonitor::HostIsAlive(const MonitoredProcess& process, Time now) const {
   return std::any_of(monitored_.begin(), monitored_.end(), [&](const MonitoredProcess& other) {
     return &other != &process && other.incarnation != 0 && other.host == process.host &&

@@ -137,8 +137,9 @@ struct KnownActuator {
   // a state of the same rank: it may switch on again.
   bool set_again = false;
   bool met = false;  // its process was present, in this run of the controller
-  // Its process was running already, announced itself after the machine went on, or took the place
-  // of another process, and was below its state: it stays there until a switch up is requested.
+  // The process ran before this controller, announced itself after the machine went on, or replaced
+  // another process, and was less active than the machine: it stays there until a switch up is
+  // requested.
   bool found_below = false;
   std::optional<PendingCommand> command;  // the command under way
 

@@ -42,7 +42,8 @@ struct StartUpState {
   bool by_supervisor = false;  // a supervisor starts it, after a crash or a boot of its host
   bool restarted = false;      // the same, and the disk had an epoch
   bool raised = false;         // this controller has raised its epoch, which it may do once
-  // It is no person's start, or found running processes, or an emergency stop was engaged since.
+  // The start is not a person's, or has found running processes, or an emergency stop was engaged
+  // since.
   bool requests_nothing = false;
   bool set_up = false;              // the actuators of the first stage are present, or given up
   int stage = 0;                    // up to which actuators are started
@@ -69,7 +70,7 @@ struct EmergencyStopState {
   std::vector<StopId> released;  // the last released stops, with the ones that newer stops replaced
   std::vector<StopId> replaced;  // of these, the ones that no release has covered since
   std::optional<PendingRelease> release;
-  CommandNumber last_before_release = 0;  // the number of the last command then
+  CommandNumber last_before_release = 0;  // the last command before the last release
   bool awaits_request = false;  // since the last stop no switch up was requested for all: on disk
   std::vector<UnreadFolder> unread{};  // whose stops are not known: on disk
 

@@ -46,8 +46,8 @@ void AddReleased(StoredStops& stops, StopId id);
 // Merges the stops on disk with the stops that other controllers and panels have sent since. A stop
 // that is released on one side is over.
 StoredStops Merge(const StoredStops& stored, const StoredStops& received);
-// What was received without the stops that the disk has as released: whether these wait for a
-// request is on the disk, too. A panel may publish one of them for ever.
+// Removes the stops from `received` that are released on the disk: the disk also has whether they
+// wait for a request. A panel may publish such a stop for ever.
 StoredStops WithoutReleased(const StoredStops& stored, StoredStops received);
 
 // An actuator that runs on another host, as it is stored for the next controller.

@@ -144,8 +144,8 @@ struct Stopping {
   Look look = Look::kNotYet;  // for unknown processes, at the end
   AfterTearDown after = AfterTearDown::kStaysDown;
   std::optional<Time> intent_by;  // TearDown waits until its intent is on disk, at most until then
-  // It has not begun, and waits until the actuators that may run have announced themselves, at most
-  // until then.
+  // TearDown has not begun: until this time at most, it waits for the actuators that may run to
+  // announce themselves.
   std::optional<Time> announced_by;
   RecordId cause = 0;  // of its switch
   Requester by = {};

@@ -15,10 +15,10 @@ namespace {
 
 // So many ids of emergency stops that are over are remembered, here and on disk.
 constexpr std::size_t kMostReleasedKept = 256;
-// So many stops are engaged beside the first one at most; one more replaces the oldest without a
-// source, or the oldest.
+// The limit of the stops that are engaged beside the first. One more replaces the oldest stop
+// without a source, else the oldest stop.
 constexpr std::size_t kMostStopsKnown = 64;
-// A release is published again after this time, and ends after the other one; a client waits
+// A release is published again after kReleaseRepeat and ends after kReleaseTime; a client waits
 // longer.
 constexpr Duration kReleaseRepeat = Milliseconds(500);
 constexpr Duration kReleaseTime = Milliseconds(3000);
@@ -216,7 +216,8 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
         action::AnswerCall{requested.request, Refused<Refusal::kStopNotSeen>(OriginOf(*unseen))});
   }
   for (const EmergencyStop& stop : stops.engaged) AddReleased(stops, stop.id);
-  // Not by a release that is repeated for an actuator: a switch may have been requested since.
+  // A release that is repeated for an actuator keeps the number: a switch may have been requested
+  // since.
   if (emergency.stop) emergency.last_before_release = machine_.number;
   emergency.stop.reset();
   emergency.others.clear();
@@ -229,7 +230,7 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
   saver_.Save(Stored::kEmergencyStops);
 }
 
-// Also those that newer stops replaced: an actuator may have latched them.
+// Also releases the stops that newer stops have replaced: an actuator may have latched them.
 void EmergencyStops::PublishReleased() {
   for (const StopId id : machine_.emergency.released) PublishReleased(id);
 }
@@ -238,8 +239,8 @@ void EmergencyStops::PublishReleased(StopId id) {
   Do(action::PublishEmergencyStop{{id, "", ""}, false, machine_.emergency.last_before_release});
 }
 
-// Whether it has received all of a release, which ends with the stop `last`, and has latched no
-// stop. An actuator that cannot be there has nothing to confirm.
+// Whether the actuator has received a whole release, up to its last stop `last`, and has latched no
+// stop. An actuator that cannot be running has nothing to confirm.
 bool EmergencyStops::HasConfirmed(ActuatorIndex i, StopId last) const {
   const KnownActuator& known = machine_.actuators[i];
   const ActuatorReport& report = known.report;
@@ -306,10 +307,10 @@ void EmergencyStops::EndRelease(const Result<>& result) {
   for (const RequestId request : ended.requests) Do(action::AnswerCall{request, result});
 }
 
-// An actuator may have latched a stop that this controller missed: then it is engaged for the
-// machine, and so are all others that it has latched, since one release covers them. It may have
-// missed a release: then the release is published again, unless another stop is engaged, which the
-// actuator may have missed.
+// An actuator may have latched a stop that this controller missed. Then that stop is engaged for
+// the machine, with all other stops that the actuator has latched, since one release covers them.
+// The actuator may have missed a release. Then the release is published again, unless another stop
+// is engaged, which the actuator may have missed.
 void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
   if (machine_.phase == Phase::kIdle) return;
   CompareRelease(report);
@@ -318,8 +319,9 @@ void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
   EngageOthersOf(report, i);
 }
 
-// A stop that this controller has missed altogether, as one of another host has: what it has
-// switched off waits for a request, and so does what was restarted since, which does not report it.
+// A controller may miss a stop and its release altogether, for example on another host. What the
+// stop has switched off waits for a request; so do the actuators that were restarted since and do
+// not report it.
 void EmergencyStops::CompareRelease(const ActuatorReport& report) {
   const StopId id = report.released_stop;
   if (!report.held_by_stop || id == 0 || machine_.emergency.stop || IsReleased(id)) return;

@@ -10,12 +10,13 @@ namespace musher {
 // "this user may not read it, user root may", "it cannot be read".
 std::string WhyUnread(const UnreadFolder& unread);
 
-// What of the stops in another state folder of the machine holds, beside those `known` from its
-// own: no stop that is known as released. A release there is not believed, as any user may have
-// written it: a stop that is engaged in this folder, in a third one or at the actuators stays so.
-// What a stop there has replaced is over while that one is engaged. A stop without an id gets
-// `unnamed`, unless that is 0. Since the last stop there is known here, the own folder says whether
-// the machine waits for a request; it knows it by an id among `released` that no stop has.
+// The stops of another state folder of the machine that hold beside `known`, the stops of its own
+// folder: without stops that are released in `known`. A release in the other folder is not
+// believed, as any user may have written it: a stop that is engaged in its own folder, in a third
+// one or at the actuators stays engaged. A stop that another one has replaced there is over while
+// that one is engaged. A stop without an id gets `unnamed`, unless that is 0. If the last stop of
+// the other folder is known here (it is among `released`, by an id that no stop has), the own
+// folder alone says whether the machine waits for a request.
 StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopId unnamed);
 
 class EmergencyStops : StepPart {
@@ -30,9 +31,9 @@ class EmergencyStops : StepPart {
   void Compare(const ActuatorReport& report, ActuatorIndex i);
   // Ends a release that is confirmed, or whose time is over.
   void CheckRelease();
-  // Whether everything may be switched on again after the last stop.
+  // Ends the wait for a request once every actuator may switch on again after the last stop.
   void CheckRequested();
-  // A person has requested that, and no stop is engaged.
+  // A person has requested to switch on again, and no stop is engaged.
   void TakeRequest();
 
  private:

@@ -31,8 +31,8 @@ class MachineView {
   // The HostId() of the process that the controller has started: its own host, or another one whose
   // systemd runs the process.
   const std::string& HostOf(ActuatorIndex i) const;
-  // Whether the process that is in use runs on another host than the one that the controller starts
-  // it on: a second one there would run in parallel, or waits already until that one is lost.
+  // Whether the process in use runs on another host than the controller starts it on. A second
+  // process there would run in parallel, or waits already for the loss of the process in use.
   bool RunsElsewhere(ActuatorIndex i) const;
   // Whether the last report of the actuator is of process `pid` of HostOf(): a process of another
   // host may have the same pid.
@@ -62,10 +62,10 @@ class MachineView {
   // The suspended actuator in its `after` that it waits for, if any.
   std::optional<RecordText> WaitsForSuspended(ActuatorIndex i) const;
 
-  // Whether each actuator of the stages so far is present, or will not be.
-  // Whether the start waits for it in this stage: one that an earlier controller has left running
-  // is awaited in the first, since it has a part in the state from which the machine continues.
+  // Whether the start waits for the actuator in this stage. An actuator that an earlier controller
+  // has left running is awaited in the first stage: the machine continues from its state, too.
   bool IsAwaitedIn(ActuatorIndex i, int stage) const;
+  // Whether each actuator of the stages so far is present, or will not be.
   bool StageIsSetUp(int stage) const;
   // Whether each actuator of the stages so far is in the state of the machine, or will not be.
   bool StageIsSettled(int stage) const;

@@ -39,7 +39,8 @@ bool LateActuators::DriveLateOnes() {
   return changed;
 }
 
-// Until it is attached again it refuses each command.
+// Whether another controller has the actuator, which refuses each command until it is attached
+// again.
 bool LateActuators::IsOfAnother(ActuatorIndex i) const {
   const auto& fault = Of(i).fault;
   return fault && fault->event == EventName::kControlledByAnother;
@@ -63,8 +64,8 @@ bool LateActuators::IsToBeChecked(ActuatorIndex i) {
   return !known.join_tried && (before || failed);
 }
 
-// The machine is not usable yet, or its start has failed. The rollback has not reached an actuator
-// that was busy or out of reach.
+// For a machine that is not usable yet, or whose start has failed: lowers the actuators that were
+// busy or out of reach during the rollback.
 bool LateActuators::LowerLateOnes() {
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
@@ -74,8 +75,8 @@ bool LateActuators::LowerLateOnes() {
   return changed;
 }
 
-// The machine is in a step of a start: the actuator goes where a rollback leads. Returns whether it
-// is more active than that.
+// In a step of a start: drives the actuator to the state to which a rollback leads. Returns whether
+// the actuator is more active than that state.
 bool LateActuators::Lower(ActuatorIndex i) {
   if (!IsAbovePlace(i)) return false;
   Of(i).due = false;
@@ -89,8 +90,8 @@ bool LateActuators::Lower(ActuatorIndex i) {
   return true;
 }
 
-// Whether an emergency stop is between the actuator and the state of the machine, which may switch
-// it on. The release switches nothing on: only a requested switch does.
+// Whether an emergency stop keeps the actuator from the state of the machine, which may switch it
+// on. The release does not switch it on: only a requested switch does.
 bool LateActuators::WaitsForRequest(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const State place = PlaceOf(i);
@@ -100,14 +101,14 @@ bool LateActuators::WaitsForRequest(ActuatorIndex i) const {
          MaySwitchOn(config_, known.state(), place);
 }
 
-// A controller that takes the machine over raises nothing that it finds, and this one may have been
-// led down by a person.
+// A controller that takes the machine over raises no actuator that it finds below its state: a
+// person may have led it down.
 bool LateActuators::IsFoundBelow(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   return known.found_below && !known.set_again && Rises(config_, known.state(), PlaceOf(i));
 }
 
-// Its command could overtake the release on the way to it: its own report counts, too.
+// The report of the actuator counts, too: a command could overtake the release on its way there.
 bool LateActuators::IsStopped(ActuatorIndex i) const {
   return machine_.emergency.stop.has_value() || Of(i).report.emergency_stop != 0;
 }

@@ -108,8 +108,8 @@ void Recovery::CheckDeadlines() {
   }
 }
 
-// Another client has finalized the ROS 2 node: its process runs on, and only a new one can be
-// configured. At most as often in a row as its process is restarted.
+// Another client has finalized the ROS 2 node: its process keeps running, but only a new process
+// can be configured. Replaces the process at most as often in a row as [restart] permits.
 void Recovery::RestartFinalized(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   const bool running = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
@@ -135,7 +135,7 @@ void Recovery::On(const event::ProcessStarted& started) {
   known.process.pid = started.pid;
   known.process.host = started.host;
   EndLaunch(known);
-  // Its exit was a false report, and the process that has published runs on.
+  // The exit was a false report: the process that has published still runs.
   const ActuatorReport& report = known.report;
   const bool reported = !started.host.empty() && report.host == started.host &&
                         (report.pid == started.pid || report.pid == 0);
@@ -188,8 +188,8 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
   failed.waits ? AwaitHost(failed.actuator, again) : processes_.Recover(failed.actuator);
 }
 
-// Nothing was executed, so this is no restart that counts. An actuator that is lost for so long
-// takes the machine along, once: a person may have gone on without it since.
+// Nothing was executed, so this does not count as a restart. The loss of the actuator takes the
+// machine down once: after that a person may have continued without it.
 void Recovery::AwaitHost(ActuatorIndex i, bool again) {
   KnownActuator& known = Of(i);
   known.process.termination.reset();
@@ -203,7 +203,7 @@ void Recovery::On(const event::ProcessEnded& ended) {
   const bool another = AnotherProcessIsPresent(ended.actuator, ended.pid);
   if (IsReportOf(ended.actuator, ended.pid)) known.process.dead = known.report.incarnation;
   processes_.ForgetProcess(ended.actuator);
-  // While the machine is torn down its host has been reached again.
+  // The host was reached again during TearDown.
   const bool had_no_answer = !ConfigOf(ended.actuator).host.empty() && known.fault &&
                              known.fault->event == EventName::kMayStillRun;
   if (had_no_answer) known.fault.reset();
@@ -212,7 +212,7 @@ void Recovery::On(const event::ProcessEnded& ended) {
                     texts::ProcessExited(ConfigOf(ended.actuator).name, ended.pid, ended.how),
                     known.fault ? known.cause : 0);
   if (another) {
-    // Its pid, without its host, would mean a process of this host.
+    // Without its host the pid would name a process of this host.
     const auto& termination = known.process.termination;
     if (termination && termination->pid == ended.pid) processes_.ForgetEnd(ended.actuator);
     return;

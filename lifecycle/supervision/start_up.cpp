@@ -214,14 +214,14 @@ void StartUp::OnSwitchEnded(const EndedSwitch& ended) {
   }
 }
 
-// By itself a machine goes no higher than DeActive while its emergency stop would not outlive its
-// controller, and while its battery is, or was at last, too low for Active. A person may overrule
-// the first; from the second the battery's rule leads on.
+// By itself a machine goes no higher than DeActive while an emergency stop would not outlive its
+// controller. A person may overrule that. The same holds while its battery is too low for Active,
+// or was when it was last known; from there the rule of the battery leads on.
 void StartUp::Activate(RecordId cause) {
   if (!config_.HasState(kActive)) {
     return BecomeRunning(texts::MachineUsableWithoutActive(), cause);
   }
-  // Engaged and released since the start took its request.
+  // A stop was engaged and released after the start had taken its request.
   if (machine_.emergency.awaits_request && !machine_.emergency.stop) {
     return FailWithoutRequest(cause);
   }

@@ -109,7 +109,7 @@ bool Arrivals::IsImpostor(ActuatorIndex i, const ActuatorReport& report) {
   return true;
 }
 
-// It is taken up when the process that is used is lost.
+// The other process is used once the process in use is lost.
 void Arrivals::NoteOther(ActuatorIndex i, const ActuatorReport& other, std::int32_t used) {
   KnownActuator& known = Of(i);
   const bool repeated = known.other && known.other->host == other.host &&
@@ -135,11 +135,11 @@ void Arrivals::On(const event::Replied& replied) {
   if (replied.report.incarnation != known.report.incarnation) return;
   // A delayed reply of a process whose exit is known already.
   if (known.process.dead == replied.report.incarnation) return;
-  // A query from before the loss fences less than the one that takes control again.
+  // A query from before the loss fences fewer commands than the query that takes control again.
   const bool fences = replied.report.number >= known.report.number;
   if (replied.report.stamp >= known.report.stamp)
     commands_.Accept(replied.actuator, replied.report);
-  // A lost one publishes its status again when it can be reached.
+  // A lost actuator publishes its status again when it can be reached.
   const bool announced =
       known.presence == Presence::kPresent || known.presence == Presence::kStarting;
   const bool denied =
@@ -147,8 +147,8 @@ void Arrivals::On(const event::Replied& replied) {
   if (replied.query && denied && replied.report.epoch > machine_.epoch)
     return control_.Take(replied.actuator);
   if (denied && replied.report.epoch == machine_.epoch) {
-    // Another controller with the same epoch has taken it, unnoticed: on the other side of a
-    // partition.
+    // Another controller with the same epoch has taken the actuator unnoticed, on the other side of
+    // a partition.
     known.control.incarnation = 0;
     control_.Take(replied.actuator, true);
   }

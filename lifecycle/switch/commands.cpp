@@ -28,9 +28,9 @@ void Commands::Issue(ActuatorIndex i, CommandNumber number, const State& target,
                          now_ - known.clock_ours, known.report.incarnation, detached}});
 }
 
-// A report that was late on its way makes the actuator's clock appear slow, and so a command older
-// than it is: the actuator refuses it, and its refusal brings the right clock. Nothing is sent
-// again that an emergency stop since then forbids to switch on.
+// A report that was late on its way makes the actuator's clock appear slow. Then a command appears
+// older than it is: the actuator refuses it, and the refusal has the right clock. A command that an
+// emergency stop forbids since then is not sent again.
 bool Commands::SendAgain(ActuatorIndex i) {
   const KnownActuator& known = Of(i);
   const PendingCommand command = *known.command;
@@ -73,7 +73,7 @@ void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
   const bool moved = !other_process && present && !known.command &&
                      report.state != known.report.state &&
                      report.outcome_number == known.report.outcome_number;
-  // Of a process that was lost also what was sent to it counts as received, see Lose().
+  // For a process that was lost, what was sent to it counts as received, too: see Lose().
   const CommandNumber sent = other_process || present ? CommandNumber() : known.report.number;
   known.report = report;
   known.report.number = std::max(report.number, sent);
@@ -85,7 +85,7 @@ void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
   if (report.number < kLastNumber) machine_.number = std::max(machine_.number, report.number);
 }
 
-// The link reports two nodes with its name in the place of a partial fault.
+// The link reports a second node of the actuator's name in the place of a partial fault.
 void Commands::RecordDoubles(ActuatorIndex i, const ActuatorReport& report) {
   const ActuatorReport& before = Of(i).report;
   if (report.degraded_reason == before.degraded_reason) return;
@@ -316,8 +316,8 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   KnownActuator& known = Of(i);
   const bool torn_down = known.state() == kTearDown;
   const bool had_answered = known.presence == Presence::kPresent;
-  // It may still arrive. The query that takes control again fences it: it has begun when that is
-  // answered, or begins no more.
+  // The command may still arrive. The query that takes control again fences it: once the query is
+  // answered, the command has begun or never will.
   if (known.command) known.report.number = std::max(known.report.number, known.command->number);
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;

@@ -16,8 +16,8 @@ void Control::Take(ActuatorIndex i, bool denied) {
     known.control.rival_until.reset();
     return Degrade(i, kCodePermissionDenied, texts::EpochOutOfRange(seen));
   }
-  // The actuator may have our own epoch by a query that a new process has received in place of the
-  // process before. It obeys another controller if it denies ours.
+  // The actuator may have our epoch because a new process has received a query for the process
+  // before. It obeys another controller if it denies our epoch.
   const bool of_other = seen == machine_.epoch && !ours && (denied || known.control.rival_until);
   if (seen > machine_.epoch || of_other) {
     if (!MayRaise() && !machine_.start_up.restarted) return LeaveToOther(i);
@@ -60,7 +60,7 @@ bool Control::IsOfPredecessor(Epoch epoch) const {
       });
 }
 
-// It is degraded until a person takes over, or it is restarted.
+// The actuator is degraded until a person takes the machine over, or the actuator is restarted.
 void Control::LeaveToOther(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.control.again.reset();
@@ -72,8 +72,8 @@ void Control::LeaveToOther(ActuatorIndex i) {
   if (!again) FallBack(i);
 }
 
-// Earlier controllers were here: above the highest of their epochs. The attached actuators get the
-// new epoch at once.
+// Raises our epoch above the highest epoch that an earlier controller has left at an actuator. The
+// attached actuators get the new epoch at once.
 void Control::RaiseEpoch() {
   std::optional<ActuatorIndex> highest;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
@@ -111,7 +111,7 @@ void Control::Attach(ActuatorIndex i) {
   known.health = Health::kWell;
   known.due = late && known.checked && !known.held;
   const bool first = !std::exchange(known.met, true);
-  // One in SetUp has only just started: nothing leads an actuator back there.
+  // An actuator in SetUp has only just started: no command leads back to SetUp.
   known.found_below |= first && known.due && machine_.start_up.requests_nothing &&
                        known.state() != kSetUp && Rises(config_, known.state(), machine_.state);
   if (known.report.busy()) known.free_by = now_ + config_.TimeFor(i, known.report.target);

@@ -193,7 +193,8 @@ class Planner {
     plan_.steps.push_back(step);
   }
 
-  // Whether the target is above the machine. In a step of a start any is, but on the way down.
+  // Whether the target is above the machine. In a step of a start every target is, unless the
+  // actuator would go down.
   bool IsTooActive(const KnownActuator& known) const {
     if (config_.RankOf(machine_.state)) return Falls(config_, plan_.target, machine_.state);
     return !Falls(config_, known.state(), plan_.target);

@@ -66,13 +66,13 @@ class Order {
 // actuator that hangs does not use up the time of its successors. Where the times fit, each
 // actuator has its whole time.
 
-// For each actuator with a leg: the longest time that a chain of legs takes which begins with this
-// actuator, each of the others waiting for the one before.
+// For each actuator with a leg: the time of the longest chain of legs that begins with it. In a
+// chain each leg waits for the leg before it.
 PerActuator<Duration> ChainTimes(const MachineConfig& config, const std::vector<Leg>& legs) {
   PerActuator<Duration> chains(config.actuators.size(), Duration{});
   const Order order(config, legs);
   for (const Leg* leg : order.sorted()) {
-    // So far the longest chain behind it: those that wait for it came before.
+    // So far the longest chain behind this leg: the legs that wait for it were handled before.
     Duration& chain = chains[leg->actuator];
     chain += config.TimeFor(leg->actuator, leg->target);
     for (const ActuatorIndex needed : leg->needs) {
@@ -157,7 +157,7 @@ void Switches::AddLeg(Switch& s, const PlanStep& step) {
 
 void Switches::PermitSwitchingOn(const Switch& s) {
   if (machine_.emergency.stop) return;
-  // One of the machine is for those, too, that it has not reached.
+  // A switch of the machine is also for the actuators that it has not reached.
   if (!s.only && SwitchesOnAgain(config_, s.from, s.target)) {
     for (KnownActuator& known : machine_.actuators) known.set_again = true;
   }
@@ -203,7 +203,7 @@ bool Switches::StartLegs(std::vector<Leg>& legs) {
                std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
       });
     };
-    // Those that it needs are skipped first, so that it names what has failed.
+    // The legs that this leg needs are skipped first, so that its reason names the failed one.
     const bool waits_to_be_skipped =
         give_up && blocker == nullptr &&
         needs_one([](const Leg& other) { return other.progress == Leg::Progress::kWaiting; });
@@ -271,8 +271,7 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
                        false};
 }
 
-// A leg that `leg` needs, directly or through one that was skipped, and that has ended otherwise
-// than done; null when there is none.
+// The failed leg that `leg` needs, directly or through a skipped leg; null when there is none.
 const Leg* Switches::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const {
   const auto found = std::find_if(legs.begin(), legs.end(), [&](const Leg& other) {
     return other.failed() &&
@@ -284,8 +283,8 @@ const Leg* Switches::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) c
   return cause != nullptr ? cause : &*found;
 }
 
-// Nothing is sent for `leg`. The leg that has failed decides whether the switch is undone, unless
-// this one is critical.
+// Nothing is sent for `leg`. The failed leg alone decides whether the switch is undone, unless
+// `leg` is critical.
 void Switches::SkipLeg(Leg& leg, const Leg* blocker) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = ActuatorOutcome::kSkipped;
@@ -355,10 +354,10 @@ void Switches::BeginRollback(Switch& s) {
       s.stopped || worst == nullptr ? machine_.emergency.cause : Of(worst->actuator).cause);
 }
 
-// The state to which a leg is rolled back: its state before; from a step of a start, where an
-// actuator cannot stay, the state of the machine, or the nearest of DeActive and LowPower. Empty
-// when there is none. An actuator that was above the machine does not go up again; nor does one
-// that was above its target while the machine was in a step of a start.
+// The state to which a leg is rolled back: its state before. A step of a start is no state to stay
+// in: then it is the state of the machine, else DeActive or LowPower. Empty when there is none. An
+// actuator that was above the machine does not go up again, nor does an actuator that was above its
+// target while the machine was in a step of a start.
 State Switches::WayBack(const Leg& leg) const {
   const auto from = config_.RankOf(leg.from);
   const auto place = config_.RankOf(machine_.state);

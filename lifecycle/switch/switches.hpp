@@ -31,7 +31,7 @@ class Switches : StepPart {
   // Returns the number of the switch. `by`: who has requested it; empty: the controller itself.
   CommandNumber Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
                       RecordId cause, const Requester& by = {});
-  // The machine was requested to be in the target of `s` by this one as well.
+  // `by` has requested the machine to be in the target of `s` as well.
   void NoteRequester(const Switch& s, const Requester& by);
   // Sends what can be sent.
   struct Progress {

@@ -30,7 +30,8 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
   machine_.stopping = std::move(stopping);
   machine_.phase = Phase::kStopping;
   machine_.fallback.target.reset();
-  // Of an actuator that fails in TearDown, and that the next controller finds running.
+  // A charged battery must not raise an actuator that fails in TearDown and still runs under the
+  // next controller.
   memory_.Lower(std::nullopt);
   machine_.stopping->after = after;
   machine_.stopping->cause = cause;
@@ -61,8 +62,8 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
   if (!silent) BeginSwitch(plan);
 }
 
-// Before the switch, of an actuator that is not awaited. Without a part in it the process is ended
-// by a signal.
+// Before the switch, for an actuator that is not awaited. If the actuator is not present, its
+// process is ended by a signal.
 void TearDown::EndWithout(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.control.again.reset();
@@ -80,9 +81,9 @@ void TearDown::BeginSwitch(const Plan& plan) {
   switches_.Begin(plan, Purpose::kStop, {}, machine_.stopping->cause, machine_.stopping->by);
 }
 
-// Whether it may run, and is not known to this controller yet: its name is held on this host, an
-// earlier controller has left it on another one, or a person starts it. A Musher process of this
-// host holds its name.
+// Whether the actuator may run without being known to this controller yet: its name is held on this
+// host, an earlier controller has left it on another host, or a person starts it. A Musher process
+// of this host holds its name.
 bool TearDown::MayAnnounceItself(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const bool silent = known.presence == Presence::kAbsent || known.presence == Presence::kStarting;
@@ -293,7 +294,7 @@ void TearDown::On(const event::ProcessesFound& found) {
   }
 }
 
-// Its host, which an earlier controller has stored, has no process of it any more.
+// The host that an earlier controller has stored runs no process of the actuator any more.
 void TearDown::ForgetElsewhere(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   if (known.report.incarnation != 0 || !known.elsewhere) return;

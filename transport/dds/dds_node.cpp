@@ -159,9 +159,9 @@ void WarnWithoutNetwork(const std::vector<InterfaceUse>& uses) {
                      "After=network-online.target)");
 }
 
-// A process of this host that Cyclone would take for one of another host: it sends from addresses
-// that this one does not have. With the loopback alone they reach each other. That matters where a
-// controller runs; elsewhere the connection to other hosts does.
+// A process of this host that Cyclone would take for a process of another host: it sends from
+// addresses that this process does not have. Over the loopback alone both would reach each other.
+// That counts more where a controller runs; elsewhere the connection to other hosts does.
 std::optional<OtherAddress> FindUnreachable(int domain_id, bool controller,
                                             const std::vector<std::string>& own) {
   auto other = FindOtherAddress(ReadProcessesBoundElsewhere(own), domain_id, own);

@@ -3,8 +3,7 @@
 // sample of the whole participant on `ros_discovery_info`. With it `ros2 node list`, `ros2 node
 // info` and rqt's graph show the processes of Musher by name.
 //
-//   NodeGraph (one of a participant) <-- ListedNode (one of a node) <-- ListedEndpoint (of an
-//   endpoint)
+//   NodeGraph (a participant) <-- ListedNode (a node) <-- ListedEndpoint (an endpoint)
 //
 // The changes of one turn of the loop are one sample. If permissions forbid the topic (keys made by
 // an older Musher), no sample is written and everything else works.

@@ -28,23 +28,23 @@ class RosNodes {
 
   // "/dog1/planner"; empty: not known.
   std::string NodeOf(EndpointId endpoint) const;
-  // The nodes of `participant` with a client of `service` ("dog1/musher/set_state"): one, or
-  // several, separated by ", ", with "a node that is not known" for those of several clients whose
-  // node is not published. Of one such client, or none, Node::RosNodeOf().
+  // The nodes of `participant` with a client of `service` ("dog1/musher/set_state"), separated by
+  // ", ". If one of several clients has no published node, "a node that is not known" stands for
+  // it. If the only client has none, or there is no client: Node::RosNodeOf().
   std::string CallersOf(const std::string& service, ParticipantId participant) const;
-  // Calls `then` once, on the loop, as soon as CallersOf() knows these, at the latest kKnownWithin
-  // after the first such call for `participant`. Returns false, and does not call it, if that time
-  // is over, or if too many wait.
+  // Calls `then` once, on the loop, as soon as CallersOf() knows the nodes, at the latest
+  // kKnownWithin after the first such call for `participant`. If that time is over, or too many
+  // calls wait, returns false and does not call `then`.
   bool WhenKnown(const std::string& service, ParticipantId participant,
                  std::function<void()> then) const;
 
-  // From a request to the list of nodes of its process, which may be discovered later.
+  // How long after a request the list of the nodes of its process may be discovered.
   static constexpr Duration kKnownWithin = Milliseconds(1000);
 
  private:
   using Nodes = std::map<EndpointId, std::string>;  // by their endpoints
-  // Every process of ROS 2 publishes its nodes at each change, and few are asked for: a sample is
-  // decoded when one is.
+  // Every ROS 2 process publishes its nodes at each change, and few of them are looked up: a sample
+  // is decoded when its nodes are.
   struct Process {
     std::optional<msg::Bytes> newest;  // not yet decoded
     Nodes nodes;

@@ -10,8 +10,8 @@ namespace musher::transport::dds {
 // ROS 2 accepts without a warning and shows as an unknown hash.
 std::string TypeTag(const std::string& type);
 
-// The hash in the USER_DATA of an endpoint, if it is not that of `tag`, a TypeTag(). Empty: it is,
-// or one of them has none, as an endpoint of a ROS 2 before Iron.
+// The hash in the USER_DATA of an endpoint, if it differs from the hash in `tag`, a TypeTag().
+// Empty: both are equal, or one side has no hash, as an endpoint of a ROS 2 before Iron.
 std::string OtherHash(const std::string& user_data, const std::string& tag);
 
 }  // namespace musher::transport::dds

@@ -43,7 +43,7 @@ class Network {
   // Sets faults, at any time; they affect samples sent from now on.
   void SetFaults(const LinkFaults& faults) { links_.SetFaults(faults); }
   void SetFaults(const std::string& from, const std::string& to, const LinkFaults& faults);
-  // Of all links of that host, also with later hosts, instead of the others.
+  // Sets the faults of all links of that host, also to later hosts, in place of other faults.
   void SetFaultsOf(const std::string& host, const LinkFaults& faults) {
     links_.SetFaultsOf(links_.Host(host), faults);
   }
