@@ -157,15 +157,7 @@ class DriveTask : public tree::nav2::Task {
     if (!begun_) Begin();
     if (ended_at_once_) return ended_at_once_;
     const skill::Future<bool> end = drive_->end();
-    if (!end.done()) {
-      if (!handover_.HasStood(now)) return std::nullopt;
-      handover_.EndStand();
-      handover_.NoteEnd(path_);
-      handover_.GiveUp(std::move(drive_));
-      return TaskEnd{.error_code = tree::nav2::kFailedToMakeProgress,
-                     .error = "the robot has not moved by 0.3 m for 10 s"};
-    }
-    handover_.EndStand();
+    if (!end.done()) return std::nullopt;
     const TaskEnd ended = EndOf(end.result());
     handover_.NoteEnd(path_);
     if (ended.success) handover_.NoteArrival(path_.back());
@@ -353,18 +345,8 @@ bool Handover::Stands() const {
   return !robot_.pose() || skills::Stands(robot_);
 }
 
-// Of the calls for tasks that replace each other.
-constexpr Duration kStillWaits = std::chrono::seconds(1);
-
-bool Handover::HasStood(Time now) {
-  const bool goes_on = now - drove_at_ <= kStillWaits;
-  if (!goes_on) EndStand();
-  stands_.Note(robot_.pose(), goes_on ? now - drove_at_ : Duration{});
-  drove_at_ = now;
-  return stands_.time() >= kAnswerLimit;
-}
-
 bool Handover::HasWaited(Time now) {
+  constexpr Duration kStillWaits = std::chrono::seconds(1);
   if (!waits_since_ || now - asked_at_ > kStillWaits) waits_since_ = now;
   asked_at_ = now;
   return now - *waits_since_ >= kAnswerLimit;

@@ -13,11 +13,10 @@
 // One task has the base at a time, also where the tree runs two of them. A motion begins once the
 // controller drives no more, for any client, no other motion runs and the robot stands; a drive
 // once no motion runs and the robot stands. What waits fails at its limit, a drive after 10 s. A
-// motion fails where another client begins a drive. A drive replaces a drive without a stop; where
-// they do not move the robot by 0.3 m for 10 s, the last one fails. Paths and arrivals are checked
-// as those of travel.hpp. Where the same run of a tree follows the same path again, and the robot
-// is within 1 m of where that drive has ended, what it has passed of the path is left out: at its
-// end nothing is left, unless the path is a loop.
+// motion fails where another client begins a drive. A drive replaces a drive without a stop. Paths
+// and arrivals are checked as those of travel.hpp. Where the same run of a tree follows the same
+// path again, and the robot is within 1 m of where that drive has ended, what it has passed of the
+// path is left out: at its end nothing is left, unless the path is a loop.
 //
 // The drives that the controller has begun before the constructor, by its clock, are cancelled once
 // it can be reached: a process before this one has left them behind.
@@ -34,7 +33,6 @@
 
 #include "musher/behavior/tree/nav2/robot.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
-#include "musher/modules/skills/skills/travel.hpp"
 
 namespace musher::skills {
 
@@ -63,11 +61,6 @@ class Handover {
   // Called as long as one waits.
   bool HasWaited(Time now);
   void EndWait() { waits_since_.reset(); }
-  // Whether drives have not moved the robot for 10 s, also where each has replaced the one before:
-  // the controller counts its time before an obstacle for one drive only. Called as long as one
-  // goes on.
-  bool HasStood(Time now);
-  void EndStand() { stands_ = {}; }
 
   // A drive along `path` has begun, or has ended.
   void NoteBegin(navigation::Path path);
@@ -99,8 +92,6 @@ class Handover {
   bool moved_ = false;
   std::optional<Time> waits_since_;  // drives
   Time asked_at_{};                  // HasWaited()
-  Standstill stands_;                // in drives
-  Time drove_at_{};                  // HasStood()
   navigation::Path last_path_;       // of the last drive
   std::optional<navigation::Pose> ended_at_;
   std::deque<Plan> plans_;  // the last ones

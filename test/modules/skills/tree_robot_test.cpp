@@ -307,26 +307,6 @@ TEST_F(ANav2Tree, RecoversFromAnObstacleUntilItIsGone) {
   EXPECT_EQ(Run(60), 'S');
   EXPECT_NEAR(robot.at.at.x_m, 6, 0.01);
 }
-// The controller gives up after 2 s before an obstacle, and no drive is so old.
-TEST_F(ANav2Tree, FailsADriveThatStandsAlsoWhereEachPlanIsAnotherPath) {
-  int plans = 0;
-  robot.plan = [&plans](const auto& start, const auto& goal) -> Result<navigation::Path> {
-    return navigation::Path{{{start.at.x_m, 1e-9 * ++plans, 0}, 0}, goal};
-  };
-  robot.blocked = [](const navigation::Point& point) { return point.x_m > 3; };
-  Make(
-      "<PipelineSequence><RateController hz=\"2\">"
-      "<ComputePathToPose goal=\"6;0;0\" path=\"{path}\"/></RateController>"
-      "<FollowPath path=\"{path}\" error_code_id=\"{code}\" error_msg=\"{why}\"/>"
-      "</PipelineSequence>");
-  EXPECT_EQ(Run(10), 'R');
-  EXPECT_EQ(Run(10), 'F');
-  EXPECT_EQ(Entry<int>("code"), 105);
-  EXPECT_EQ(Entry<std::string>("why"), "the robot has not moved by 0.3 m for 10 s");
-  for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
-  EXPECT_TRUE(robot.Rests());
-  EXPECT_FALSE(robot.driving()) << "what does not move is cancelled";
-}
 TEST_F(ANav2Tree, FailsWithTheCodeOfThePlannerWhereNoRecoveryHelps) {
   robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
     return navigation::MakeError(navigation::Fault::kWalledIn, "it is walled in");
