@@ -326,7 +326,7 @@ void Scenario::AwaitOtherMachine() {
   if (!other_) return;
   Checker& checker = other_->checker();
   if (other_->robot().leader() == nullptr) {
-    other_->StartController();
+    other_->StartController(Starter::kPerson);
     if (other_->robot().leader() == nullptr) RunFor(std::chrono::seconds(2));
   }
   const bool rests = RunUntil([&] { return checker.AtRest(); }, options_.bound);
@@ -659,7 +659,7 @@ void Scenario::MeetOtherMachine(const Injection& injection) {
   const bool stays = random.Bernoulli(0.5);
   Later(alone + injection.lasts, [this, stays] {
     if (!stays) other_->SetInRange(false);
-    other_->StartController(true);  // where none runs
+    other_->StartController(Starter::kSupervisor);  // where none runs
   });
 }
 
