@@ -218,6 +218,12 @@ void StartUp::OnSwitchEnded(const EndedSwitch& ended) {
 // controller. A person may overrule that. The same holds while its battery is too low for Active,
 // or was when it was last known; from there the rule of the battery leads on.
 void StartUp::Activate(RecordId cause) {
+  // An actuator that an earlier controller has left, and that was found in the steps of this start:
+  // nothing rises beyond it.
+  if (machine_.start_up.requests_nothing) {
+    if (const auto lowest = Adoption(config_, machine_).LowestFound())
+      return AdoptFrom(*lowest, cause);
+  }
   if (!config_.HasState(kActive)) {
     return BecomeRunning(texts::MachineUsableWithoutActive(), cause);
   }

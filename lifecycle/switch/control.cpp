@@ -111,9 +111,12 @@ void Control::Attach(ActuatorIndex i) {
   known.health = Health::kWell;
   known.due = late && known.checked && !known.held;
   const bool first = !std::exchange(known.met, true);
+  // Where the machine goes, also by its start: its own state has no rank then.
+  const auto& current = machine_.current;
+  const State& place = current && !current->only ? current->target : machine_.state;
   // An actuator in SetUp has only just started: no command leads back to SetUp.
   known.found_below |= first && known.due && machine_.start_up.requests_nothing &&
-                       known.state() != kSetUp && Rises(config_, known.state(), machine_.state);
+                       known.state() != kSetUp && Rises(config_, known.state(), place);
   if (known.report.busy()) known.free_by = now_ + config_.TimeFor(i, known.report.target);
   known.cause = RecordActuator(
       i, kCodeOk, texts::ActuatorPresent(ConfigOf(i).name, known.state(), known.report.pid),

@@ -416,6 +416,24 @@ TEST_F(Adopting, LeavesAnActuatorThatIsAnnouncedLateBelowTheMachineThere) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
+// The search with two faults found it: the process of a was restarted, b announced itself later
+// than in its time for SetUp, in a step of the start, and was led up.
+TEST_F(Adopting, LeadsUpNothingThatIsAnnouncedInAStepOfTheStart) {
+  int in_a_step = 0;
+  for (int delay_ms = 0; delay_ms <= 1000; delay_ms += 10) {
+    Harness& t = In("DeActive", Ours(2));
+    for (const char* state : {"SelfCheck", "Active"}) t.On("a", state).takes = Milliseconds(80);
+    t.Crash("a");
+    t.DelayReports("b", Milliseconds(delay_ms));
+    t.RestartController(false, /*restarted=*/true);
+    ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").presence == Presence::kPresent; }));
+    if (t.machine().current) ++in_a_step;
+    t.Rest();
+    EXPECT_EQ(t.StateOf("b"), "DeActive") << "announced " << delay_ms << " ms late";
+  }
+  EXPECT_GE(in_a_step, 10);
+}
+
 TEST_F(Adopting, WithALostDiskExceedsTheEpochOfTheActuators) {
   Harness& t = In("Protected", Ours(3));
   for (int i = 0; i < 4; ++i) Restart(t);
