@@ -41,8 +41,9 @@ class Control : StepPart {
   // of this controller. The actuator is left alone for the grace.
   bool IsReplacedElsewhere(ActuatorIndex i) const;
   // Whether an actuator of this host that this controller has not taken has this epoch or a higher
-  // one. A controller beyond a cut link does not reach this host, and the heartbeat of one that
-  // does arrives: so it is from a predecessor of this controller, which may not have saved it.
+  // one. A controller beyond a cut link does not reach this host; if another controller does, its
+  // heartbeat arrives. So the epoch is from a predecessor of this controller, which may not have
+  // saved it.
   bool IsOfPredecessor(Epoch epoch) const;
 
  private:

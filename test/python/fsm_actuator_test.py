@@ -78,7 +78,8 @@ class WithRobot(unittest.TestCase):
     def await_state(self, states, path):
         while True:
             state = states.take(DEADLINE_S)
-            self.assertIsNotNone(state, f"it does not become {path}")
+            if state is None:
+                self.fail(f"it does not become {path}: {self.robot.run('describe', 'show').stdout}")
             if state.data == path:
                 return
 
@@ -193,6 +194,7 @@ class Applications(WithRobot):
         with self.assertRaisesRegex(musher.Failure, "not confirmed by show .*on_pause raised an exception"):
             self.machine.estop("test", timeout_s=5.0)
         self.assertFalse(self.behavior("show")["ticking"])
+        self.machine.release_estop()  # it would be published for a minute, to the robots of the next tests too
 
     def test_an_emergency_stop_pauses_the_machine_until_active_is_set_again(self):
         self.show("def on_pause(self): self.log.info('pauses')")

@@ -245,7 +245,8 @@ TEST_F(ANav2Tree, TravelsThroughPlacesAndForgetsThoseItHasPassed) {
   EXPECT_EQ(Entry<tree::nav2::Goals>("goals").poses.size(), 1U);
 }
 
-// As nav2's tree with patience at the goal: it waits before a way round that is much longer.
+// As nav2's tree that waits near the goal (goal_patience): it waits before a way round that is much
+// longer.
 TEST_F(ANav2Tree, WaitsBeforeAWayThatIsMuchLongerNearTheGoal) {
   bool way_round = false;
   robot.plan = [&](const auto& start, const auto& goal) -> Result<navigation::Path> {
