@@ -22,7 +22,7 @@ class FakeRobot : public Robot {
   bool polls_throw = false;
   bool has_wings = false;
   bool sees_free = true;
-  mutable Path seen_path;  // of the last IsFree()
+  mutable Path seen_path;       // of the last IsFree()
   bool has_controllers = true;  // several, by their names
   double most_turn = 10;
   double most_drive = 10;
