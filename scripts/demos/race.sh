@@ -72,7 +72,8 @@ make_files() {
     -e "s/^refused_ms = 1000 /refused_ms = $((1000 * speed)) /" \
     -e "s/^fresh_ms = 300 /fresh_ms = $((300 * speed)) /" -e "s/^time_ms = 60000$/time_ms = 2000/" \
     "$files/race/course.toml"
-  sed -i -e "s/^self_check_ms = 5000 /self_check_ms = 15000 /" -e "s/^letters = true /letters = false /" \
+  sed -i "/^\[actuator\.vision\]/,/^times/s/20000/60000/" "$files/race.toml"
+  sed -i -e "s/^self_check_ms = 5000 /self_check_ms = 50000 /" -e "s/^letters = true /letters = false /" \
     "$files/vision/course.toml"
   sed -i -e "s/^silent_ms = 500 /silent_ms = $((500 * speed)) /" \
     -e "s/^feedback_ms = 200 /feedback_ms = $((200 * speed)) /" "$files/motion/motion_manager.toml"
@@ -223,10 +224,12 @@ run_demo() {
     done
     select_robot 0
     lose_sight A2_TO_S1
-    for robot in "${robots[@]}"; do
-      select_robot "$robot"
-      drive
-    done
+    if ((failures == 0)); then
+      for robot in "${robots[@]}"; do
+        select_robot "$robot"
+        drive
+      done
+    fi
     end_film
   fi
   [[ $keep == yes ]] || go_home

@@ -196,6 +196,11 @@ Result<> PictureFeed::Check() const {
   if (publishers_fault_.error) return FeedFault(kFailed, publishers_fault_.error->message);
   if (!seen_) {
     if (picture_fault_.error) return FeedFault(kFailed, picture_fault_.error->message);
+    if (requested_at_) {
+      return FeedFault(kFailed,
+                       "no picture of " + Topic(rules_.picture) +
+                           " is processed yet: the detector is slow, or the computer busy");
+    }
     const bool published = on() && pictures_->MatchedWriters() > 0;
     return FeedFault(kFailed, published ? "no picture came on " + Topic(rules_.picture)
                                         : "no publisher of " + Topic(rules_.picture));

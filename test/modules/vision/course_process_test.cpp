@@ -147,6 +147,24 @@ TEST_F(CourseProcess, FailsItsSelfCheckWithTheDetectorThatHasNoPictures) {
               HasSubstr("5909 green_arrow_detector: no publisher of image_rgb"));
 }
 
+// All of them look at once, and on a busy computer none gets the CPU that it needs.
+TEST_F(CourseProcess, LooksInItsSelfCheckWithADetectorNoMoreOnceItHasPassed) {
+  StartCameras();
+  cameras_.pop_back();
+  bool left_looked = false;
+  const auto watch = peer_.node().loop().Every(Milliseconds(20), [this, &left_looked] {
+    const bool looks = cameras_.front()->MatchedReaders() > 0;
+    if (left_looked && !looks && cameras_.size() == 1) {
+      cameras_.push_back(Publisher<msg::Image>("image_rgb", transport::kSensorDataQos));
+    }
+    left_looked = left_looked || looks;
+  });
+  Start(kCourseFile);
+  ExpectDone("SelfCheck");
+  EXPECT_EQ(cameras_.size(), 2U);
+  ExpectTornDown();
+}
+
 TEST_F(CourseProcess, FailsItsSelfCheckWithTheNamesOfTwoPublishersOfOnePicture) {
   StartCameras();
   cameras_.push_back(Publisher<msg::Image>("image_rgb", transport::kSensorDataQos));

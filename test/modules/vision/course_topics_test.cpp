@@ -339,6 +339,21 @@ TEST_F(CourseTopicsTest, CheckThemselvesWithoutTheFaultsFromBeforeAPause) {
   EXPECT_EQ(Failing(), "no publisher of robot1/image_rgb");
 }
 
+// It was "no picture came", as of a camera that sends none.
+TEST_F(CourseTopicsTest, SayOfAPictureThatIsNotProcessedYetThatItCame) {
+  Start(false);
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Run(Milliseconds(100));
+  worker_.hangs = true;
+  Shoot();
+  EXPECT_EQ(
+      Failing(),
+      "no picture of robot1/image_rgb is processed yet: the detector is slow, or the computer "
+      "busy");
+  worker_.Finish(worker_.shots[0]);
+  EXPECT_EQ(Failing(), "");
+}
+
 TEST_F(CourseTopicsTest, PublishNothingInACheck) {
   Start(false);
   const auto text = Listen("qr_detector/qr_info", texts_);
