@@ -1,7 +1,10 @@
 #include "musher/application/saved_skills.hpp"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -17,46 +20,61 @@ namespace {
 constexpr Duration kWrittenEach = std::chrono::seconds(1);
 constexpr std::size_t kLargest = 16 << 20;
 constexpr const char* kKilled = "its process has ended while it ran";
-// The first two lines of the file.
+constexpr std::size_t kMostStops = 256;
+// The first three lines of the file.
 constexpr std::string_view kHostLine = "written_host = \"";
 constexpr std::string_view kTimeLine = "written_ns = ";
+constexpr std::string_view kStopsLine = "stops = \"";
 
 bool Ended(const std::string& state) {
   return state == "SUCCEEDED" || state == "FAILED" || state == "CANCELLED";
 }
 
-std::string TextOf(const HostTime& written) {
-  return std::string(kHostLine) + written.host + "\"\n" + std::string(kTimeLine) +
-         std::to_string(written.since_boot.count()) + "\n\n";
+std::string TextOf(const SavedSkills::Written& written) {
+  std::string text = std::string(kHostLine) + written.at.host + "\"\n" + std::string(kTimeLine) +
+                     std::to_string(written.at.since_boot.count()) + "\n" + std::string(kStopsLine);
+  for (const std::string& stop : written.stops) text += stop + ' ';
+  return text + "\"\n\n";
 }
 
-// Reads the first two lines and leaves them empty, so that errors name the lines of the file.
-// Nullopt: the file does not have them.
-std::optional<HostTime> TakeWritten(std::string& text) {
-  const std::size_t first = text.find('\n');
-  const std::size_t second = first == std::string::npos ? first : text.find('\n', first + 1);
-  if (second == std::string::npos) return std::nullopt;
-  const std::string_view host(text.data(), first);
-  const std::string_view time(text.data() + first + 1, second - first - 1);
-  const bool quoted = host.starts_with(kHostLine) && host.ends_with('"');
-  if (!quoted || host.size() <= kHostLine.size() || !time.starts_with(kTimeLine)) {
+// What is between the begin of a line and a quote at its end. Nullopt: it is another line.
+std::optional<std::string_view> Quoted(std::string_view line, std::string_view begin) {
+  if (!line.starts_with(begin) || line.size() <= begin.size() || !line.ends_with('"')) {
     return std::nullopt;
   }
+  return line.substr(begin.size(), line.size() - begin.size() - 1);
+}
+
+// Reads the first three lines and leaves them empty, so that errors name the lines of the file.
+// Nullopt: the file does not have them.
+std::optional<SavedSkills::Written> TakeWritten(std::string& text) {
+  std::array<std::string_view, 3> lines;
+  std::size_t begin = 0;
+  for (std::string_view& line : lines) {
+    const std::size_t end = text.find('\n', begin);
+    if (end == std::string::npos) return std::nullopt;
+    line = std::string_view(text).substr(begin, end - begin);
+    begin = end + 1;
+  }
+  const auto host = Quoted(lines[0], kHostLine);
+  const auto stops = Quoted(lines[2], kStopsLine);
+  if (!host || !lines[1].starts_with(kTimeLine) || !stops) return std::nullopt;
+  const std::string_view time = lines[1].substr(kTimeLine.size());
   std::int64_t since_boot_ns = 0;
-  const char* const end = time.data() + time.size();
-  const auto read = std::from_chars(time.data() + kTimeLine.size(), end, since_boot_ns);
-  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
-  HostTime written{std::string(host.substr(kHostLine.size(), host.size() - kHostLine.size() - 1)),
-                   Duration(since_boot_ns)};
-  text.replace(0, second, "\n");
+  const auto read = std::from_chars(time.data(), time.data() + time.size(), since_boot_ns);
+  if (read.ec != std::errc() || read.ptr != time.data() + time.size()) return std::nullopt;
+  SavedSkills::Written written{{std::string(*host), Duration(since_boot_ns)}, {}};
+  std::istringstream words{std::string(*stops)};
+  for (std::string stop; words >> stop;) written.stops.insert(stop);
+  text.replace(0, begin, "\n\n\n");
   return written;
 }
 
 // Why what ran then does not go on now; empty: it does.
-std::string WhyOver(const std::optional<HostTime>& written, const HostTime& now) {
+std::string WhyOver(const std::optional<SavedSkills::Written>& written, const HostTime& now) {
   if (!written) return "its file does not say when it was written";
-  const Duration age = now.since_boot - written->since_boot;
-  if (written->host.empty() || written->host != now.host || age < Duration{}) {
+  const Duration age = now.since_boot - written->at.since_boot;
+  if (written->at.host.empty() || written->at.host != now.host || age < Duration{}) {
     return "the computer or its container was restarted since then";
   }
   if (age <= SavedSkills::kMostAge) return "";
@@ -104,7 +122,8 @@ Result<> SavedSkills::Save(const skill::Manager& manager, Time now) {
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(file_).parent_path(), ignored);
   const Result<> written =
-      text ? ReplaceFile(file_, TextOf(restored_.value_or(host_now_())) + text.value(),
+      text ? ReplaceFile(file_,
+                         TextOf(restored_.value_or(Written{host_now_(), stops_})) + text.value(),
                          {.synced = false})
            : Result<>(text.error());
   // It would say that what has ended goes on. That is possible on a full disk, too.
@@ -122,7 +141,7 @@ Result<std::vector<std::string>> SavedSkills::Restore(skill::Manager& manager, b
   if (!std::filesystem::exists(file_, none)) return lines;
   Result<std::string> text = config_toml::ReadTextFile(file_, kLargest);
   if (!text) return text.error();
-  const std::optional<HostTime> written = TakeWritten(text.value());
+  const std::optional<Written> written = TakeWritten(text.value());
   if (const Result<> read = skill::RestoreSnapshot(manager, text.value(), file_); !read) {
     return read.error();
   }
@@ -147,14 +166,19 @@ Result<std::vector<std::string>> SavedSkills::Restore(skill::Manager& manager, b
   return lines;
 }
 
-std::string SavedSkills::TakeOver(std::optional<Duration> since_stop) {
+void SavedSkills::NoteStop(std::uint64_t id, bool engaged) {
+  stops_.insert(std::to_string(id) + (engaged ? "+" : "-"));
+  if (stops_.size() > kMostStops) stops_.erase(stops_.begin());
+}
+
+std::string SavedSkills::TakeOver() {
   const auto restored = std::exchange(restored_, std::nullopt);
   if (!restored) return "";
-  const HostTime now = host_now_();
-  if (since_stop && *since_stop <= now.since_boot - restored->since_boot) {
+  if (!std::includes(restored->stops.begin(), restored->stops.end(), stops_.begin(),
+                     stops_.end())) {
     return "an emergency stop has come since it was saved";
   }
-  return WhyOver(restored, now);
+  return WhyOver(restored, host_now_());
 }
 
 }  // namespace musher

@@ -10,13 +10,16 @@
 // A robot goes on with what it did a moment ago, and not with what it did before it was switched
 // off, or long ago: only with a file of the same boot of its computer that was written kMostAge ago
 // at most, when it is read and again when the first step follows, and without an emergency stop in
-// between, which would have cancelled it. What was restored and has made no step keeps its time in
+// between, which would have cancelled it: without one, and the release of one, that the process
+// before did not know. What was restored and has made no step keeps its time in
 // the file, whatever states its process passes through.
 //
 // Threads: one at a time. Times are the machine's, but HostTime.
 
+#include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +41,12 @@ class SavedSkills {
  public:
   static constexpr Duration kMostAge = std::chrono::minutes(1);
 
+  // When the file was written, and what its process knew then.
+  struct Written {
+    HostTime at;
+    std::set<std::string> stops;  // see NoteStop()
+  };
+
   explicit SavedSkills(std::string file, std::function<HostTime()> host_now = HostTimeNow)
       : file_(std::move(file)), host_now_(std::move(host_now)) {}
 
@@ -50,10 +59,14 @@ class SavedSkills {
   // these skills; then nothing has changed.
   Result<std::vector<std::string>> Restore(skill::Manager& manager, bool continues);
 
+  // A sample of an emergency stop was received, or of its release. The last 256 or so are kept: one
+  // that is forgotten counts as another one. No clock says which is the later one: that of its
+  // writer may be behind.
+  void NoteStop(std::uint64_t id, bool engaged);
+
   // Called before steps: why what was restored must not go on by now; empty: it may. From then on
-  // the runs are those of this process. `since_stop`: how long ago the last emergency stop was
-  // engaged or released; nullopt: none is known.
-  std::string TakeOver(std::optional<Duration> since_stop = std::nullopt);
+  // the runs are those of this process.
+  std::string TakeOver();
 
  private:
   const std::string file_;
@@ -62,7 +75,8 @@ class SavedSkills {
   // in the file is replaced by the first Save().
   std::optional<std::string> shown_;
   std::optional<Time> written_at_;
-  std::optional<HostTime> restored_;  // when it was written by the process before
+  std::optional<Written> restored_;  // by the process before
+  std::set<std::string> stops_;      // "17+": engaged; "17-": released
   std::string fault_;
 };
 

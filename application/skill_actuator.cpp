@@ -154,15 +154,11 @@ class SkillActuator::Impl final : public ApplicationImpl {
   void WatchStops(transport::Endpoints& topics) {
     topics.SubscribeWithInfo<msg::EmergencyStop>(
         "musher/emergency_stop",
-        [this](const msg::EmergencyStop&, const transport::SampleInfo& info) {
-          last_stop_ns_ = std::max(last_stop_ns_, info.written_ns);
+        [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
+          const auto of_sample = static_cast<std::uint64_t>(info.written_ns);
+          if (saved_) saved_->NoteStop(stop.id == 0 ? of_sample : stop.id, stop.engaged);
         },
         {}, transport::kLatchedFromManyQos);
-  }
-
-  std::optional<Duration> SinceLastStop() const {
-    if (last_stop_ns_ == 0) return std::nullopt;
-    return std::chrono::system_clock::now().time_since_epoch() - Duration(last_stop_ns_);
   }
 
   // Answers at the end of the run.
@@ -227,7 +223,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   Result<> Activate() override {
     if (Result<> checked = CheckNoStop(); !checked) return checked;
     if (ticking()) return Ok();
-    if (const std::string over = saved_ ? saved_->TakeOver(SinceLastStop()) : ""; !over.empty()) {
+    if (const std::string over = saved_ ? saved_->TakeOver() : ""; !over.empty()) {
       manager_->CancelAllNow("it does not go on: " + over);
       ReportGoals();
     }
@@ -383,8 +379,6 @@ class SkillActuator::Impl final : public ApplicationImpl {
   std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
   std::map<std::uint64_t, Watched> watched_;                // by the number of the run
   std::optional<SavedSkills> saved_;                        // nothing: they are not saved
-  // When the last stop was engaged or released, by the wall clock; 0: none is known.
-  std::int64_t last_stop_ns_ = 0;
 };
 
 SkillActuator::SkillActuator(const std::string& actuator_name, const Options& options)
