@@ -196,14 +196,14 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
      "switch {switch} is waiting to start; retry in {left} ms"},
     {Refusal::kSwitchStartedFirst, kCodeTargetBusy, "switch {number} ({switch}) started before it"},
     {Refusal::kRequestedByAnother, kCodeStateInvalid,
-     "{state} was last requested by {client}{switch?}, and a manager does not end that: `musher "
-     "set {target}` does"},
+     "{state} was last requested by {client}{switch?}, and a manager does not overrule that: "
+     "run `musher set {target}`"},
     {Refusal::kStopAwaitsPerson, kCodeStateInvalid,
      "no state was requested since the last emergency stop, and a manager does not switch on after "
-     "it: `musher set {target}` does"},
+     "it: run `musher set {target}`"},
     {Refusal::kStopsUnread, kCodeStateInvalid,
-     "whether an emergency stop is engaged in {folder} is not known: {why}; a manager does not "
-     "answer that: check the robot, then run `musher set {target}`"},
+     "whether an emergency stop is engaged in {folder} is not known: {why}; a manager cannot "
+     "decide that: check the robot, then run `musher set {target}`"},
 
     {Refusal::kNoPolicy, kCodeUnSupport, "the config has no [policy]"},
     {Refusal::kNoLowPowerPolicy, kCodeUnSupport, "the config has no [policy.low_power]"},
@@ -329,9 +329,9 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
      "{own machine}: give one of them a `namespace` of its own in [controller], or another domain "
      "(--domain)"},
     {Refusal::kIdNotKnown, kCodePermissionDenied,
-     "{controller} leads a machine of this name, and whether it is this one is not known: "
-     "{folder} cannot be read, which has this machine's id; repair it, or give this machine a "
-     "`name` of its own in [controller]"},
+     "{controller} leads a machine of this name, which may be another robot: the id of this machine "
+     "is in {folder}, which cannot be read; repair the folder, or give this machine a `name` of its "
+     "own in [controller]"},
 });
 
 constexpr const RefusalForm& FormOf(Refusal why) {

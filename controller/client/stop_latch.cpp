@@ -76,8 +76,8 @@ bool EstopReport::found() const {
 std::string EstopReport::WhyNotHeld() const {
   if (held || (controller && !controller_latched)) return "";
   if (earlier) {
-    return "an earlier stop holds the machine, and this one has not arrived: the release of that "
-           "one would let the machine go";
+    return "this stop has not arrived; only an earlier one holds the machine, and its release would "
+           "free it";
   }
   return controller ? "the controller has not received it yet" : "";
 }

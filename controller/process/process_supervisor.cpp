@@ -108,7 +108,7 @@ void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit
 
 std::string ProcessExit::Text() const {
   if (!out_of_memory.empty()) {
-    return "out of memory: its limit (" + out_of_memory + "), or its host, had none left";
+    return "out of memory: its limit (" + out_of_memory + ") or the memory of its host is used up";
   }
   if (kind == Kind::kUnknown) return "ended (exit code unknown)";
   if (kind == Kind::kHostWentDown) return "its host went down";

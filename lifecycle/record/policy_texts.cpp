@@ -48,8 +48,8 @@ RecordText BatterySampleInvalid(int percent) {
 
 RecordText BatteryJumped(int before, int percent) {
   return MakeText(EventName::kBatteryJumped,
-                  "the battery reports {percent} % after {before} %, which no battery does between "
-                  "two samples; check what publishes it",
+                  "the battery reports {percent} % after {before} %: impossible between two "
+                  "samples; check what publishes it",
                   {{"percent", percent}, {"before", before}});
 }
 

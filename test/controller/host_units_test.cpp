@@ -517,7 +517,7 @@ TEST_F(UnitOfAnotherHost, EndedByItsLimitOfMemoryNamesThat) {
   Write("unit", std::string("failed 41 ") + kOurs + " oom-kill\n");
   Write("changed", "");
   Await([this] { return !ended_.empty(); });
-  EXPECT_EQ(exit_, "out of memory: its limit (memory_max_mb = 64), or its host, had none left");
+  EXPECT_EQ(exit_, "out of memory: its limit (memory_max_mb = 64) or the memory of its host is used up");
 }
 
 }  // namespace musher::host_units_test

@@ -648,7 +648,7 @@ class Stops(unittest.TestCase):
         publish_dog(node, self.NAMESPACE, DOG, latched=True, stop_ids=["0" * 15 + "1"], receives=False)
         with self.assertRaises(musher.Failure) as failed:
             self.dog().estop("smoke", timeout_s=2.0)
-        self.assertIn("an earlier stop holds the machine, and this one has not arrived", failed.exception.reason)
+        self.assertIn("this stop has not arrived; only an earlier one holds the machine", failed.exception.reason)
 
     def test_a_stop_that_all_have_latched_is_confirmed_before_its_time_is_over(self):
         self.publish(self.node(), DOG, latched=True)

@@ -27,7 +27,7 @@ TEST_F(Requesters, AManagerDoesNotEndWhatAPersonHasPaused) {
   const SwitchResult refused = Activate(t, kManager);
   EXPECT_EQ(refused.outcome, SwitchOutcome::kRefused);
   EXPECT_THAT(refused.reason, AllOf(HasSubstr("DeActive was last requested by alice@dog1 (switch "),
-                                    HasSubstr("`musher set Active` does")));
+                                    HasSubstr("run `musher set Active`")));
   EXPECT_EQ(t.machine().state, "DeActive");
 }
 

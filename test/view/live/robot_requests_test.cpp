@@ -409,7 +409,7 @@ TEST_F(RequestsOfAPage, ReportAStopThatHasNotArrivedBesideAnEarlierOne) {
     network_.RunFor(Milliseconds(500));
   }
   EXPECT_THAT(bodies_, ElementsAre(AllOf(HasSubstr(R"(200 {"code":101,)"),
-                                         HasSubstr("this one has not arrived"))));
+                                         HasSubstr("this stop has not arrived"))));
 }
 
 // `musher estop` said so, and the button said no more than that the robot is stopped.
