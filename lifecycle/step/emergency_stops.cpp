@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "musher/base/checksum.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/refusal.hpp"
 
 namespace musher {
@@ -386,6 +387,14 @@ void EmergencyStops::Engage(const EmergencyStop& stop) {
   if (machine_.emergency.others.empty()) machine_.emergency.cause = recorded;
   if (machine_.current) machine_.current->stopped = true;
   for (KnownActuator& known : machine_.actuators) known.set_again = false;
+  // A ROS 2 node does not receive the stop. Its way up may take several transitions: after the one
+  // that runs no further one is requested.
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    const auto& command = Of(i).command;
+    const bool goes_on = command && ConfigOf(i).protocol == Protocol::kRos2Lifecycle &&
+                         MaySwitchOn(config_, Of(i).state(), command->target);
+    if (goes_on) Do(action::SendQuery{i, {machine_.epoch, command->number, true}});
+  }
 }
 
 }  // namespace musher

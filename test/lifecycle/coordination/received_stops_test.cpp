@@ -30,6 +30,26 @@ TEST_F(ReceivedStops, AReleaseByAPanelEngagesNoStop) {
   EXPECT_THAT(Did<action::PublishEmergencyStop>(), IsEmpty());
 }
 
+// With LowPower = "unconfigured" its way up is configure, then activate. It was activated seconds
+// after the stop.
+TEST_F(ReceivedStops, EndTheWayUpOfARos2NodeAfterTheTransitionThatRuns) {
+  config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
+  config_.actuators[1].ros2_states = {{State(kLowPower), Ros2State::kUnconfigured}};
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", {}});
+  ObeyAll();
+  ASSERT_EQ(machine_.state, kLowPower);
+  Do(event::SetStateRequested{2, "Active", {}});
+  ASSERT_TRUE(Of(1).command);
+  Forget();
+  Do(event::EmergencyStopSeen{{7, "a panel", "smoke"}});
+  const auto queries = Did<action::SendQuery>();
+  ASSERT_THAT(queries, SizeIs(1));
+  EXPECT_EQ(queries[0].actuator, ActuatorIndex(1));
+  EXPECT_EQ(queries[0].command.number, Of(1).command->number);
+  EXPECT_TRUE(queries[0].command.stop);
+}
+
 TEST_F(ReceivedStops, OfAFloodAsManyAreMergedAsAMachineKeeps) {
   StoredStops flood;
   for (StopId id = 1; id <= 100; ++id) flood.engaged.push_back({id, "a panel", ""});
