@@ -113,6 +113,11 @@ void HostBus::Close() {
   DropSsh();
 }
 
+// The connection may outlast a suspend of this computer, which the loop's time does not count.
+Duration HostBus::running() const {
+  return SinceBoot() - booted_;
+}
+
 // --- ssh ---
 
 void HostBus::Connect() {
@@ -186,7 +191,7 @@ void HostBus::ReadGreeting() {
     }
     host_id_ = greeting->host_id;
     bridge_ = greeting->bridge;
-    booted_ = loop_.Now() - greeting->running;
+    booted_ = SinceBoot() - greeting->running;
     return Subscribe();
   }
 }

@@ -67,7 +67,7 @@ class HostBus {
   bool is_up() const { return state_ == State::kUp; }
   const std::string& host_id() const { return host_id_; }  // of the last connection
   // For how long its host has run, by that host's clock; too short by the delay of the link.
-  Duration running() const { return loop_.Now() - booted_; }
+  Duration running() const;
   // Why the connection is not up, with what to do; empty: no failure since it was up last.
   const std::string& trouble() const { return trouble_; }
 
@@ -102,8 +102,8 @@ class HostBus {
   const Hooks hooks_;
   State state_ = State::kClosed;
   std::string host_id_;
-  pid_t bridge_ = 0;  // the process there at the end of the last connection; 0: not known
-  Time booted_{};     // boot time of the last connection's host, by our clock
+  pid_t bridge_ = 0;   // the process there at the end of the last connection; 0: not known
+  Duration booted_{};  // boot time of the last connection's host, by SinceBoot()
   std::string trouble_;
   Duration back_off_;
   std::string greeting_;  // what the host has printed so far

@@ -23,6 +23,9 @@ constexpr Duration kExamineAgain = Milliseconds(500);
 constexpr Duration kStartValid = Milliseconds(20'000);
 // How long a host may have been off before its connection is found to be lost (ssh: 6 s).
 constexpr Duration kLossSeenWithin = Milliseconds(10'000);
+// This process notes each second that it runs.
+constexpr Duration kNotePeriod = Milliseconds(1'000);
+constexpr Duration kLongestTurn = Milliseconds(3'000);
 constexpr const char* kDeniedCure =
     "; its systemd lets this user start and end no unit: set `user` to root, or permit it by "
     "polkit "
@@ -166,11 +169,14 @@ HostUnits::~HostUnits() {
 void HostUnits::Open(Hooks hooks) {
   hooks_ = std::move(hooks);
   open_ = true;
+  noted_at_ = options_.since_boot();
+  note_ = loop_.Every(kNotePeriod, [this] { NotePause(); });
   for (auto& [name, host] : hosts_) host->systemd->Open();
 }
 
 void HostUnits::Close() {
   open_ = false;
+  note_ = nullptr;
   for (auto& [name, host] : hosts_) host->systemd->Close();
   searches_.clear();
   for (auto& [name, unit] : units_) {
@@ -195,6 +201,20 @@ std::string HostUnits::WhyRefused(const Host& host, const std::string& id, Durat
   if (running <= lost_for + kLossSeenWithin) return {};
   return "another host answers at " + host.config.address + ", which was not booted since " +
          host.config.name + " was reached last";
+}
+
+// Since when a host whose loss is noticed now may have been out of reach.
+Duration HostUnits::LostAt() {
+  NotePause();
+  return noted_at_ < doubt_until_ ? paused_from_ : noted_at_;
+}
+
+void HostUnits::NotePause() {
+  const Duration now = options_.since_boot();
+  const Duration before = std::exchange(noted_at_, now);
+  if (now - before < kLongestTurn) return;
+  if (now >= doubt_until_) paused_from_ = before;
+  doubt_until_ = now + kLossSeenWithin;
 }
 
 void HostUnits::OnUp(Host& host) {
@@ -233,7 +253,7 @@ void HostUnits::OnUp(Host& host) {
 
 void HostUnits::OnDown(Host& host, bool was_up, bool for_good) {
   const std::string why = Unreached(host);
-  if (was_up) host.lost_at = options_.since_boot();
+  if (was_up) host.lost_at = LostAt();
   for (auto& search : searches_) search->failed.insert(&host);
   for (Unit* unit : host.units) {
     unit->examining = false;

@@ -68,6 +68,8 @@ class HostUnits : public HostProcesses {
   void OnUp(Host& host);
   void OnDown(Host& host, bool was_up, bool for_good);
   std::string WhyRefused(const Host& host, const std::string& id, Duration running) const;
+  Duration LostAt();
+  void NotePause();
   void Examine(Unit& unit);
   void Examined(Unit& unit);
   void OnChange(Unit& unit);
@@ -97,6 +99,11 @@ class HostUnits : public HostProcesses {
   const Options options_;
   Hooks hooks_;
   bool open_ = false;
+  // By since_boot(). After a pause of this process, or of its computer, a loss may be as old.
+  Duration noted_at_{};     // once a second
+  Duration paused_from_{};  // the last pause
+  Duration doubt_until_{};
+  transport::LoopHandlePtr note_;
   std::map<std::string, std::unique_ptr<Unit>> units_;  // by actuator
   std::vector<std::unique_ptr<Search>> searches_;
   std::map<std::string, std::unique_ptr<Host>> hosts_;  // last: their connections call the others

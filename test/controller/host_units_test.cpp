@@ -75,7 +75,9 @@ class UnitOfAnotherHost : public ::testing::Test {
         [this] {
           return MachineIdentity{"robot", id_};
         },
-        BySsh(loop_), HostUnits::Options{.start_within = start_within});
+        BySsh(loop_),
+        HostUnits::Options{.start_within = start_within,
+                           .since_boot = [this] { return SinceBoot() + suspended_; }});
   }
   void Write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / (name + ".new")) << text;
@@ -155,6 +157,7 @@ class UnitOfAnotherHost : public ::testing::Test {
   const TempFolder folder_;
   MachineConfig config_;
   std::string id_ = "ours";
+  Duration suspended_{};  // the computer of the controller
   bool still_ends_ = true;
   bool still_starts_ = true;
   std::vector<std::string> not_started_;
@@ -250,6 +253,17 @@ TEST_F(UnitOfAnotherHost, HasEndedWithARebootOfTheHost) {
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
   Greet(kSecondBoot, 1);
   SetUnit("inactive", 0);
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !reached_.empty(); });
+  EXPECT_THAT(ended_, ElementsAre(41));
+}
+
+// The loss is noticed an hour late, and the host was booted in that hour.
+TEST_F(UnitOfAnotherHost, HasEndedWithARebootWhileThisComputerWasSuspended) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Greet(kSecondBoot, 1000);
+  SetUnit("inactive", 0);
+  suspended_ = std::chrono::hours(1);
   ASSERT_NO_FATAL_FAILURE(LoseConnection());
   Await([this] { return !reached_.empty(); });
   EXPECT_THAT(ended_, ElementsAre(41));
