@@ -445,8 +445,22 @@ std::vector<std::uint64_t> StateStore::LevelsTakenIn(const std::string& dir) {
   return marks;
 }
 
+// In place, which a full disk permits: otherwise each start by a supervisor is taken for the first
+// one of the boot, a person's `systemctl start` too.
 Result<> StateStore::SaveBootOf(const std::string& host) {
-  return Replace(BootFileIn(dir_), BootOf(host) + "\n");
+  const std::string path = BootFileIn(dir_);
+  const std::string text = BootOf(host) + "\n";
+  const auto size = static_cast<ssize_t>(text.size());
+  const UniqueFd file(open(path.c_str(), O_WRONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC));
+  struct stat info {};
+  const bool has_room = file.valid() && fstat(file.get(), &info) == 0 && S_ISREG(info.st_mode) &&
+                        info.st_size == size;
+  if (!has_room) return Replace(path, text);
+  if (pwrite(file.get(), text.data(), text.size(), 0) != size || fdatasync(file.get()) != 0) {
+    return SystemError("can't save " + path);
+  }
+  Remember(path, text);
+  return Ok();
 }
 
 bool StateStore::BeganInBootOf(const std::string& dir, const std::string& host) {

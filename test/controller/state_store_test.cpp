@@ -130,6 +130,14 @@ TEST_F(Store, KnowsWhetherAControllerHasBegunInThisBoot) {
   EXPECT_FALSE(StateStore::BeganInBootOf(dir_, "boot-2/4026531836"));
 }
 
+TEST_F(Store, NotesTheBootWhereThereIsNoRoomForAnotherFile) {
+  StateStore store = MustOpen();
+  ASSERT_TRUE(store.SaveBootOf("boot-1/4026531836"));
+  fs::create_directory(dir_ + "/boot.new");  // as on a full disk: no draft can be written
+  ASSERT_TRUE(store.SaveBootOf("boot-2/4026531836"));
+  EXPECT_TRUE(StateStore::BeganInBootOf(dir_, "boot-2/4026531836"));
+}
+
 TEST_F(Store, SavesEmergencyStopsInPlaceInReservedBlocks) {
   StateStore store = MustOpen();
   struct stat before {};
