@@ -65,6 +65,7 @@ enum class Launch {
   kBlocked,       // not started, since an actuator that it needs is degraded
   kUnderWay,      // it is being started, the pid is not known yet
   kFoundRunning,  // a process of this name runs already: wait for it, do not start one
+  kAwaitsHost,    // its host is out of reach; it is started there once that is reached
 };
 
 // What is known about the process of an actuator.
@@ -173,9 +174,9 @@ inline constexpr std::array<std::string_view, 4> kValueNames<Presence> = {"absen
 static_assert(EndsWith(Presence::kLost));
 
 template <>
-inline constexpr std::array<std::string_view, 4> kValueNames<Launch> = {
-    "none", "blocked", "under-way", "found-running"};
-static_assert(EndsWith(Launch::kFoundRunning));
+inline constexpr std::array<std::string_view, 5> kValueNames<Launch> = {
+    "none", "blocked", "under-way", "found-running", "awaits-host"};
+static_assert(EndsWith(Launch::kAwaitsHost));
 
 template <>
 inline constexpr std::tuple kFields<PendingCommand> = {

@@ -8,7 +8,10 @@ namespace musher {
 namespace {
 
 void EndLaunch(KnownActuator& known) {
-  if (known.process.launch == Launch::kUnderWay) known.process.launch = Launch::kNone;
+  const Launch launch = known.process.launch;
+  if (launch == Launch::kUnderWay || launch == Launch::kAwaitsHost) {
+    known.process.launch = Launch::kNone;
+  }
 }
 
 }  // namespace
@@ -192,6 +195,7 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
 // machine down once: after that a person may have continued without it.
 void Recovery::AwaitHost(ActuatorIndex i, bool again) {
   KnownActuator& known = Of(i);
+  known.process.launch = Launch::kAwaitsHost;
   known.process.termination.reset();
   known.restart.requested = false;
   if (!again) FallBack(i);

@@ -104,7 +104,7 @@ bool StartUp::StartProcesses() {
 
 bool StartUp::Advance() {
   if (!machine_.start_up.set_up && machine_.phase == Phase::kStarting) {
-    if (!StageIsSetUp(machine_.start_up.stage)) return false;
+    if (!StageIsSetUp(machine_.start_up.stage) || AwaitsHost()) return false;
     EndFirstStage();
     return true;
   }
@@ -113,6 +113,17 @@ bool StartUp::Advance() {
   if (!more || machine_.current || !StageIsSettled(machine_.start_up.stage)) return false;
   StartStage(machine_.start_up.stage + 1, kBegun);
   return true;
+}
+
+// Whether a critical actuator is on a host that has not been reached yet: a board that boots later
+// than this one would end the start at each power-on. What an earlier controller has left running
+// is led on at once.
+bool StartUp::AwaitsHost() const {
+  if (machine_.start_up.finishing || Adoption(config_, machine_).LowestFound()) return false;
+  return std::ranges::any_of(machine_.actuators.Indices(), [this](ActuatorIndex i) {
+    return Critical(i) && IsAwaitedIn(i, machine_.start_up.stage) &&
+           Of(i).process.launch == Launch::kAwaitsHost && Of(i).presence == Presence::kAbsent;
+  });
 }
 
 // All actuators of the first stage are set up, or given up.

@@ -34,6 +34,7 @@ class StartUp : StepPart {
   void EndFirstStage();
   void WaitForManager(std::size_t present, std::vector<std::string> missing, RecordId cause);
   void AdoptFrom(const State& lowest, RecordId cause);
+  bool AwaitsHost() const;
   bool FailOnCriticalFault();
   void FailWithoutRequest(RecordId cause);
   void Activate(RecordId cause);

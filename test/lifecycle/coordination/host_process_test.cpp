@@ -73,6 +73,46 @@ TEST_F(HostProcess, IsRecordedWithItsHost) {
   EXPECT_TRUE(IsRecorded(texts::ProcessStartedOn("vision", "b", kPid, true)));
 }
 
+// Each power-on ended with "critical b: no route", where the board booted later than this host.
+TEST_F(HostProcess, ThatIsCriticalIsAwaitedByTheStartUntilItsHostIsReached) {
+  config_.actuators[1].critical = true;
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Come(0);
+  Do(event::ProcessNotStarted{1, "no route to 10.0.0.2", true});
+  Pass(std::chrono::minutes(2));
+  Do(event::ProcessNotStarted{1, "no route to 10.0.0.2", true});
+  EXPECT_EQ(machine_.phase, Phase::kStarting);
+  EXPECT_FALSE(machine_.current);
+  Do(event::ProcessStarted{1, kPid, "there"});
+  ComeB();
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kActive);
+}
+
+TEST_F(HostProcess, ThatIsCriticalIsNotAwaitedWhereItCannotBeStarted) {
+  config_.actuators[1].critical = true;
+  config_.actuators[1].restart.policy = RestartPolicy::kNo;
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Come(0);
+  Do(event::ProcessNotStarted{1, "there is no such program", false});
+  ObeyBoth();
+  EXPECT_EQ(machine_.phase, Phase::kFailed);
+}
+
+// The machine is led on at once by what is found: its rule for the loss counts.
+TEST_F(HostProcess, ThatIsCriticalIsNotAwaitedBesideWhatRunsAlready) {
+  config_.actuators[1].critical = true;
+  Begin();
+  ActuatorReport found = Report(0, kActive);
+  Say(0, found);
+  found.epoch = machine_.epoch;
+  Do(event::Replied{0, found.number, true, Verdict::kDone, kCodeOk, "", found});
+  Do(event::ProcessNotStarted{1, "no route to 10.0.0.2", true});
+  EXPECT_NE(machine_.phase, Phase::kStarting);
+}
+
 TEST_F(HostProcess, ThatExitsIsLostAtOnceAndStartedAgain) {
   StartUpBoth();
   Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
