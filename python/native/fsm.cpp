@@ -168,21 +168,13 @@ void AddValues(py::module_& native) {
       });
 }
 
-}  // namespace
+using FsmMachineClass = py::class_<FsmMachine, std::shared_ptr<FsmMachine>>;
 
-py::object MakeChange(const fsm::Machine& machine, const fsm::Change& change) {
-  return py::cast(FsmChange{ToSeconds(change.at), change.tick, Text(machine.Name(change.from)),
-                            Text(machine.Name(change.to)), Text(fsm::Name(change.cause)),
-                            Text(machine.Name(change.command))});
-}
-
-void AddFsm(py::module_& native) {
-  AddValues(native);
+// What builds and runs it.
+void AddCommands(FsmMachineClass& machine_class) {
   using Self = FsmMachine;
   using Machine = fsm::Machine;
-  py::class_<Self, std::shared_ptr<Self>>(native, "FsmMachine",
-                                          py::custom_type_setup(&CollectGarbage))
-      .def(py::init(&MakeMachine))
+  machine_class.def(py::init(&MakeMachine))
       .def("add", &Self::Add)
       .def("add_nested",
            [](Self& self, const std::string& name, int role, const py::tuple& hooks,
@@ -225,8 +217,12 @@ void AddFsm(py::module_& native) {
              const fsm::Replayed replayed = self.Replay(recording, file, apply);
              return py::make_tuple(replayed.ticks, replayed.changes, replayed.difference);
            })
-      .def("report_exceptions", &Self::ReportExceptions)
-      .def("name", [](const Self& self) { return self.machine().name(); })
+      .def("report_exceptions", &Self::ReportExceptions);
+}
+
+void AddQueries(FsmMachineClass& machine_class) {
+  using Self = FsmMachine;
+  machine_class.def("name", [](const Self& self) { return self.machine().name(); })
       .def("running", [](const Self& self) { return self.machine().running(); })
       .def("mode", [](const Self& self) { return Text(fsm::Name(self.machine().mode())); })
       .def("path", [](const Self& self) { return self.machine().Path(); })
@@ -248,6 +244,21 @@ void AddFsm(py::module_& native) {
       .def("commands", &Commands)
       .def("picture", &Picture)
       .def("report", &Report);
+}
+
+}  // namespace
+
+py::object MakeChange(const fsm::Machine& machine, const fsm::Change& change) {
+  return py::cast(FsmChange{ToSeconds(change.at), change.tick, Text(machine.Name(change.from)),
+                            Text(machine.Name(change.to)), Text(fsm::Name(change.cause)),
+                            Text(machine.Name(change.command))});
+}
+
+void AddFsm(py::module_& native) {
+  AddValues(native);
+  FsmMachineClass machine_class(native, "FsmMachine", py::custom_type_setup(&CollectGarbage));
+  AddCommands(machine_class);
+  AddQueries(machine_class);
 }
 
 }  // namespace musher::python
