@@ -28,6 +28,14 @@ bool PowerSaving::Wanted() const {
          waiting_.empty() && !answered_;
 }
 
+// What waits was requested before the stop, whose release alone moves nothing.
+void PowerSaving::OnRecord() {
+  if (shell_.machine().emergency.stop) {
+    AnswerWaiting(Error{kCodeProtectedError, "an emergency stop is engaged"});
+  }
+  Look();
+}
+
 void PowerSaving::Look() {
   const Phase phase = shell_.machine().phase;
   const bool leads = phase != Phase::kIdle && phase != Phase::kFenced;

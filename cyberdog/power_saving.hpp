@@ -32,7 +32,7 @@ class PowerSaving {
   PowerSaving(transport::Endpoints& endpoints, ControllerShell& shell);
 
   // Call for every record: each change of the machine leaves one.
-  void OnRecord() { Look(); }
+  void OnRecord();
 
   // Runs `then` once the board has left low power, at once if it is not on; with an Error if it
   // cannot leave it.

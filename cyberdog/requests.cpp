@@ -102,6 +102,12 @@ void Requests::Request(const event::PolicyRequested& requested,
   }
   power_saving_.Leave([this, requested, done](const Result<>& left) {
     if (!left) return done(left);
+    const Machine& machine = shell_.machine();
+    // The board takes seconds: what has switched the machine since then is newer.
+    if (machine.state != kLowPower && !machine.current) {
+      return done(
+          Error{kCodeStateInvalid, "the machine was switched to " + machine.state + " meanwhile"});
+    }
     shell_.SendPolicyRequest(requested, done);
   });
 }

@@ -48,6 +48,7 @@ class VoiceDecision {
 
  private:
   bool May(Occasion occasion) const;
+  bool MayStandUp() const;
   void Announce(Occasion occasion, Utterance utterance);
   void AnnounceFirst(Utterance utterance);
   void AnnounceSentence(Occasion occasion, const std::string& sentence);
@@ -59,6 +60,7 @@ class VoiceDecision {
   int BatteryUrgency() const;
   void AnnounceSwitch(const action::Record& record);
 
+  void DropStandUp();
   void End();
   void DropWithoutPlayer();
   void PlayNext();
@@ -85,6 +87,7 @@ void VoiceDecision::FollowClock() {
 
 void VoiceDecision::On(const voice_event::MachineSeen& seen) {
   voice_.machine = seen.machine;
+  if (seen.machine.stopped) DropStandUp();
   switch (seen.machine.phase) {
     case Phase::kFailed:
       if (std::exchange(voice_.failure_announced, true)) return;
@@ -108,6 +111,7 @@ void VoiceDecision::AnnounceStart() {
   if (!std::exchange(voice_.start_announced, true)) {
     if (machine.adopted) {
       voice_.loading_announced = true;
+      voice_.greeted = true;  // perhaps: a restart of the controller stands no robot up
     } else {
       Announce(Occasion::kStart, {Play::kReady, ""});
       const bool well = machine.faults.empty();
@@ -207,9 +211,7 @@ void VoiceDecision::On(const voice_event::DoubleTapped&) {
 }
 
 void VoiceDecision::On(const voice_event::AppConnected&) {
-  const MachineSummary& machine = voice_.machine;
-  const bool awake = machine.state == kActive || machine.state == kProtected;
-  if (machine.phase != Phase::kRunning || !awake || machine.charging) return;
+  if (!MayStandUp()) return;
   if (!May(Occasion::kApp) || std::exchange(voice_.greeted, true)) return;
   if (voice_.player) {
     Queue({{Play::kAppConnected, ""}, now_ + kVoiceTimeout, true}, false);
@@ -230,6 +232,12 @@ void VoiceDecision::On(const voice_event::PlayReported& reported) {
 void VoiceDecision::On(const voice_event::PlayEnded& ended) {
   if (!voice_.playing || ended.number != voice_.number) return;  // its deadline is over
   End();
+}
+
+bool VoiceDecision::MayStandUp() const {
+  const MachineSummary& machine = voice_.machine;
+  const bool awake = machine.state == kActive || machine.state == kProtected;
+  return machine.phase == Phase::kRunning && awake && !machine.charging && !machine.stopped;
 }
 
 bool VoiceDecision::May(Occasion occasion) const {
@@ -267,8 +275,14 @@ void VoiceDecision::Queue(VoiceState::Waiting waiting, bool first) {
   all.insert(first ? all.begin() : all.end(), std::move(waiting));
 }
 
+// The app connected before the stop, whose release alone moves nothing.
+void VoiceDecision::DropStandUp() {
+  for (auto& waiting : voice_.waiting) waiting.stand_up = false;
+  if (voice_.playing) voice_.playing->stand_up = false;
+}
+
 void VoiceDecision::End() {
-  const bool stand_up = voice_.playing->stand_up;
+  const bool stand_up = voice_.playing->stand_up && MayStandUp();
   voice_.playing.reset();
   voice_.busy_until = now_;
   if (stand_up) actions_.emplace_back(voice_action::StandUp{});
@@ -310,6 +324,7 @@ MachineSummary SummaryOf(const MachineConfig& config, const Machine& machine) {
   summary.empty = machine.policy.empty;
   summary.charging = machine.policy.charging;
   summary.battery_silent = machine.policy.battery_silent;
+  summary.stopped = machine.emergency.stop.has_value();
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     if (const auto fault = TroubleOf(machine.actuators[i])) {
       summary.faults.push_back({config.actuators[i].name, *fault});

@@ -46,6 +46,7 @@ struct MachineSummary {
   bool empty = false;     // samples in a row have confirmed that the battery is empty
   bool charging = false;  // by cable
   bool battery_silent = false;
+  bool stopped = false;       // by an emergency stop
   std::vector<Fault> faults;  // of degraded actuators
 
   friend bool operator==(const MachineSummary&, const MachineSummary&) = default;

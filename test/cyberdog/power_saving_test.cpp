@@ -100,6 +100,42 @@ TEST_F(PowerSavingTest, IsNotLeftWhereThePolicyRefusesTheWayOut) {
   EXPECT_THAT(Calls(), IsEmpty());
 }
 
+// The board takes seconds, in which a person stops the robot and releases it.
+TEST_F(PowerSavingTest, WhatWaitsForTheBoardIsOverWithAnEmergencyStop) {
+  ServePower();
+  BringUp();
+  Take("LowPower");
+  Calls();
+  refusals_ = 2;
+  auto client = transport::MakeClient<msg::Trigger>(*app_, "dog/low_power_exit").value();
+  std::optional<Result<msg::Trigger::Response>> answer;
+  client->Call({}, std::chrono::minutes(1), [&](auto reply) { answer = std::move(reply); });
+  robot_.RunFor(Milliseconds(500));
+  robot_.EngageEmergencyStop(StopId(7));
+  Settle();
+  robot_.ReleaseEmergencyStop();
+  robot_.RunFor(std::chrono::seconds(10));
+  EXPECT_EQ(state(), "LowPower");
+  ASSERT_TRUE(answer && answer->ok());
+  EXPECT_FALSE(answer->value().success);
+  EXPECT_THAT(answer->value().message, HasSubstr("an emergency stop is engaged"));
+}
+
+TEST_F(PowerSavingTest, WhatWaitsForTheBoardIsOlderThanASwitchThatComesMeanwhile) {
+  ServePower();
+  BringUp();
+  Take("LowPower");
+  Calls();
+  refusals_ = 2;
+  const auto publish = PublishFunction<msg::UInt8>("machine_state_switch");
+  Settle();
+  publish({0});  // CyberDog's number of Active
+  robot_.RunFor(Milliseconds(500));
+  Take("DeActive");
+  robot_.RunFor(std::chrono::seconds(10));
+  EXPECT_EQ(state(), "DeActive");
+}
+
 // A board that hangs kept the robot from its TearDown.
 TEST_F(PowerSavingTest, DoesNotHoldUpATearDown) {
   ServePower();

@@ -118,6 +118,36 @@ TEST_F(Voices, ARobotThatIsChargedOrRestsOrStartsDoesNotStandUpForTheApp) {
   EXPECT_THAT(Said(), IsEmpty());
 }
 
+// It lay, and its app connected again after its controller was restarted.
+TEST_F(Voices, ARobotThatRanBeforeItsControllerDoesNotStandUpForTheApp) {
+  machine_.adopted = true;
+  BringUp();
+  Feed(voice_event::AppConnected{});
+  EXPECT_THAT(Said(), IsEmpty());
+}
+
+// The greeting waits for other sounds and plays for seconds.
+TEST_F(Voices, ARobotThatIsStoppedOrChargedOrRestsDuringTheGreetingDoesNotStandUpAfterIt) {
+  BringUp();
+  const VoiceState before = voice_;
+  Feed(voice_event::AppConnected{});
+  machine_.stopped = true;
+  Show();
+  machine_.stopped = false;  // released, and Active requested
+  Show();
+  EXPECT_THAT(Said(), ElementsAre("2002"));
+  voice_ = before;
+  Feed(voice_event::AppConnected{});
+  SetBattery(80, true);
+  EXPECT_THAT(Said(), ElementsAre("2002"));
+  SetBattery(80, false);
+  voice_ = before;
+  Feed(voice_event::AppConnected{});
+  machine_.state = kDeActive;
+  Show();
+  EXPECT_THAT(Said(), ElementsAre("2002"));
+}
+
 TEST_F(Voices, TheRobotStandsUpForTheAppAlsoWithoutAVoice) {
   BringUp();
   Feed(voice_event::PlayerMatched{false});
