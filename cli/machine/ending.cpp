@@ -54,6 +54,7 @@ Result<> Ending::Open() {
     Target& target = targets_[name];
     target.outcome.name = name;
     target.outcome.pid = actuator.status.pid;
+    target.elsewhere = actuator.status.host != HostId();
     epoch_ = std::max(epoch_, Epoch(actuator.status.epoch) + 1);
     if (actuator.status.host == HostId()) {
       const std::string lock = NameLock::NameOf(domain, name_space_, name);
@@ -103,12 +104,20 @@ void Ending::Advance() {
 
 void Ending::Check(Target& target, const Actuators& running) {
   const bool runs = running.contains(target.outcome.name);
-  if (!runs && !target.outcome.torn_down && running_.HasStatusOf(target.outcome.name)) {
+  const bool has_status = running_.HasStatusOf(target.outcome.name);
+  if (!runs && !target.outcome.torn_down && has_status) {
     target.outcome.torn_down = true;
     target.torn_down_at = node_.loop().Now();
   }
-  target.outcome.ended =
-      target.here ? HasEnded(target.process) : !running_.HasStatusOf(target.outcome.name);
+  if (target.here) {
+    target.outcome.ended = HasEnded(target.process);
+    return;
+  }
+  // One of another host is lost with the link, too; one of this host holds its name as long as it
+  // runs.
+  const bool lost = !runs && !has_status;
+  target.outcome.ended = lost && (target.outcome.torn_down || !target.elsewhere);
+  if (lost && !target.outcome.ended) target.outcome.trouble = "its status is lost, it may run on";
 }
 
 void Ending::CommandTearDown(Target& target, const Actuators& running) {

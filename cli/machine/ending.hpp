@@ -49,7 +49,8 @@ class Ending {
  private:
   struct Target {
     Outcome outcome;
-    bool here = false;  // a process of this host, proven to hold the actuator's name
+    bool here = false;       // a process of this host, proven to hold the actuator's name
+    bool elsewhere = false;  // of another host
     bool commanded = false;
     std::unique_ptr<transport::Client<msg::ActuatorCommand>> commands;
     UniqueFd process;

@@ -1,0 +1,43 @@
+// What `musher down --without-controller` says of the end of an actuator.
+
+#include "musher/cli/machine/ending.hpp"
+
+#include <gtest/gtest.h>
+
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::cli::ending_test {
+
+// A cable that was pulled for the time of a lease was "exited without TearDown", and exit code 0.
+TEST(EndingTest, OfAnotherHostIsNotBelievedWhereOnlyTheStatusIsLost) {
+  transport::sim::Network network(1);
+  const auto desk = network.MakeNode("desk");
+  const auto board = network.MakeNode("board");
+  const auto statuses =
+      transport::MakePublisher<msg::ActuatorStatus>(
+          *board, transport::ActuatorStatusTopic("ending_test"), transport::kLatchedQos)
+          .value();
+  msg::ActuatorStatus legs;
+  legs.name = "legs";
+  legs.machine = "dog";
+  legs.host = "another boot/1";
+  legs.state = "Active";
+  legs.pid = 7;
+  static_cast<void>(statuses->Publish(legs));
+  const auto running = RunningActuators::Begin(*desk, "ending_test", false).value();
+  network.RunFor(std::chrono::seconds(1));
+  running->OnlyOf({"dog", ""});
+  ASSERT_EQ(running->Now().size(), 1U);
+  const auto ending =
+      Ending::Begin(*desk, "ending_test", *running, std::chrono::seconds(1)).value();
+  network.Partition("board", "desk");
+  network.RunFor(std::chrono::minutes(1));
+  ASSERT_FALSE(running->HasStatusOf("legs"));
+  EXPECT_TRUE(ending->OutOfTime());
+  EXPECT_FALSE(ending->Ended());
+  EXPECT_EQ(ending->Outcomes().front().trouble, "its status is lost, it may run on");
+}
+
+}  // namespace musher::cli::ending_test
