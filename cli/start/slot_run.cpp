@@ -241,7 +241,7 @@ TrialBoot::TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, co
   ExpectEnd();
 }
 
-// The time counts once no emergency stop is engaged any more.
+// The time counts from the release of the last emergency stop: a person needs some of it.
 void TrialBoot::ExpectEnd() {
   deadline_ = loop_.At(loop_.Now() + run_.trial, [this] {
     const Machine* machine = machine_();
@@ -254,6 +254,7 @@ void TrialBoot::Evaluate() {
   const Machine* machine = machine_();
   if (machine == nullptr || ending_) return;
   stop_.Note(*machine);
+  if (machine->emergency.stop) ExpectEnd();
   if (const auto verdict = ota::EvaluateTrialBoot(config_, *machine, stop_)) End(*verdict);
 }
 
