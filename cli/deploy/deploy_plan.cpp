@@ -154,11 +154,19 @@ class Planner {
     if (!fs::is_directory(found, error)) return PutNamed(actuator, path, found.string());
     for (auto at = fs::recursive_directory_iterator(found, error);
          !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+      if (at->is_symlink(error) && !at->is_regular_file(error)) NoteLink(at->path());
       if (!at->is_regular_file(error) || IsSecret(at->path())) continue;
       Put(actuator, (path / at->path().lexically_relative(found)).lexically_normal().string(),
           at->path().string());
     }
     if (error) Refuse(actuator, found.string() + ": " + error.message());
+  }
+
+  // A link to a file is copied as that file; a program may need what one to a folder leads to.
+  void NoteLink(const fs::path& link) {
+    if (!noted_.insert(link).second) return;
+    plan_.notes.push_back(link.string() +
+                          " is not copied: it is a link to a folder, or to nothing");
   }
 
   bool IsInKeys(const fs::path& file) const {

@@ -530,6 +530,18 @@ TEST_F(Deployed, ListInTheEnvironmentMayNameAFolderOfTheSlot) {
   EXPECT_TRUE(fs::exists(Slot("vision") + "/lib/libeyes.so"));
 }
 
+TEST_F(Deployed, LinkToAFolderInANamedFolderIsSaidNotToBeCopied) {
+  Write("from/lib/1.2/libeyes.so", "x");
+  fs::create_directory_symlink("1.2", folder_ / "from/lib/now");
+  fs::create_symlink("1.2/libeyes.so", folder_ / "from/lib/libeyes.so");
+  Edit("env = { ", "env = { LD_LIBRARY_PATH = \"" + Slot("vision") + "/lib\", ");
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("from/lib/now is not copied: it is a link to a folder"),
+                             ::testing::Not(HasSubstr("libeyes.so is not copied"))));
+  EXPECT_EQ(ReadFile(Slot("vision") + "/lib/libeyes.so"), "x");
+}
+
 TEST_F(Deployed, FilesThatAreMissingHereAreNamed) {
   fs::remove(folder_ / "from/bin/eyes");
   const Ran ran = Deploy("1.0.0");
