@@ -63,6 +63,19 @@ std::vector<std::string> TextsIn(const Json& body, const char* name) {
   return texts;
 }
 
+bool IsFlat(const Json& value) {
+  return value.is_primitive() ||
+         (value.is_array() && std::all_of(value.begin(), value.end(),
+                                          [](const Json& one) { return one.is_primitive(); }));
+}
+
+// Of a skill. A value that is nested a million times would overflow the stack of what prints it.
+bool HasFlatParameters(const Json& body) {
+  const auto parameters = body.find("parameters");
+  return parameters == body.end() || !parameters->is_object() ||
+         std::all_of(parameters->begin(), parameters->end(), IsFlat);
+}
+
 // {"action":…,"actuator":…,"skill":…,"parameters":{"x_m":"1.5"}}
 SkillRequests::Request SkillIn(const Json& body) {
   SkillRequests::Request request{
@@ -206,12 +219,16 @@ http::LoginLink LiveServer::NewLink(const std::string& name) {
 
 void LiveServer::KeepSessions() {
   if (options_.sessions.empty()) return;
-  const auto kept =
-      http::WriteSessions(options_.sessions, login_.Kept(node_.loop().Now()), WallMilliseconds());
-  if (!kept && !std::exchange(keeping_failed_, true)) {
-    WriteLog(LogLevel::kWarning, "musher-view",
-             "logins end with this process: " + kept.error().message);
-  }
+  // Beside the loop: a disk that hangs holds up no emergency stop.
+  disk_.Do(
+      "sessions",
+      [file = options_.sessions, sessions = login_.Kept(node_.loop().Now()),
+       wall_ms = WallMilliseconds()] { return http::WriteSessions(file, sessions, wall_ms); },
+      [this](const Result<>& kept) {
+        if (kept || std::exchange(keeping_failed_, true)) return;
+        WriteLog(LogLevel::kWarning, "musher-view",
+                 "logins end with this process: " + kept.error().message);
+      });
 }
 
 http::WebSocketHandlers LiveServer::OnFoxglove(const std::shared_ptr<http::WebSocket>& socket) {
@@ -453,6 +470,10 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   }
   if (request.path == "/api/restart") return requests_->Restart(caller, actuator, respond);
   if (request.path == "/api/skill") {
+    if (!HasFlatParameters(body)) {
+      return respond(http::ErrorResponse(400, kCodeParametersInvalid,
+                                         "a parameter is a text, a number, or a list of them"));
+    }
     if (requests_->IsMeant(caller, respond)) skills_.Run(caller.shown, SkillIn(body), respond);
     return;
   }

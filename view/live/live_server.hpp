@@ -22,6 +22,7 @@
 #include <memory>
 #include <string>
 
+#include "musher/transport/disk_writer.hpp"
 #include "musher/view/foxglove/foxglove_server.hpp"
 #include "musher/view/http/login.hpp"
 #include "musher/view/http/server.hpp"
@@ -122,7 +123,8 @@ class LiveServer {
   transport::LoopHandlePtr topics_timer_;               // while a change is not sent
   transport::LoopHandlePtr every_second_;
   transport::LoopHandlePtr keep_timer_;
-  bool keeping_failed_ = false;         // it was logged
+  bool keeping_failed_ = false;  // it was logged
+  transport::DiskWriter disk_{node_.loop(), {.name = "view-sessions"}};
   std::unique_ptr<http::Server> http_;  // last: its functions use all of the above
 };
 

@@ -67,6 +67,14 @@ std::vector<MachineIdentity> NamedOf(const std::vector<MachineHere>& machines) {
   return named;
 }
 
+Error DoesNotRun(const MachineIdentity& own, const MachineIdentity& found) {
+  const std::string word = own.name == found.name ? "ID" : "NAME";
+  return {kCodeNetError, "the machine of this host, " + MachineText(own) +
+                             ", does not run; found " + MachineText(found) +
+                             ". Nothing was done; `musher view --machine " + word +
+                             "` speaks to another machine"};
+}
+
 bool IsIn(const std::vector<MachineIdentity>& machines, const MachineIdentity& machine) {
   return std::ranges::any_of(machines, [&](const auto& one) { return SameMachine(one, machine); });
 }
@@ -113,17 +121,20 @@ std::optional<Error> RobotRequests::WhyNotMeant() const {
                                       ". Nothing was done; `musher view --machine ID` speaks to "
                                       "one of them"};
   }
-  if (named) return std::nullopt;
+  if (named) {
+    // A copy of the machine of this host has its name, and is found first while that one starts.
+    const auto own = own_.value_or(std::vector<MachineIdentity>());
+    const auto alike_here = std::ranges::find(own, name, &MachineIdentity::name);
+    if (alike_here == own.end() || IsIn(own, watch.machine())) return std::nullopt;
+    return DoesNotRun(*alike_here, watch.machine());
+  }
   if (!own_) {
     return Error{kCodeNetError,
                  "this host is still being searched for a machine of its own. Nothing was done; "
                  "try again, or `musher view --machine NAME` speaks to another machine"};
   }
   if (own_->empty() || IsIn(*own_, watch.machine())) return std::nullopt;
-  return Error{kCodeNetError, "the machine of this host, " + MachineText(own_->front()) +
-                                  ", does not run; found " + MachineText(watch.machine()) +
-                                  ". Nothing was done; `musher view --machine NAME` speaks to "
-                                  "another machine"};
+  return DoesNotRun(own_->front(), watch.machine());
 }
 
 bool RobotRequests::IsMeant(const Caller& caller, const http::Respond& respond) const {

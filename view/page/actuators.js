@@ -54,13 +54,14 @@ function tailPart(ctx, name) {
 }
 
 async function restart(ctx, a) {
+  const shown = shownMachine(ctx.state);
   const yes = await ctx.confirm({title: t('restart.title', {name: a.name}),
     text: t('restart.text') + (a.critical ? ` ${t('restart.critical')}` : ''), yes: t('restart.yes'),
       no: t('cancel')});
   if (!yes) return;
   let why = '';
   try {
-    const answer = await post('api/restart', {...shownMachine(ctx.state), actuator: a.name});
+    const answer = await post('api/restart', {...shown, actuator: a.name});
     if (answer.code) why = answer.reason || t('code', {code: answer.code});
   } catch (error) {
     why = error.message || t('no_answer');

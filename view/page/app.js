@@ -18,6 +18,7 @@ import * as timeline from './timeline.js';
 
 const ACKNOWLEDGED = 'musher.acknowledged';
 const MOST_MACHINES = 32;
+const at = id => document.getElementById(id);
 
 function stored(key) {
   try {
@@ -54,8 +55,8 @@ const ctx = {
     }
     redraw();
   },
-  confirm: request => confirmDialog(document.getElementById('dialogs'), request),
-  focus: id => requestAnimationFrame(() => document.getElementById(id)?.focus()),
+  confirm: request => confirmDialog(ctx, at('dialogs'), request),
+  focus: id => requestAnimationFrame(() => at(id)?.focus()),
   watch: topics => connection.watch(topics),
   receive: message => onMessage(message),
 };
@@ -65,7 +66,7 @@ function redraw() {
   if (waiting === 0) waiting = requestAnimationFrame(drawAll);
 }
 
-// What changed and is worth a word to a person who does not look: for screen readers.
+// Says what has changed, for screen readers.
 function announceChanges(before, after) {
   const [old, status] = [statusOf(before), statusOf(after)];
   if (!old || !status || old === status) return;
@@ -132,7 +133,6 @@ function banner(level, key, ...children) {
 function oldBanner() {
   const silent = ctx.state.lastReceived ? duration(ctx.now - ctx.state.lastReceived) : '–';
   const rest = ctx.state.link === 'closed' ? Math.ceil((ctx.state.retryAt - ctx.now) / 1000) : 0;
-  // Only the first sentence is read out: the counting times are hidden from screen readers.
   return h('div', {class: 'banner warn', key: 'old'}, levelShape('warn'),
     h('p', null, t('banner.old', {age: silent}), ' ',
     ctx.state.link === 'connecting' ? t('banner.old.trying') : rest > 0
@@ -143,7 +143,7 @@ function oldBanner() {
 }
 
 const loginButton = () => h('button', {class: 'button small',
-  onclick: () => loginDialog(document.getElementById('dialogs'))}, t('login'));
+  onclick: () => loginDialog(ctx, at('dialogs'))}, t('login'));
 
 function banners(fresh) {
   const status = statusOf(ctx.state);
@@ -164,7 +164,7 @@ function banners(fresh) {
       ? h('div', {class: 'banner plain', key: 'look'}, h('p', {id: 'look-how'}, h('b', null, t('look.only')),
         ' ', commands(t('look.how')), ' ', mayStop(ctx.state) ? t('stop.free') : commands(t('stop.also'))),
         loginButton()) : null,
-    ctx.state.hello && mayAct(ctx.state)
+    mayAct(ctx.state)
       ? h('div', {class: 'banner plain', key: 'act'}, h('p', null,
         t('look.as', {who: ctx.state.hello.who || '?'})),
         h('button', {class: 'link-button', onclick: () => logout(ctx, false)}, t('logout')),
@@ -184,12 +184,12 @@ function drawAll() {
   document.body.classList.toggle('dead', fresh !== 'live' && fresh !== 'connecting');
   if (fresh !== ctx.ui.fresh && ctx.ui.fresh && fresh !== 'connecting') ctx.say(t(`link.${fresh}`));
   ctx.ui.fresh = fresh;
-  document.getElementById('skip').textContent = t('skip');
-  draw(document.getElementById('top'), headerPart(fresh));
-  document.getElementById('banners').setAttribute('aria-label', t('banner.label'));
-  draw(document.getElementById('banners'), banners(fresh));
-  draw(document.getElementById('main'), VIEWS[ctx.route.name].view(ctx));
-  draw(document.getElementById('said'), ctx.ui.said.map(said => h('p', {key: said.key}, said.text)));
+  at('skip').textContent = t('skip');
+  draw(at('top'), headerPart(fresh));
+  at('banners').setAttribute('aria-label', t('banner.label'));
+  draw(at('banners'), banners(fresh));
+  draw(at('main'), VIEWS[ctx.route.name].view(ctx));
+  draw(at('said'), ctx.ui.said.map(said => h('p', {key: said.key}, said.text)));
 }
 
 function readRoute() {
@@ -216,9 +216,9 @@ document.documentElement.lang = languageTag();
 const connection = new Connection(onMessage);
 addEventListener('hashchange', readRoute);
 document.addEventListener('visibilitychange', () => document.hidden || connection.retryNow());
-document.getElementById('skip').addEventListener('click', event => {
+at('skip').addEventListener('click', event => {
   event.preventDefault();
-  document.getElementById('main').focus();
+  at('main').focus();
 });
 setInterval(redraw, 1000);  // ages grow without messages
 readRoute();

@@ -1,8 +1,9 @@
 // A modal dialog that confirms what cannot be taken back.
 import {draw, h} from './dom.js';
+import {stopButton} from './estop.js';
 
-// True when the person says yes; Escape and the other button say no.
-export function confirmDialog(parent, {title, text, yes, no}) {
+// True for yes; Escape, STOP and the other button say no.
+export function confirmDialog(ctx, parent, {title, text, yes, no}) {
   return new Promise(resolve => {
     let answer = false;
     let dialog = null;
@@ -20,7 +21,8 @@ export function confirmDialog(parent, {title, text, yes, no}) {
     h('h2', {id: 'confirm-title'}, title), h('p', {id: 'confirm-text'}, text),
     h('p', {class: 'buttons'},
       h('button', {class: 'button', onclick: () => end(false)}, no),
-      h('button', {class: 'button danger', onclick: () => end(true)}, yes)))]);
+      h('button', {class: 'button danger', onclick: () => end(true)}, yes),
+      stopButton(ctx, () => end(false))))]);
     dialog.showModal();
   });
 }

@@ -33,12 +33,14 @@ async function engage(ctx) {
 }
 
 async function release(ctx) {
-  const seen = statusOf(ctx.state)?.stop_ids ?? []; // a stop that is engaged meanwhile is not released
+  // A later stop is not released; without ids all would be.
+  const seen = {...shownMachine(ctx.state), stop_ids: statusOf(ctx.state)?.stop_ids ?? []};
+  if (!seen.stop_ids.length) return;
   const yes = await ctx.confirm({title: t('stop.confirm.title'), text: t('stop.confirm.text'),
     yes: t('stop.confirm.yes'), no: t('stop.confirm.no')});
   if (!yes) return;
   try {
-    await done(post('api/release', {...shownMachine(ctx.state), stop_ids: seen}));
+    await done(post('api/release', seen));
     ctx.say(t('stop.released'));
   } catch (error) {
     ctx.alarm(t('failed', {why: error.message || t('no_answer')}));
@@ -52,11 +54,15 @@ export function releaseButton(ctx) {
     onclick: () => release(ctx)}, t('stop.release'));
 }
 
-export function stopButton(ctx) {
+// `before`: of a dialog, which blocks the rest of the page.
+export function stopButton(ctx, before) {
   const may = mayStop(ctx.state);
   return h('button', {key: 'stop', class: 'stop', disabled: !may,
     'aria-describedby': may ? null : 'look-how', title: may ? null
       : plainText(t('stop.login', {how: t('look.how')})),
-    'aria-label': t('stop'), onclick: () => engage(ctx)},
+    'aria-label': t('stop'), onclick: () => {
+      before?.();
+      engage(ctx);
+    }},
   shape(OCTAGON), ctx.ui.stopping ? t('stop.sending') : t('stop.short'));
 }

@@ -1,13 +1,14 @@
 // The login: by the PIN that `musher view` prints, in a dialog; and its end.
 import {ApiError, post} from './connection.js';
 import {draw, h} from './dom.js';
+import {stopButton} from './estop.js';
 import {t} from './i18n.js';
 import {commands} from './parts.js';
 
 const DIGITS = 6;
 
-// Reloads the page once the PIN was right: it then knows who acts.
-export function loginDialog(parent) {
+// Reloads the page, which then knows who acts.
+export function loginDialog(ctx, parent) {
   const ui = {error: '', busy: false};
   let dialog = null;
   let input = null;
@@ -38,7 +39,8 @@ export function loginDialog(parent) {
     h('p', {id: 'login-error', class: 'tone-bad', role: 'alert'}, commands(ui.error)),
     h('p', {class: 'buttons'},
       h('button', {class: 'button', onclick: () => dialog.close()}, t('cancel')),
-      h('button', {type: 'submit', class: 'button primary', disabled: ui.busy}, t('login')))));
+      h('button', {type: 'submit', class: 'button primary', disabled: ui.busy}, t('login')),
+      stopButton(ctx, () => dialog.close()))));
   redraw();
   dialog.showModal();
   input.focus();

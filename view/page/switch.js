@@ -1,5 +1,5 @@
 // A change of the state: choose it, see the plan, confirm, watch its legs, see the outcome. ui.switch is
-// null, or {target, actuator, step: "requesting"|"plan"|"going"|"ended", plan, answer, error}.
+// null, or {target, actuator, shown, step: "requesting"|"plan"|"going"|"ended", plan, answer, error}.
 import {post} from './connection.js';
 import {h} from './dom.js';
 import {duration} from './format.js';
@@ -8,7 +8,7 @@ import {actButton, card, codeNote, commands, levelShape, lookHint, quoted, state
 import {legState, mayAct, offeredStates, shownMachine} from './store.js';
 
 export async function requestPlan(ctx, target, actuator) {
-  const change = {target, actuator, step: 'requesting'};
+  const change = {target, actuator, step: 'requesting', shown: shownMachine(ctx.state)};
   ctx.ui.switch = change;
   ctx.redraw();
   try {
@@ -27,8 +27,7 @@ async function go(ctx) {
   ctx.redraw();
   ctx.focus('plan');
   try {
-    change.answer = await post('api/set', {...shownMachine(ctx.state), target: change.target,
-      actuator: change.actuator});
+    change.answer = await post('api/set', {...change.shown, target: change.target, actuator: change.actuator});
   } catch (error) {
     if (error.status === 0) change.answer = {outcome: 'lost', reason: error.message, actuators: []};
     else change.error = error.message;
@@ -136,6 +135,7 @@ function planPart(ctx, status) {
   if (change.step === 'requesting') return h('p', {class: 'quiet'}, t('switch.requesting'));
   const plan = change.plan;
   const refused = plan && !plan.allowed;
+  const open = plan?.allowed && change.step === 'plan';
   return h('div', {class: 'plan', key: 'plan', id: 'plan', tabindex: '-1', role: 'group',
     'aria-labelledby': 'plan-title'},
     h('h3', {id: 'plan-title'}, change.actuator ? `${change.actuator}: ` : '',
@@ -145,8 +145,8 @@ function planPart(ctx, status) {
     refused ? h('div', {class: 'outcome bad'}, levelShape('bad'),
       h('div', null, h('b', null, t('switch.refused.plan')),
       h('p', {class: 'reason'}, quoted(plan.reason), codeNote(plan.reason, plan.code)))) : null,
-    plan?.allowed && change.step === 'plan' ? h('p', {class: 'quiet'}, t(`switch.${plan.direction}`)) : null,
-    plan?.allowed && change.step === 'plan' && change.target === 'TearDown'
+    open ? h('p', {class: 'quiet'}, t(`switch.${plan.direction}`)) : null,
+    open && change.target === 'TearDown'
       ? h('p', {class: 'outcome warn'}, levelShape('warn'), h('span', null, commands(t('switch.off')))) : null,
     change.answer ? outcomePart(change) : null,
     plan && plan.steps?.length ? planList(change, status) : null,
@@ -157,5 +157,3 @@ export function switchCard(ctx, status) {
   return card(t('switch'), {id: 'switch-title', class: 'switch-card'},
     ctx.ui.switch ? planPart(ctx, status) : chooser(ctx, status));
 }
-
-

@@ -319,4 +319,3 @@ export function view(ctx) {
     plotsCard(ctx, windowOf(ctx), geometry(ctx)),
     eventsCard(ctx, chosen)];
 }
-

@@ -238,6 +238,8 @@ test('bad requests are refused with a sentence', async () => {
     ['api/history?limit=-1', 200], ['api/history?limit=x', 200]]) {
     assert.equal((await api(path)).status, status, path);
   }
+  const deep = `{"parameters":{"x":${'['.repeat(500000)}${']'.repeat(500000)}}}`;
+  assert.equal((await api('api/skill', {method: 'POST', body: deep, headers: {cookie}})).status, 400);
   const {outcome, reason} = await (await post('api/set', {target: 'Nowhere'}, {cookie})).json();
   assert.equal(outcome, 'refused');
   assert.match(reason, /unknown state 'Nowhere'/);

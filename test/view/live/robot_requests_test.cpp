@@ -296,6 +296,26 @@ TEST_F(RequestsOfAPage, ActOnNoneOfTwoMachinesOfOneName) {
   EXPECT_THAT(received->stops, ElementsAre("dog "));
 }
 
+// The page of a controller has its name; the controller of this host starts yet.
+TEST_F(RequestsOfAPage, ActOnNoCopyOfTheMachineOfThisHostThatIsFoundBeforeIt) {
+  own_ = {{{"dog", "uuid-a"}}};
+  Open("dog");
+  const auto copy = Lead("dog", "uuid-c");
+  const auto answers = Act({"dog", "uuid-c"});
+  ASSERT_EQ(answers.size(), 3U);
+  EXPECT_THAT(answers, ::testing::Each(AllOf(
+                           HasSubstr("409 "),
+                           HasSubstr("the machine of this host, dog (id uuid-a), does not run; "
+                                     "found dog (id uuid-c). Nothing was done"))));
+  EXPECT_THAT(done_, IsEmpty());
+  const auto received = Receive(*copy.node);
+  Stop();
+  EXPECT_THAT(received->stops, ElementsAre("dog ")) << "for both";
+  const auto dog = Lead("dog", "uuid-a", "desk");
+  Act({"dog", "uuid-a"});
+  EXPECT_EQ(done_.size(), 3U);
+}
+
 TEST_F(RequestsOfAPage, ActOnNoMachineOfTheSameNameThatAnswersInItsPlace) {
   Open();
   std::optional dog(Lead("dog", "uuid-a"));

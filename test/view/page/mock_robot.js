@@ -23,6 +23,7 @@ export class MockRobot {
       actuator('sensor_manager', 1, true, 4105), actuator('camera', 2, false, 4106),
         actuator('wedding', 3, false, 4107),
       actuator('gardener', 3, false, 4108), actuator('skills', 3, false, 4109)];
+    this.machineId = '5982c7ee-4c0e-4a5f-9d58-2f1f2f2a7b11';
     this.state = 'Active';
     this.target = '';
     this.epoch = 7;
@@ -107,7 +108,7 @@ export class MockRobot {
 
   status() {
     const degraded = this.parts.filter(p => p.info.degraded).map(p => p.info.name);
-    return {machine: 'robot', machine_id: '5982c7ee-4c0e-4a5f-9d58-2f1f2f2a7b11', name_space: '', phase: 'running', state: this.state, target: this.target,
+    return {machine: 'robot', machine_id: this.machineId, name_space: '', phase: 'running', state: this.state, target: this.target,
       epoch: this.epoch,
       switch_number: this.switchNumber, pid: 4090, host: 'robot-7', config_file: '/etc/musher/robot.toml',
         config_hash: '5d41402a',

@@ -136,6 +136,39 @@ test('a release names the stops that the person has seen',
   assert.deepEqual(server.requests.map(r => r.body.stop_ids), [['00000000000000a1']]);
 }));
 
+test('the emergency stop can be pressed from each dialog, which blocks the rest of the page',
+  () => inPage({hash: 'actuators'}, async (page, {server, robot}) => {
+  await page.click('#actuator-camera');
+  await page.click('.details button:has-text("Restart")');
+  await page.click('dialog .stop');
+  await page.waitForSelector('.release');
+  assert.equal(await page.locator('dialog').count(), 0);
+  await page.click('.release');
+  await page.click('dialog .stop');
+  await until('a second stop', async () => robot.stopIds.length === 2);
+  assert.deepEqual(server.requests.map(r => r.path), ['/api/estop', '/api/estop']);
+}));
+
+test('the emergency stop can be pressed from the login',
+  () => inPage({mayAct: false}, async (page, {server}) => {
+  await page.click('.banner >> text=Log in');
+  await page.click('dialog .stop');
+  await page.waitForSelector('.banner.bad >> text=Emergency stop is engaged');
+  assert.deepEqual(server.requests.map(r => r.path), ['/api/estop']);
+}));
+
+// Two robots of one image have one name, and the server is started again between the plan and the press.
+test('what a person confirms is for the machine for which it was shown',
+  () => inPage({}, async (page, {server, robot}) => {
+  await page.click('.choice:has-text("LowPower")');
+  await page.waitForSelector('#plan .primary');
+  robot.machineId = 'd0900000-0000-4000-8000-000000000002';
+  robot.publish();
+  await page.click('#plan .primary');
+  await page.waitForSelector('.outcome');
+  assert.deepEqual(server.requests.map(r => r.body.machine_id), [MACHINE.machine_id]);
+}));
+
 test('an emergency stop that cannot be sent says so, loudly', () => inPage({}, async (page, {server}) => {
   server.act = async (name, body, json) => json({error: {code: 1, message: 'the session has ended'}}, 403);
   await page.click('.stop');
