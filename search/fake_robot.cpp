@@ -18,9 +18,14 @@ void FakeRobot::Feed(const Event& event) {
 
 void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised, bool at_boot) {
   PerActuator<bool> running;
-  for (const ActuatorIndex i : config_.actuators.Indices()) running.push_back(Actuator(i).alive);
+  PerActuator<std::int32_t> processes;
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    const FakeActuator& actuator = Actuator(i);
+    running.push_back(actuator.alive);
+    processes.push_back(actuator.alive ? actuator.pid() : 0);
+  }
   const Disk& disk = controller_.disk;
-  event::Begin begin{by_hand, disk.epoch, running, "here", disk.stops};
+  event::Begin begin{by_hand, disk.epoch, running, "here", disk.stops, processes};
   begin.policy = disk.policy;
   begin.stop_intent = disk.stop_intent;
   begin.restarted = restarted;
@@ -38,7 +43,12 @@ ActuatorReport FakeRobot::Report(ActuatorIndex i) {
 }
 
 void FakeRobot::FeedExit(const event::ProcessEnded& end) {
-  if (controller_.machine.actuators[end.actuator].process.pid == end.pid) return Feed(end);
+  const ActuatorProcess& process = controller_.machine.actuators[end.actuator].process;
+  const bool is_child = process.launch != Launch::kFoundRunning;
+  if (process.pid == end.pid && is_child) return Feed(end);
+  // The kernel says how a process has exited only to the one that has started it.
+  if (process.pid == end.pid)
+    return Feed(event::ProcessEnded{end.actuator, end.pid, false, "exit code unknown"});
   const Incarnation incarnation(static_cast<std::uint64_t>(end.pid));
   Feed(event::Vanished{end.actuator, incarnation, true, "its process ended"});
 }

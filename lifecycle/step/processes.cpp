@@ -26,6 +26,8 @@ void Processes::Recover(ActuatorIndex i, const event::ProcessEnded& ended) {
   const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
                       machine_.phase == Phase::kFailed;
   if (!wanted) return;
+  // What has exited need not be torn down, and nothing starts after a TearDown.
+  if (machine_.start_up.finishing) return known.set_up_by.reset();
   if (std::exchange(known.restart.requested, false)) {
     known.restart.at = now_;
     return;

@@ -101,7 +101,7 @@ TEST_F(Hang, OfAnAdoptedProcessIsKilledAndRestartedAsWell) {
   Harness& t = In("Active", Ours(2));
   t.RestartController();
   t.Rest();
-  ASSERT_EQ(t.RecordOf("b").process.pid, 0) << "adopted";
+  ASSERT_EQ(t.RecordOf("b").process.launch, Launch::kFoundRunning) << "adopted";
   t.Find("b", Health::kHung, true);
   t.Rest();
   EXPECT_THAT(t.signals, ElementsAre("b:KILL"));

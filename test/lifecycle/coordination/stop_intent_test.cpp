@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
@@ -72,6 +73,48 @@ TEST(FinishingATearDown, DoesNotWaitForAMusherActuatorThatDoesNotRun) {
   t.Begin(false, 0, /*restarted=*/true);
   ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));
   EXPECT_LT(t.now() - begun, std::chrono::seconds(1));
+}
+
+// After a controller that was killed in a TearDown, which its processes go on with.
+class FinishingATearDownOfProcesses : public Switching {
+ protected:
+  // Until the TearDown of `a` runs.
+  Harness& InTearDown(Duration takes) {
+    MachineConfig config = Ours(2);
+    for (ActuatorConfig& actuator : config.actuators) {
+      actuator.times.assign(config.states.size(), std::chrono::seconds(10));
+    }
+    Harness& t = In("Active", config);
+    t.On("a", "TearDown").takes = takes;
+    t.RequestSwitch("TearDown");
+    EXPECT_TRUE(t.RunUntil([&] { return std::ranges::count(t.log(), "a:TearDown") > 0; }));
+    t.ClearLog();
+    return t;
+  }
+  // Within a second, and without a start.
+  static void ExpectDown(Harness& t) {
+    t.RunFor(std::chrono::seconds(1));
+    EXPECT_TRUE(t.stopped());
+    EXPECT_THAT(t.log(), ::testing::Not(::testing::Contains("a:SetUp")));
+    for (const char* name : {"a", "b"}) EXPECT_FALSE(t.IsAlive(name)) << name;
+  }
+};
+
+TEST_F(FinishingATearDownOfProcesses, NeitherStartsNorAwaitsOneThatExitsBeforeItAnswers) {
+  Harness& t = InTearDown(Milliseconds(20));
+  t.DelayReports("a", std::chrono::seconds(2));
+  t.RestartController(false, /*restarted=*/true);
+  ExpectDown(t);
+}
+
+TEST_F(FinishingATearDownOfProcesses, StartsNoneThatIsKilledWhileAnotherOneIsAwaited) {
+  Harness& t = InTearDown(Milliseconds(600));
+  t.DelayReports("b", Milliseconds(500));
+  t.RestartController(false, /*restarted=*/true);
+  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("a").presence == Presence::kPresent; }));
+  ASSERT_NE(t.RecordOf("b").presence, Presence::kPresent);
+  t.Crash("a");
+  ExpectDown(t);
 }
 
 // What a controller that is torn down searches for once the known processes have exited.
