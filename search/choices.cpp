@@ -39,7 +39,7 @@ class ChoiceList {
     if (world_.stop_seen_due && Leads()) Free(ChoiceKind::kSeeStop);
     ListTime();
     if (world_.faults_left > 0 && Leads()) {
-      Fault(ChoiceKind::kRestart);
+      ListStarts();
       Fault(ChoiceKind::kRequestError);
       if (world_.machine.phase != Phase::kStopping) Fault(ChoiceKind::kRequestTearDown);
     }
@@ -83,6 +83,13 @@ class ChoiceList {
     if (world_.released && world_.repeat == Repeat::kNotYet && runs) Free(ChoiceKind::kRepeat);
   }
 
+  // A person's start differs from a supervisor's after a TearDown. After a stop it would be a
+  // request.
+  void ListStarts() {
+    Fault(ChoiceKind::kRestart);
+    if (world_.disk.stop_intent && !world_.stopped) Fault(ChoiceKind::kStartByPerson);
+  }
+
   void ListOtherMachine() {
     for (const ActuatorIndex i : world_.actuators.Indices()) {
       const SimActuator& actuator = world_.actuators[i];
@@ -98,7 +105,7 @@ class ChoiceList {
     const SimActuator& actuator = world_.actuators[first.to];
     Free(ChoiceKind::kDeliver, first.to);
     ListStop();
-    Fault(ChoiceKind::kRestart);
+    ListStarts();
     if (!actuator.alive || !actuator.visible) return;
     Fault(ChoiceKind::kLose, first.to);
     Fault(ChoiceKind::kHold, first.to);

@@ -279,8 +279,9 @@ Identity IdentityOf(const Model& model, const World& w) {
     actuators.push_back(own);
   }
   std::sort(actuators.begin(), actuators.end());
-  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.disk.epoch, w.at_start,
-            w.stopped, w.stop_seen_due, w.released, w.repeat);
+  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.disk.epoch,
+            w.disk.stop_intent, w.stays_down, w.at_start, w.stopped, w.stop_seen_due, w.released,
+            w.repeat);
   mixer.Add(m, m.policy.clock.time_since_epoch().count(), m.emergency.stop.has_value(),
             m.emergency.others.size());
   return {mixer.Get(), twins};

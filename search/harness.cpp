@@ -47,8 +47,9 @@ void Harness::RequestSwitch(const State& target) {
   Feed(event::SetStateRequested{RequestId(world_.requests.size()), target, std::nullopt});
 }
 
-void Harness::RestartController() {
+void Harness::RestartController(bool by_person) {
   World& w = world_;
+  w.stays_down = !by_person && (w.stays_down || w.disk.stop_intent);
   ++w.generation;
   if (w.repeat == Repeat::kDone) w.repeat = Repeat::kRequested;
   w.machine = MakeMachine(config_);
@@ -61,8 +62,7 @@ void Harness::RestartController() {
     actuator.status_due = actuator.alive;  // latched for the next controller
     std::erase_if(actuator.late, FromActuator);
   }
-  // Not by a person, whose start would be a request.
-  BeginController(false, /*restarted=*/false, /*supervised=*/true);
+  BeginController(false, /*restarted=*/!by_person, /*supervised=*/!by_person);
 }
 
 void Harness::FeedReply(ActuatorIndex i) {
@@ -74,7 +74,18 @@ void Harness::FeedReply(ActuatorIndex i) {
 
 void Harness::FeedStatus(ActuatorIndex i) {
   world_.actuators[i].status_due = false;
-  Feed(event::StatusSeen{i, Report(i)});
+  FeedStatus(event::StatusSeen{i, Report(i)});
+}
+
+// Of a process whose end was detected, the shell finds none with its pid, and its writer is lost.
+void Harness::FeedStatus(event::StatusSeen seen) {
+  const SimActuator& actuator = world_.actuators[seen.actuator];
+  const Incarnation incarnation = seen.report.incarnation;
+  const bool of_present = incarnation == actuator.core.report.incarnation;
+  const bool ended = !of_present || (!actuator.alive && !actuator.end);
+  if (ended) seen.report.pid = 0;
+  Feed(seen);
+  if (ended) Feed(event::Vanished{seen.actuator, incarnation, false, "its writer is lost"});
 }
 
 void Harness::FeedEnd(ActuatorIndex i) {
@@ -244,6 +255,7 @@ void Harness::PublishToActuators(const action::PublishEmergencyStop& published) 
 void Harness::Do(const Action& action) {
   World& w = world_;
   if (const auto* start = std::get_if<action::StartProcess>(&action)) {
+    CheckStart(model_, w, start->actuator, notes_);
     StartActuator(start->actuator);
     Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].pid()});
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {

@@ -17,10 +17,12 @@ class Harness : public FakeRobot {
 
   // Events for the controller.
   void RequestSwitch(const State& target);
-  void RestartController();
+  // The controller is killed, and another starts.
+  void RestartController(bool by_person);
   void FeedReply(ActuatorIndex i);   // the first one under way
   void FeedStatus(ActuatorIndex i);  // with the actuator's present report
-  void FeedEnd(ActuatorIndex i);     // of its process
+  void FeedStatus(event::StatusSeen seen);
+  void FeedEnd(ActuatorIndex i);  // of its process
 
   // Events for actuators.
   void StartActuator(ActuatorIndex i);

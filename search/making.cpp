@@ -194,8 +194,11 @@ class ChoiceMaker {
         harness_.Log("FAULT: " + name() + " crashes");
         return harness_.Crash(i_);
       case ChoiceKind::kRestart:
-        harness_.Log("FAULT: the controller is killed, and another takes over");
-        return harness_.RestartController();
+        harness_.Log("FAULT: the controller is killed, and its supervisor starts another");
+        return harness_.RestartController(false);
+      case ChoiceKind::kStartByPerson:
+        harness_.Log("FAULT: the controller is killed, and a person starts another");
+        return harness_.RestartController(true);
       case ChoiceKind::kRequestError:
         harness_.Log("CROSSED by a more urgent request");
         return harness_.RequestSwitch(State(kError));
@@ -240,7 +243,7 @@ class ChoiceMaker {
     harness_.Log("a delayed message arrives: " + Text(late));
     if (const auto* message = std::get_if<Message>(&late)) return harness_.DeliverLate(*message);
     if (const auto* reply = std::get_if<event::Replied>(&late)) return harness_.Feed(*reply);
-    if (const auto* seen = std::get_if<event::StatusSeen>(&late)) return harness_.Feed(*seen);
+    if (const auto* seen = std::get_if<event::StatusSeen>(&late)) return harness_.FeedStatus(*seen);
     harness_.ReceiveStop(i_);
   }
 
@@ -364,7 +367,7 @@ class ChoiceMaker {
     if (lost) return;
     const event::StatusSeen seen{i_, harness_.Report(i_)};
     actuator().late.emplace_back(seen);
-    if (twice) harness_.Feed(seen);
+    if (twice) harness_.FeedStatus(seen);
   }
 
   Harness& harness_;

@@ -398,6 +398,10 @@ void CheckStep(const Model& model, const World& world, const Before& before, Not
   const auto deadline = NextDeadline(config, machine);
   if (deadline && *deadline <= world.now)
     notes.violations.emplace_back("a deadline is not in the future");
+  if (world.stays_down && machine.phase == Phase::kRunning) {
+    notes.violations.push_back("the machine is up in " + machine.state +
+                               " after a TearDown, by no person's start");
+  }
   const bool rises = IsHigher(config, machine.state, before.state);
   if (rises && !IsRequested(world, machine.state)) {
     notes.violations.push_back("the machine switches up to " + machine.state +
@@ -420,6 +424,12 @@ void CheckStep(const Model& model, const World& world, const Before& before, Not
                                  ", which is above " + config.actuators[i].name + "'s " + state);
     }
   }
+}
+
+void CheckStart(const Model& model, const World& world, ActuatorIndex i, Notes& notes) {
+  if (!world.stays_down) return;
+  notes.violations.push_back(model.config.actuators[i].name +
+                             " is started after a TearDown, by no person");
 }
 
 void CheckAnswer(const Model& model, const World& world, const action::AnswerSetState& answer,

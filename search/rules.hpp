@@ -37,6 +37,9 @@ bool IsHigher(const MachineConfig& config, const State& to, const State& from);
 // After each step of the controller; `before`: its state before the step.
 void CheckStep(const Model& model, const World& world, const Before& before, Notes& notes);
 
+// The controller starts an actuator's process: not after a TearDown that no person has ended.
+void CheckStart(const Model& model, const World& world, ActuatorIndex i, Notes& notes);
+
 // A caller gets the outcome of a switch.
 void CheckAnswer(const Model& model, const World& world, const action::AnswerSetState& answer,
                  Notes& notes);

@@ -26,6 +26,7 @@
 //   - A status that the controller knows already changes nothing and is not waited for. Nor is a
 //     status that reports a running command whose reply is awaited and not under way yet, once no
 //     fault is left: whatever ends the wait brings a newer report.
+//   - The writer of a process whose end was detected is lost with the arrival of its last status.
 //   - An emergency stop reaches all actuators at once, also between two commands of one wave; the
 //     controller receives it at any time. An actuator that receives it later is another fault.
 //   - Before the first request the only fault is an emergency stop: the rest is another start.
@@ -96,6 +97,8 @@ struct World : FakeController {
   bool stopped = false;           // an emergency stop has been engaged
   bool stop_seen_due = false;     // the controller has not received it
   bool released = false;          // by a person
+  // A supervisor has started the controller after a TearDown, and no person has since.
+  bool stays_down = false;
   Repeat repeat = Repeat::kNotYet;
 };
 
@@ -132,7 +135,8 @@ enum class ChoiceKind : std::uint8_t {
   kStatusHeld,
   kStatusDuplicated,
   kCrash,
-  kRestart,  // the controller is killed and another takes over
+  kRestart,        // the controller is killed, and its supervisor starts another
+  kStartByPerson,  // the same in a TearDown, by a person, who wants the machine to start
   kRequestError,
   kRequestTearDown,
   kEngageStop,

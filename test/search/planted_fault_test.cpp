@@ -61,8 +61,8 @@ TEST_F(PlantedFault, FindsAFailureThatIsDropped) {
 }
 
 TEST_F(PlantedFault, FindsACrashThatIsNotDetected) {
-  Search(WithEvent<event::Vanished>(
-             [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
+  Search(WithEvent<event::ProcessEnded>(
+             [](event::ProcessEnded& ended, const Machine&) { ended.pid = 0; }),
          "Active", "Active", 1);
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("has exited in Active")));
@@ -216,7 +216,7 @@ TEST_F(PlantedFault, FindsARestartedActuatorThatTheNextControllerSwitchesOnAfter
              [](event::Begin& begin, const Machine&) { begin.stops.awaits_request = false; }),
          "Active", "Active", 3, ScenarioNamed("Restarted"));
   ASSERT_TRUE(searched_.fault);
-  EXPECT_THAT(scenario_, HasSubstr("the controller is killed, and another takes over"));
+  EXPECT_THAT(scenario_, HasSubstr("the controller is killed, and its supervisor starts another"));
   EXPECT_THAT(searched_.fault->violations,
               Contains(HasSubstr("by the release of the emergency stop")));
 }
@@ -299,9 +299,19 @@ TEST_F(PlantedFault, FindsAControllerThatReleasesControlToALowerEpoch) {
   EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("none has replaced it")));
 }
 
+// The next controller does not know that a person has requested TearDown.
+TEST_F(PlantedFault, FindsARestartBySupervisorThatStartsTheMachineAfterATearDown) {
+  faults_ = OnlyFaults({ChoiceKind::kRestart});
+  Search(WithEvent<event::Begin>(
+             [](event::Begin& begin, const Machine&) { begin.stop_intent = false; }),
+         "Active", "TearDown", 1, ScenarioNamed("Restarted"));
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("after a TearDown, by no person")));
+}
+
 TEST_F(PlantedFault, ReportsTheShortestScenario) {
-  Search(WithEvent<event::Vanished>(
-             [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
+  Search(WithEvent<event::ProcessEnded>(
+             [](event::ProcessEnded& ended, const Machine&) { ended.pid = 0; }),
          "Active", "Active", 2);
   ASSERT_TRUE(searched_.fault);
   EXPECT_EQ(searched_.fault->path.find('.', searched_.fault->path.find('.') + 1), std::string::npos)
