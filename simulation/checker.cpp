@@ -13,6 +13,7 @@ Checker::Checker(SimRobot& robot) : context_(robot), robot_(robot), config_(robo
   robot_.on_start = [this](const SimulatedController& controller, const std::string& name) {
     ++checks_;
     processes_.OnStart(controller, name);
+    tear_down_.OnStart(controller, name);
   };
   robot_.processes().on_report = [this](const std::string& name, std::size_t host,
                                         const ActuatorReport& report) {

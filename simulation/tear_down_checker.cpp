@@ -10,14 +10,23 @@ void TearDownChecker::CheckStaysDown(const SimulatedController& controller) {
   if (machine.stopping && !accepted_tear_down_) {
     accepted_tear_down_ = AcceptedTearDown{controller.serial(), controller.host()};
   }
-  if (!accepted_tear_down_ || context_.state_lost || accepted_tear_down_->host != controller.host())
-    return;
-  const bool is_up =
-      machine.phase == Phase::kRunning && accepted_tear_down_->controller != controller.serial();
-  if (!is_up) return;
+  if (!MustStayDown(controller) || machine.phase != Phase::kRunning) return;
   ReportViolation(Invariant::kNoStartAfterTearDown,
                   "a supervisor's restart brings the machine to " + machine.state +
                       " after an accepted TearDown");
+}
+
+void TearDownChecker::OnStart(const SimulatedController& controller, const std::string& name) {
+  if (!MustStayDown(controller)) return;
+  ReportViolation(Invariant::kNoStartAfterTearDown,
+                  "a supervisor's restart starts " + name + " after an accepted TearDown");
+}
+
+// Whether a supervisor has started the controller after the TearDown, and finds it on its disk.
+bool TearDownChecker::MustStayDown(const SimulatedController& controller) const {
+  return accepted_tear_down_ && !context_.state_lost &&
+         accepted_tear_down_->host == controller.host() &&
+         accepted_tear_down_->controller != controller.serial();
 }
 
 // Whether the actuator runs for another controller, on the host of that controller, which began

@@ -23,6 +23,8 @@ class TearDownChecker : public SubjectChecker {
   // An operator has started a controller, which begins to lead.
   void OnPersonsStart() { accepted_tear_down_.reset(); }
   void CheckStaysDown(const SimulatedController& controller);
+  // Before a controller starts a process.
+  void OnStart(const SimulatedController& controller, const std::string& name);
   void CheckTornDown(const SimulatedController& controller, const SwitchResult& result);
   // What each controller knows.
   void NoteReceived(const SimulatedController& controller);
@@ -35,6 +37,7 @@ class TearDownChecker : public SubjectChecker {
     std::size_t host = 0;
   };
 
+  bool MustStayDown(const SimulatedController& controller) const;
   bool RunsForAnother(const SimulatedController& process, ActuatorIndex i, std::size_t host) const;
 
   const ProcessChecker& processes_;

@@ -226,6 +226,29 @@ TEST_F(PlantedFlaw, FindsALostStopIntentThatBringsTheMachineUpAgain) {
   ExpectFound(Invariant::kNoStartAfterTearDown, "after an accepted TearDown");
 }
 
+// A process that was found ends while the start waits for another one.
+TEST_F(PlantedFlaw, ARestartBySupervisorThatFinishesATearDownStartsNothing) {
+  slow_ = State(kTearDown);
+  MachineConfig config = WithLongTimes(Started(2));
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.restart.policy = RestartPolicy::kOnFailure;
+  }
+  Make(std::move(config));
+  BringUp();
+  Request(State(kTearDown));
+  RunFor(std::chrono::seconds(1));
+  ASSERT_EQ(robot_->machine().phase, Phase::kStopping);
+  robot_->CrashController();
+  robot_->FreezeActuator("b");
+  robot_->LaunchController(0, true, {}, Starter::kSupervisor);
+  RunFor(Milliseconds(100));
+  ASSERT_EQ(robot_->machine().phase, Phase::kStarting);
+  robot_->CrashActuator("a");
+  RunFor(std::chrono::seconds(20));
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  EXPECT_EQ(robot_->processes().PidOf("a", 0), 0);
+}
+
 TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneWhileAnActuatorRuns) {
   Make(Started(2));
   BringUp();
