@@ -75,6 +75,17 @@ bool Adoption::AgreesWith(ActuatorIndex i, const State& state) const {
   return config_.RankOf(Of(i).state()) && Ros2GoalOf(own, Of(i).state()) == Ros2GoalOf(own, state);
 }
 
+// Whether the previous controller was tearing the machine down. The state of a ROS 2 node is a
+// guess of its link, for which the others count as well.
+bool Adoption::FoundTearDown() const {
+  return std::ranges::any_of(view_.actuators.Indices(), [this](ActuatorIndex i) {
+    const KnownActuator& known = Of(i);
+    return known.presence == Presence::kPresent && !known.report.detached &&
+           ConfigOf(i).protocol == Protocol::kMusher &&
+           (known.state() == kTearDown || known.report.target == kTearDown);
+  });
+}
+
 bool Adoption::FoundInSelfCheck() const {
   return std::ranges::any_of(view_.actuators, [](const KnownActuator& known) {
     return known.presence == Presence::kPresent && !known.report.detached &&

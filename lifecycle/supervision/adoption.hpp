@@ -18,6 +18,8 @@ class Adoption : MachineView {
   // states with the same rank, the state of most actuators wins; only actuators that list all of
   // these states count.
   std::optional<State> LowestFound() const;
+  // Whether the previous controller crashed while it tore the machine down.
+  bool FoundTearDown() const;
   // Whether the machine may have stood in SelfCheck, to which a person had switched it, perhaps
   // with an actuator that was restarted meanwhile. A start that the previous controller has not
   // ended looks the same.

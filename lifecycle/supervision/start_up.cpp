@@ -104,6 +104,11 @@ bool StartUp::StartProcesses() {
 
 bool StartUp::Advance() {
   if (!machine_.start_up.set_up && machine_.phase == Phase::kStarting) {
+    // TearDown itself waits for the others; what is torn down may exit before they are there.
+    if (!machine_.start_up.finishing && Adoption(config_, machine_).FoundTearDown()) {
+      AdoptFrom(State(kTearDown), kBegun);
+      return true;
+    }
     if (!StageIsSetUp(machine_.start_up.stage) || AwaitsHost()) return false;
     EndFirstStage();
     return true;

@@ -117,6 +117,35 @@ TEST_F(FinishingATearDownOfProcesses, StartsNoneThatIsKilledWhileAnotherOneIsAwa
   ExpectDown(t);
 }
 
+// The intent was lost, as with a full disk, or cleared by a person's start: only an actuator says
+// that the machine is being torn down, and exits before all have announced themselves.
+class StartBesideATearDown : public Switching, public ::testing::WithParamInterface<bool> {};
+
+TEST_P(StartBesideATearDown, FinishesItAlsoWhenItsActuatorHasExited) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "a").after = {"b"};  // b is torn down after it
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.times.assign(config.states.size(), std::chrono::seconds(10));
+  }
+  Harness& t = In("Active", config);
+  t.On("a", "TearDown").takes = Milliseconds(200);
+  t.RequestSwitch("TearDown");
+  ASSERT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
+  t.ClearLog();
+  t.disk().stop_intent = false;
+  t.DelayReports("b", Milliseconds(1000));
+  t.RestartController(false, /*restarted=*/GetParam());
+  t.Rest();
+  EXPECT_THAT(t.log(), ElementsAre("b:TearDown"));
+  EXPECT_TRUE(t.stopped());
+  EXPECT_TRUE(t.disk().stop_intent);
+  for (const char* name : {"a", "b"}) EXPECT_FALSE(t.IsAlive(name)) << name;
+}
+
+INSTANTIATE_TEST_SUITE_P(By, StartBesideATearDown, ::testing::Bool(), [](const auto& restarted) {
+  return restarted.param ? "ASupervisor" : "APerson";
+});
+
 // What a controller that is torn down searches for once the known processes have exited.
 class SearchAtTheEnd : public OneController {
  protected:
