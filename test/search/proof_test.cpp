@@ -63,7 +63,7 @@ Rules WithoutCrashes() {
   Rules rules;
   rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
     Event changed = event;
-    if (auto* vanished = std::get_if<event::Vanished>(&changed)) vanished->incarnation = 0;
+    if (auto* ended = std::get_if<event::ProcessEnded>(&changed)) ended->pid = 0;
     return Step(config, machine, changed, now);
   };
   return rules;
