@@ -76,10 +76,12 @@ inline constexpr std::tuple kIgnored<PowerDown> = {&PowerDown::cause, &PowerDown
 template <>
 inline constexpr std::tuple kIgnored<PolicyState> = {&PolicyState::clock,
                                                      &PolicyState::level_cause};
-// Of the stop, that there is one; of the others, how many.
+// Of the stop, that there is one; of the others, how many. How often one was engaged matters to
+// another state folder only.
 template <>
 inline constexpr std::tuple kIgnored<EmergencyStopState> = {
-    &EmergencyStopState::stop, &EmergencyStopState::cause, &EmergencyStopState::others};
+    &EmergencyStopState::stop, &EmergencyStopState::cause, &EmergencyStopState::others,
+    &EmergencyStopState::engagements};
 template <>
 inline constexpr std::tuple kIgnored<PendingRelease> = {&PendingRelease::requests,
                                                         &PendingRelease::by};

@@ -103,6 +103,7 @@ std::string StopsText(const StoredStops& stops) {
     text += line(replaced ? "replaced" : "released", ToString(id));
   }
   if (stops.awaits_request) text += "awaits request\n";
+  if (stops.engagements != 0) text += line("engagements", std::to_string(stops.engagements));
   for (const UnreadFolder& unread : stops.unread) {
     const std::string owner = unread.owner.empty() ? "-" : OneWord(unread.owner);
     text += line(unread.answered ? "answered" : "unread",
@@ -140,6 +141,8 @@ std::optional<StoredStops> StopsFrom(const std::string& text) {
     } else if ((name == "released" || name == "replaced") && is_id) {
       stops.released.emplace_back(id);
       if (name == "replaced") stops.replaced.emplace_back(id);
+    } else if (name == "engagements" && is_id) {
+      stops.engagements = id;
     } else if (name == "unread" || name == "answered") {
       // What is damaged is found again, and waits for a request again.
       if (auto unread = UnreadFrom(value)) {
@@ -151,7 +154,7 @@ std::optional<StoredStops> StopsFrom(const std::string& text) {
     } else if (name == "reason" && !stops.engaged.empty()) {
       stops.engaged.back().reason = value;
     } else if (name == "engaged" || name == "released" || name == "replaced" || name == "by" ||
-               name == "reason") {
+               name == "reason" || name == "engagements") {
       return std::nullopt;
     }  // else it is of a later version
   }
@@ -306,6 +309,7 @@ Result<> StateStore::Replace(const std::string& path, const std::string& content
 }
 
 // "engaged ID" with its lines "by …" and "reason …", and "released ID"; "awaits request";
+// "engagements NUMBER";
 // "unread MARK OWNER FOLDER", or "answered …" once a person has requested a state; a last line
 // "end".
 Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {

@@ -45,6 +45,7 @@ StoredStops StopsOf(const Machine& machine) {
   stops.replaced = machine.emergency.replaced;
   stops.awaits_request = machine.emergency.awaits_request;
   stops.unread = machine.emergency.unread;
+  stops.engagements = machine.emergency.engagements;
   return stops;
 }
 

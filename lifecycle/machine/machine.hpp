@@ -73,6 +73,7 @@ struct EmergencyStopState {
   CommandNumber last_before_release = 0;  // the last command before the last release
   bool awaits_request = false;  // since the last stop no switch up was requested for all: on disk
   std::vector<UnreadFolder> unread{};  // whose stops are not known: on disk
+  std::uint64_t engagements = 0;       // with this state folder, so far: on disk
 
   // Of the folders whose stops are not known, the first that no request has answered; null: none.
   const UnreadFolder* Unanswered() const {
@@ -180,6 +181,7 @@ inline constexpr std::tuple kFields<EmergencyStopState> = {
     Field{"awaits_request", &EmergencyStopState::awaits_request},
     Field{"unread_stops", &EmergencyStopState::unread},
     Field{"replaced_stops", &EmergencyStopState::replaced},
+    Field{"engagements", &EmergencyStopState::engagements},
 };
 
 template <>

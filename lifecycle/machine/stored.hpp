@@ -31,6 +31,8 @@ struct StoredStops {
   bool awaits_request = false;         // since the last stop no switch up has been requested
   std::vector<UnreadFolder> unread{};  // whose stops are not known
   std::vector<StopId> replaced{};      // of `released`, those that no release has covered since
+  // How often a controller with this folder has engaged a stop, also one that it found engaged.
+  std::uint64_t engagements = 0;
 
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
@@ -103,6 +105,7 @@ inline constexpr std::tuple kFields<StoredStops> = {
     Field{"awaits_request", &StoredStops::awaits_request},
     Field{"unread", &StoredStops::unread},
     Field{"replaced", &StoredStops::replaced},
+    Field{"engagements", &StoredStops::engagements},
 };
 
 template <>

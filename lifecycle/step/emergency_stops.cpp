@@ -56,10 +56,11 @@ void AddReplaced(StoredStops& stops, StopId id) {
   stops.replaced.push_back(id);
 }
 
-// Stands for the last stop of another state folder, among those that are over: that it waited for a
-// request there is known here. It is the id of no stop.
-StopId MarkOf(StopId last) {
-  return StopId(Fnv1a("the last stop of another folder: " + ToString(last)));
+// Stands for the last stop of another state folder, among those that are over: that the machine
+// waits for a request since it was last engaged there is known here. It is the id of no stop.
+StopId MarkOf(StopId last, std::uint64_t engagements) {
+  return StopId(Fnv1a("the last stop of another folder: " + ToString(last) + ", engagement " +
+                      std::to_string(engagements)));
 }
 
 }  // namespace
@@ -133,21 +134,16 @@ StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopI
   }
   StopId last = elsewhere.released.empty() ? kUnknownStop : elsewhere.released.back();
   if (!elsewhere.engaged.empty()) last = elsewhere.engaged.back().id;
-  const bool last_is_over =
-      last != kUnknownStop && (is_released(last) || is_released(MarkOf(last)));
-  elsewhere.awaits_request = elsewhere.awaits_request && !last_is_over;
+  const StopId mark = MarkOf(last, elsewhere.engagements);
+  const bool has_id = last != kUnknownStop;
+  if (has_id && is_released(mark)) elsewhere.awaits_request = false;
   std::erase_if(elsewhere.engaged, [&](const EmergencyStop& stop) { return is_released(stop.id); });
-  elsewhere.released.clear();
-  if (elsewhere.engaged.empty()) {
-    elsewhere.replaced.clear();
-    const bool marks = elsewhere.awaits_request && last != kUnknownStop;
-    if (marks) elsewhere.released.push_back(MarkOf(last));
-    return elsewhere;
-  }
   std::erase_if(elsewhere.replaced, [&](StopId id) {
-    return is_released(id) || std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
+    return elsewhere.engaged.empty() || is_released(id) ||
+           std::ranges::count(known.engaged, id, &EmergencyStop::id) != 0;
   });
   elsewhere.released = elsewhere.replaced;
+  if (has_id && elsewhere.awaits_request) elsewhere.released.push_back(mark);
   return elsewhere;
 }
 
@@ -155,6 +151,7 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   StoredStops stops;
   stops.awaits_request = stored.awaits_request || received.awaits_request;
   stops.unread = stored.unread;
+  stops.engagements = stored.engagements;
   for (const auto* from : {&stored, &received}) {
     for (const StopId id : from->released) AddReleased(stops, id);
   }
@@ -179,6 +176,7 @@ void EmergencyStops::Begin(const event::Begin& begin) {
   machine_.emergency.replaced = stops.replaced;
   machine_.emergency.awaits_request = stops.awaits_request;
   machine_.emergency.unread = stops.unread;
+  machine_.emergency.engagements = stops.engagements;
   PublishReleased();
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
@@ -378,6 +376,7 @@ bool EmergencyStops::IsReleased(StopId id) const {
 // controller. It is published first and saved after.
 void EmergencyStops::Engage(const EmergencyStop& stop) {
   Do(action::PublishEmergencyStop{stop, true});
+  ++machine_.emergency.engagements;
   machine_.emergency.awaits_request = true;
   machine_.start_up.requests_nothing = true;
   saver_.Save(Stored::kEmergencyStops);

@@ -14,9 +14,10 @@ std::string WhyUnread(const UnreadFolder& unread);
 // folder: without stops that are released in `known`. A release in the other folder is not
 // believed, as any user may have written it: a stop that is engaged in its own folder, in a third
 // one or at the actuators stays engaged. A stop that another one has replaced there is over while
-// that one is engaged. A stop without an id gets `unnamed`, unless that is 0. If the last stop of
-// the other folder is known here (it is among `released`, by an id that no stop has), the own
-// folder alone says whether the machine waits for a request.
+// that one is engaged. A stop without an id gets `unnamed`, unless that is 0. The machine waits for
+// a request if it does there, until that is known here: it is among `released`, by an id that no
+// stop has, which is another one each time that a stop is engaged there. A start there may have
+// engaged a stop again that was released here, as its panel still publishes it.
 StoredStops StopsThatHold(const StoredStops& known, StoredStops elsewhere, StopId unnamed);
 
 class EmergencyStops : StepPart {

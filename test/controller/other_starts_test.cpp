@@ -75,8 +75,7 @@ TEST_F(OtherStart, LeavesWhatItsReleasedStopHasSwitchedOffToTheNextOne) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_TRUE(found[0].stops.awaits_request);
   EXPECT_THAT(found[0].stops.engaged, IsEmpty());
-  EXPECT_EQ(Found({{}, {3}}).size(), 1U) << "of an earlier stop";
-  EXPECT_THAT(Found({{}, {3, 7}}), IsEmpty()) << "this folder says whether it waits since";
+  EXPECT_EQ(Found({{}, {3, 7}}).size(), 1U) << "a start there may have engaged it again since";
 }
 
 TEST_F(OtherStart, WaitsForOneRequestAlone) {
@@ -87,6 +86,21 @@ TEST_F(OtherStart, WaitsForOneRequestAlone) {
   EXPECT_THAT(Found(own), IsEmpty());
   StopIn(by_user_, robot_, {{}, {3, 7, 8}, true});
   EXPECT_EQ(Found(own).size(), 1U) << "of another stop";
+  StopIn(by_user_, robot_, {{}, {3, 7}, true, {}, {}, 1});
+  EXPECT_EQ(Found(own).size(), 1U) << "of the same one, which was engaged again";
+}
+
+// Its panel still published it: the robot was reported as stopped, and went to Active.
+TEST_F(OtherStart, ThatHasEngagedAReleasedStopAgainLeavesThatItWaits) {
+  StopIn(by_user_, robot_, {{{7, "a panel", "smoke"}}, {}, true, {}, {}, 1});
+  StoredStops own{{}, {7}};
+  const auto found = Found(own);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].stops.engaged, IsEmpty());
+  EXPECT_TRUE(found[0].stops.awaits_request);
+  own = Merge(own, found[0].stops);
+  own.awaits_request = false;  // a person has requested a state
+  EXPECT_THAT(Found(own), IsEmpty());
 }
 
 // Any user can write one: the actuators that had latched the stop were released by the start.
@@ -113,10 +127,10 @@ TEST_F(OtherStart, LeavesWhatItsStopHasReplacedToTheReleaseOfThatOne) {
   StopIn(by_user_, robot_, {{{7, "a panel", "smoke"}}, {3, 6}, true, {}, {6}});
   const auto found = Found();
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_THAT(found[0].stops.released, ElementsAre(StopId(6)));
+  EXPECT_THAT(found[0].stops.released, AllOf(Contains(StopId(6)), Not(Contains(StopId(3)))));
   EXPECT_THAT(found[0].stops.replaced, ElementsAre(StopId(6)));
   EXPECT_THAT(Found({{{6, "alice", ""}}, {}}).at(0).stops.replaced, IsEmpty()) << "engaged here";
-  EXPECT_THAT(Found({{}, {7}, false}), IsEmpty()) << "all of it is over";
+  EXPECT_THAT(Found({{}, {7}}).at(0).stops.replaced, IsEmpty()) << "its stop is over";
 }
 
 TEST_F(OtherStart, LeavesNothingOfAReleasedStopAfterWhichAStateWasRequested) {

@@ -73,7 +73,8 @@ TEST_F(Store, OfADamagedPolicyOnlyWhatCanBeReadCounts) {
 TEST_F(Store, KeepsTheEmergencyStopsThatAreEngagedAndTheReleasedIds) {
   StateStore store = MustOpen();
   EXPECT_EQ(store.LoadEmergencyStops(), StoredStops{});
-  const StoredStops stops{{{7, "alice@desk", "smoke in\nthe lab"}, {9, "", ""}}, {3, 4}, true};
+  const StoredStops stops{
+      {{7, "alice@desk", "smoke in\nthe lab"}, {9, "", ""}}, {3, 4}, true, {}, {}, 12};
   ASSERT_TRUE(store.SaveEmergencyStops(stops));
   StoredStops loaded = store.LoadEmergencyStops();
   EXPECT_EQ(loaded.engaged.at(0).reason, "smoke in the lab") << "one line each";
@@ -100,8 +101,8 @@ TEST_F(Store, KeepsTheEmergencyStopsOfAFileThatALaterVersionHasWritten) {
 
 TEST_F(Store, ReadsADamagedOrShortenedFileOfEmergencyStopsAsAnEngagedStop) {
   StateStore store = MustOpen();
-  for (const char* text :
-       {"", "engaged 7\n", "released x\nend\n", "4711 \n", "by me\nend\n", "end "}) {
+  for (const char* text : {"", "engaged 7\n", "released x\nend\n", "engagements -1\nend\n",
+                           "4711 \n", "by me\nend\n", "end "}) {
     std::ofstream(dir_ + "/emergency_stop") << text;
     EXPECT_EQ(store.LoadEmergencyStops().engaged.size(), 1U) << text;
   }

@@ -31,6 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const StoredStops again = store.LoadEmergencyStops();
   fuzz::Require(again.released == stops.released, "released stops stay released");
   fuzz::Require(again.replaced == stops.replaced, "replaced stops stay replaced");
+  fuzz::Require(again.engagements == stops.engagements, "no engagement is forgotten");
   const bool same =
       std::equal(stops.engaged.begin(), stops.engaged.end(), again.engaged.begin(),
                  again.engaged.end(), [](const auto& a, const auto& b) { return a.id == b.id; });

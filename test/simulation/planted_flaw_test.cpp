@@ -782,6 +782,47 @@ TEST_F(NextStart, FindsOneByAnotherUserThatHasForgottenTheStop) {
   ExpectFound(Invariant::kEmergencyStopLatched, "no emergency stop although one is engaged");
 }
 
+// The panel publishes its stop for ever, and the release is in the first user's folder. The second
+// user's start has engaged it again, and the first user's next one takes over its processes.
+class NextStartAfterARelease : public NextStart {
+ protected:
+  void StartByTheOtherUser() {
+    Make(Started(2));
+    ASSERT_NO_FATAL_FAILURE(BringUp());
+    checker_->OnStopEngaged(0, 7);
+    robot_->EngageEmergencyStop(7);
+    RunFor(std::chrono::seconds(1));
+    robot_->ReleaseEmergencyStop();
+    RunFor(std::chrono::seconds(1));
+    ASSERT_TRUE(robot_->Set(State(kActive))->done());
+    CutPower();
+    robot_->ChangeUser();
+    Start();
+    ASSERT_TRUE(robot_->machine().emergency.stop);
+    robot_->ChangeUser();
+  }
+};
+
+TEST_F(NextStartAfterARelease, WaitsForOneRequestIfAnotherUsersStartHasEngagedTheStopAgain) {
+  ASSERT_NO_FATAL_FAILURE(StartByTheOtherUser());
+  Start();
+  EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
+  EXPECT_FALSE(robot_->machine().emergency.stop);
+  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
+  ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  robot_->CrashController();
+  BringUp();
+  EXPECT_EQ(robot_->machine().state, kActive);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+}
+
+TEST_F(NextStartAfterARelease, FindsOneThatForgetsThatAnotherUsersStartHasEngagedTheStopAgain) {
+  ASSERT_NO_FATAL_FAILURE(StartByTheOtherUser());
+  robot_->disk(0).other.stops = {};
+  Start();
+  ExpectFound(Invariant::kReleaseSwitchesNothingOn, "begins Active in SelfCheck, which was not");
+}
+
 TEST_F(NextStart, WithAFolderThatIsOpenForReadingOnlyHasTheStop) {
   ASSERT_NO_FATAL_FAILURE(StopAndCutPower());
   robot_->SetFolderOpens(simulation::FolderOpens::kForReading);

@@ -430,6 +430,12 @@ TEST(FoundScenario, AReleasedStopIsNotEngagedAgainByAnOlderSampleOfItsController
   EXPECT_EQ(ViolationOf(889193, {2, 4, 6, 7, 8}), "");
 }
 
+// Its panel still published it, and a start of another user, which believes no release in the first
+// one's folder, engaged it again. The first one's next start took over and went to Active.
+TEST(FoundScenario, AStopThatAStartOfAnotherUserEngagesAgainWaitsForARequest) {
+  EXPECT_EQ(ViolationOf(933738, {3, 7, 8, 14, 15, 31}), "");
+}
+
 // Its process was frozen, and four seconds of permits came at one instant.
 TEST(FoundScenario, OfThePermitsThatComeTogetherTheLastOneCounts) {
   EXPECT_EQ(ViolationOf(258136, {2, 3, 5, 6, 7, 10}), "");

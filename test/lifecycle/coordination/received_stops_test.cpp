@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "musher/lifecycle/step/emergency_stops.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::received_stops_test {
@@ -91,6 +92,43 @@ TEST_F(ReceivedStops, ThatOneSideHasReleasedAreNotOnlyReplaced) {
   EXPECT_THAT(Merge(replaced, {{}, {7}}).replaced, IsEmpty());
   EXPECT_THAT(Merge({{}, {7}}, replaced).replaced, IsEmpty());
   EXPECT_THAT(Merge(replaced, replaced).replaced, ElementsAre(StopId(7)));
+}
+
+// A start that finds it engaged engages it again.
+TEST_F(ReceivedStops, EachStartThatEngagesOneIsCountedWithItsFolder) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{7, "a panel", "smoke"}});
+  Do(event::EmergencyStopSeen{{7, "a panel", "smoke"}});
+  StoredStops stored = StopsOf(machine_);
+  EXPECT_EQ(stored.engagements, 1U);
+  machine_ = MakeMachine(config_);
+  event::Begin begin{false, 0, {false, false}, "here"};
+  begin.stops = Merge(stored, {});
+  Do(begin);
+  EXPECT_EQ(StopsOf(machine_).engagements, 2U);
+  Do(event::ReleaseRequested{1, "alice", {7}});
+  EXPECT_EQ(StopsOf(machine_).engagements, 2U);
+}
+
+// Its panel still published it, and a start with the other folder engaged it again: the robot was
+// reported as stopped. The next start with this folder went to Active.
+TEST_F(ReceivedStops, ThatAreEngagedAgainInAnotherFolderAfterTheirReleaseWaitForOneRequestHere) {
+  StoredStops elsewhere{{{7, "a panel", "smoke"}}, {}, true};
+  elsewhere.engagements = 1;
+  StoredStops own = Merge({}, StopsThatHold({}, elsewhere, 0));
+  EXPECT_EQ(own.engaged, elsewhere.engaged);
+  own.engaged.clear();  // it was released, and a state was requested
+  AddReleased(own, 7);
+  own.awaits_request = false;
+  EXPECT_FALSE(StopsThatHold(own, elsewhere, 0).awaits_request);
+
+  ++elsewhere.engagements;
+  own = Merge(own, StopsThatHold(own, elsewhere, 0));
+  EXPECT_THAT(own.engaged, IsEmpty()) << "it was released once";
+  EXPECT_TRUE(own.awaits_request);
+  own.awaits_request = false;
+  EXPECT_FALSE(StopsThatHold(own, elsewhere, 0).awaits_request);
+  EXPECT_TRUE(StopsThatHold({{}, {7}}, elsewhere, 0).awaits_request) << "only its release is known";
 }
 
 // As `ros2 topic pub` and a plain C client send them. The second one replaced the first one, which
