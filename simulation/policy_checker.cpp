@@ -89,8 +89,9 @@ void PolicyChecker::OnRecord(const SimulatedController& controller, const action
       hosts_[controller.host()].lowered_from = State(kActive);
       return;
     case EventName::kBatterySwitchUp:
-      seen.up_to.push_back(TargetOf(record));
-      seen.raised_at = PercentOf(record);
+      NoteLevels(controller);  // perhaps a sample of this step has lowered it
+      seen.up_to.push_back(
+          {TargetOf(record), PercentOf(record).value_or(0), hosts_[controller.host()].left});
       return;
     case EventName::kBatterySwitchDown:
       seen.down_to.push_back(TargetOf(record));
@@ -110,8 +111,8 @@ void PolicyChecker::OnRecord(const SimulatedController& controller, const action
 void PolicyChecker::NoteLowering(const SimulatedController& controller, const State& from) {
   Seen& seen = seen_[controller.serial()];
   // The raise to `from` has ended in this step.
-  if (std::erase(seen.up_to, from) != 0) {
-    CheckRaise(controller, from, seen.raised_at.value_or(0));
+  if (const auto raise = TakeRaise(seen, from)) {
+    CheckRaise(controller, *raise);
     seen.checked_raise = from;
   }
   if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
@@ -121,10 +122,18 @@ void PolicyChecker::NoteLowering(const SimulatedController& controller, const St
 
 bool PolicyChecker::ByPolicy(const SimulatedController& controller, const State& state) {
   const Seen& seen = seen_[controller.serial()];
-  const auto has = [&](const std::vector<State>& all) {
-    return std::find(all.begin(), all.end(), state) != all.end();
-  };
-  return has(seen.up_to) || has(seen.down_to) || seen.checked_raise == state;
+  return std::ranges::count(seen.up_to, state, &Raise::target) != 0 ||
+         std::ranges::count(seen.down_to, state) != 0 || seen.checked_raise == state;
+}
+
+// The last raise to that state, which has ended. An earlier one was undone.
+std::optional<PolicyChecker::Raise> PolicyChecker::TakeRaise(Seen& seen, const State& target) {
+  std::optional<Raise> last;
+  for (const Raise& raise : seen.up_to) {
+    if (raise.target == target) last = raise;
+  }
+  std::erase_if(seen.up_to, [&](const Raise& raise) { return raise.target == target; });
+  return last;
 }
 
 void PolicyChecker::CheckPolicyChange(const SimulatedController& controller, const State& from) {
@@ -134,11 +143,9 @@ void PolicyChecker::CheckPolicyChange(const SimulatedController& controller, con
   if (!config_.policy || !before) return;  // a step of a start
   if (std::exchange(seen.checked_raise, std::nullopt) == machine.state) return;
   if (ByPolicy(controller, machine.state)) {
-    const bool up = std::erase(seen.up_to, machine.state) != 0;
+    const auto raise = TakeRaise(seen, machine.state);
     const bool down = std::erase(seen.down_to, machine.state) != 0;
-    // The battery may have fallen during the switch.
-    const int percent = seen.raised_at.value_or(machine.policy.battery.value_or(0));
-    if (up && !down) CheckRaise(controller, machine.state, percent);
+    if (raise && !down) CheckRaise(controller, *raise);
     return ForgetEndedPolicySwitches(controller);  // several may have ended in one step
   }
   if (lowered_ && lowered_->first == machine.state) {  // it is lowered from here at once
@@ -209,12 +216,13 @@ void PolicyChecker::ForgetEndedPolicySwitches(const SimulatedController& control
     return !machine.current || machine.current->purpose != Purpose::kPolicy ||
            machine.current->target != target;
   };
-  std::erase_if(seen.up_to, ended);
+  std::erase_if(seen.up_to, [&](const Raise& raise) { return ended(raise.target); });
   std::erase_if(seen.down_to, ended);
 }
 
-void PolicyChecker::CheckRaise(const SimulatedController& controller, const State& raised_to,
-                               int percent) {
+// By the battery when it was decided: a lower sample during the switch lowers the machine after it.
+void PolicyChecker::CheckRaise(const SimulatedController& controller, const Raise& raise) {
+  const auto& [raised_to, percent, levels_left] = raise;
   const Rank rank = *config_.RankOf(raised_to);
   const std::string what = "the policy has raised the machine to " + raised_to;
   // A controller of another host may have led in between, of which this one does not know.
@@ -227,8 +235,8 @@ void PolicyChecker::CheckRaise(const SimulatedController& controller, const Stat
   }
   const BatteryPolicy& battery = *config_.policy->battery;
   const std::tuple<std::string_view, int, bool> levels[] = {
-      {kProtected, battery.protected_at, host.left[0]},
-      {kLowPower, battery.low_power_at, host.left[1]}};
+      {kProtected, battery.protected_at, levels_left[0]},
+      {kLowPower, battery.low_power_at, levels_left[1]}};
   for (const auto& [state, at, left] : levels) {
     // It may have been left before: a raise is retried after one that was undone.
     const bool still_left = left && percent > at;

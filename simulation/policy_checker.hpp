@@ -40,11 +40,16 @@ class PolicyChecker : public SubjectChecker {
   void CheckPowerOff();
 
  private:
+  using LevelsLeft = std::array<bool, 2>;  // Protected and LowPower
+  struct Raise {  // as it was decided; samples may arrive during its switch
+    State target;
+    int percent = 0;
+    LevelsLeft left{};
+  };
   // Beyond a cut link two controllers may each lead a part of the machine.
   struct Seen {                // of a controller
-    std::vector<State> up_to;  // the targets of its policy's last switches
+    std::vector<Raise> up_to;  // its policy's last switches
     std::vector<State> down_to;
-    std::optional<int> raised_at;        // the battery's percentage when it last decided to raise
     std::optional<State> checked_raise;  // before its state was seen: a lowering began in that step
     bool lowering_begins = false;        // its switch is the next record
     bool noted_levels = false;
@@ -57,14 +62,15 @@ class PolicyChecker : public SubjectChecker {
     std::optional<int> percent;
     bool charging = false;
     // The levels of Protected and LowPower; not reached, or not again since.
-    std::array<bool, 2> left = {true, true};
+    LevelsLeft left = {true, true};
     std::optional<State> lowered_from;  // by the battery
   };
 
   void NoteLevels(const SimulatedController& controller);
   void NoteLowering(const SimulatedController& controller, const State& from);
   void ForgetEndedPolicySwitches(const SimulatedController& controller);
-  void CheckRaise(const SimulatedController& controller, const State& raised_to, int percent);
+  void CheckRaise(const SimulatedController& controller, const Raise& raise);
+  static std::optional<Raise> TakeRaise(Seen& seen, const State& target);
   void CheckPowerOffStarted(const action::Record& record);
 
   std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller

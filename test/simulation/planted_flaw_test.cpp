@@ -383,6 +383,19 @@ TEST_F(FlawOfThePolicy, FindsARaiseBeforeTheTimeOfQuiet) {
   ExpectFound(Invariant::kRaisedAfterQuiet, "ms after a sample that permits Protected");
 }
 
+// Below 7 %, where the level of 5 % is left.
+TEST_F(FlawOfThePolicy, FindsARaiseToALevelThatIsNotLeft) {
+  BringUpWithBattery(4);
+  ASSERT_EQ(robot_->machine().state, "LowPower");
+  robot_->SetBattery(6, false);
+  RunFor(std::chrono::seconds(10));
+  ASSERT_EQ(robot_->machine().state, "LowPower");
+  policy().level = BatteryLevel::kProtected;
+  robot_->SetOtherBattery(6);  // for the next step
+  RunFor(std::chrono::seconds(3));
+  ExpectFound(Invariant::kNoFlapping, "the policy has raised the machine to Protected at 6 %");
+}
+
 TEST_F(FlawOfThePolicy, FindsAControllerThatForgetsASecondPublisher) {
   BringUpWithBattery(80);
   robot_->SetOtherBattery(15);
