@@ -21,7 +21,8 @@ void Authority::On(const event::RivalSeen& rival) {
 bool Authority::ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report) {
   const KnownActuator& known = Of(i);
   const bool here = report.incarnation != 0 && report.host == known.report.host;
-  const bool own = here && report.incarnation == known.control.incarnation;
+  const bool own =
+      here && report.incarnation == known.control.incarnation && control_.HasTaken(known);
   // Meanwhile a controller has begun to lead it, whose heartbeat does not arrive here; or the last
   // query of a predecessor, which was killed, has arrived there.
   const bool rises = here && known.control.rival_until &&

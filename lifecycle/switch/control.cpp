@@ -53,11 +53,16 @@ bool Control::IsReplacedElsewhere(ActuatorIndex i) const {
 }
 
 bool Control::IsOfPredecessor(Epoch epoch) const {
-  return std::any_of(
-      machine_.actuators.begin(), machine_.actuators.end(), [&](const KnownActuator& known) {
-        const bool taken = known.control.incarnation == known.report.incarnation;
-        return !taken && known.report.host == machine_.host && known.report.epoch >= epoch;
-      });
+  return std::any_of(machine_.actuators.begin(), machine_.actuators.end(),
+                     [&](const KnownActuator& known) {
+                       return !HasTaken(known) && known.report.host == machine_.host &&
+                              known.report.epoch >= epoch;
+                     });
+}
+
+bool Control::HasTaken(const KnownActuator& known) const {
+  const bool queried = known.control.incarnation == known.report.incarnation;
+  return queried && (known.met || known.report.host != machine_.host);
 }
 
 // The actuator is degraded until a person takes the machine over, or the actuator is restarted.

@@ -45,6 +45,11 @@ class Control : StepPart {
   // heartbeat arrives. So the epoch is from a predecessor of this controller, which may not have
   // saved it.
   bool IsOfPredecessor(Epoch epoch) const;
+  // Whether the actuator follows this controller, or did so before another one replaced it. An
+  // actuator of this host has to answer for that: the last query of a predecessor may have arrived
+  // before the first one of this controller. Of another host only the query is known, and perhaps a
+  // controller there, which does not reach this one, has come between.
+  bool HasTaken(const KnownActuator& known) const;
 
  private:
   bool MayRaise() const;

@@ -138,7 +138,7 @@ TEST(Scenario, OfASeedThatOnceViolatedAnInvariantHoldsEveryInvariant) {
         129518, 132646, 152815, 166532, 215646, 228046, 228486, 229378, 236951, 239495,
         328912, 329446, 344904, 362153, 398324, 453812, 468754, 635457, 639374, 698082,
         726124, 780187, 807327, 892028, 916179, 933190, 123271, 128277, 132404, 146605,
-        268963, 325222, 594348, 706290, 531519, 534068, 547531}) {
+        268963, 325222, 594348, 706290, 531519, 534068, 547531, 929300, 933738, 979865}) {
     const MachineConfig config = SampleConfig(seed);
     Injections injections = simulation::SampleInjections(config, seed);
     const std::size_t around = std::erase_if(injections, [](const simulation::Injection& one) {
@@ -384,6 +384,12 @@ TEST(FoundScenario, AnOlderSampleBeforeTheStartMakesNoControllerReleaseControl) 
   EXPECT_EQ(ViolationOf(715917, {1, 4, 7, 9, 10}), "");
 }
 
+// The same at a start by a person: the older sample arrived first, and the denial of the query by it
+// was taken for a newer controller. No controller led, and none tore the machine down.
+TEST(FoundScenario, AnOlderSampleOfAnActuatorOfItsHostMakesNoStartReleaseControl) {
+  EXPECT_EQ(ViolationOf(979865, {2, 4, 13, 15}), "");
+}
+
 TEST(FoundScenario, WithAStopThatWasLostOrDidNotHoldHoldsEveryInvariant) {
   simulation::Coverage coverage;
   for (const std::uint64_t seed :
@@ -434,6 +440,12 @@ TEST(FoundScenario, AReleasedStopIsNotEngagedAgainByAnOlderSampleOfItsController
 // one's folder, engaged it again. The first one's next start took over and went to Active.
 TEST(FoundScenario, AStopThatAStartOfAnotherUserEngagesAgainWaitsForARequest) {
   EXPECT_EQ(ViolationOf(933738, {3, 7, 8, 14, 15, 31}), "");
+}
+
+// A sample of 1 % came during the switch up to Protected, which had begun at 3 %. The checker took
+// its level for the one of the decision.
+TEST(FoundScenario, ARaiseIsDecidedByTheSamplesBeforeIt) {
+  EXPECT_EQ(ViolationOf(929300, {1, 2, 3}), "");
 }
 
 // Its process was frozen, and four seconds of permits came at one instant.

@@ -434,6 +434,34 @@ TEST_F(OutbidController, IsNotReplacedByAReportOfAProcessThatItHasNotTakenContro
   EXPECT_EQ(machine_.phase, Phase::kRunning);
 }
 
+// An older sample arrived first, or the last query of a predecessor after it: the predecessor had
+// not saved its epoch.
+TEST_F(OutbidController, IsNotReplacedByADenialOfItsFirstQueryOnItsOwnHost) {
+  for (const bool restarted : {false, true}) {
+    machine_ = MakeMachine(config_);
+    event::Begin begin{false, 0, PerActuator<bool>(config_.actuators.size()), "here"};
+    begin.restarted = begin.supervised = restarted;
+    Do(begin);
+    ActuatorReport report = Report(0);
+    Say(0, report);
+    report.epoch = machine_.epoch + 1;
+    Do(event::Replied{0, 0, true, Verdict::kRefused, kCodePermissionDenied, "", report});
+    EXPECT_EQ(machine_.phase, Phase::kStarting) << "its heartbeat would arrive here";
+    Pass(Milliseconds(1200));
+    EXPECT_EQ(machine_.epoch, report.epoch + 1);
+  }
+}
+
+TEST_F(OutbidController, IsReplacedByADenialOfItsFirstQueryOnAnotherHost) {
+  Begin();
+  ActuatorReport report = Report(0);
+  report.host = "elsewhere";
+  Say(0, report);
+  report.epoch = machine_.epoch + 1;
+  Do(event::Replied{0, 0, true, Verdict::kRefused, kCodePermissionDenied, "", report});
+  EXPECT_EQ(machine_.phase, Phase::kFenced);
+}
+
 TEST_F(Reports, OfAnUncommandedStateAreRecordedAsAnError) {
   StartUp();
   now_ += Milliseconds(1);
