@@ -22,7 +22,8 @@
 //   costs time as long as it is there, and until the body has its speed again. So every drive ends.
 //   A limit of the speed makes the trajectory's time longer.
 // - `replan` of the command: the obstacle has been in the way for `replan_after`. A new
-//   trajectory, by Start(), may come at any time.
+//   trajectory, by Start(), may come at any time. Where something is in its way from its begin on,
+//   the time goes on: else a body whose plans differ would wait for ever.
 //
 // A pose that is not finite gives velocity 0 and is no progress. Frame of the map. One thread.
 

@@ -221,6 +221,28 @@ TEST(Follower, RequestsANewPlanWhenTheObstacleStays) {
   EXPECT_EQ(body.Run(20, {{2, 0, 0}}).progress, Progress::kArrived);
 }
 
+// A planner that plans each second.
+TEST(Follower, RequestsANewPlanAlsoWhereNewTrajectoriesLeadToTheObstacle) {
+  Body body;
+  body.Start(kAhead);
+  ASSERT_EQ(body.Run(3, {{2, 0, 0}}).progress, Progress::kWaiting);
+  const Time begin = body.now;
+  Command command;
+  for (int steps = 1; steps < 60 * 5 && !command.replan; ++steps) {
+    if (steps % 60 == 0) body.Start({body.pose, {{4, 0.001, 0}, 0}});
+    command = body.Step({{2, 0, 0}});
+  }
+  EXPECT_TRUE(command.replan);
+  EXPECT_NEAR(ToSeconds(body.now - begin), 2, 0.05);
+  // One that leads elsewhere has its own time.
+  body.Start({body.pose, {{body.pose.at.x_m, 3, 0}, M_PI / 2}});
+  EXPECT_FALSE(body.Step({{2, 0, 0}}).replan);
+  EXPECT_EQ(body.Run(1, {{2, 0, 0}}).progress, Progress::kFollowing);
+  const std::vector<Point> next{{2, 0, 0}, {body.pose.at.x_m, body.pose.at.y_m + 0.3, 0}};
+  EXPECT_FALSE(body.Step(next).replan);
+  EXPECT_EQ(body.follower.progress(), Progress::kWaiting);
+}
+
 TEST(Follower, FailsWhenTheObstacleStaysForever) {
   Body body;
   body.Start(kAhead);

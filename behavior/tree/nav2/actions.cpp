@@ -238,7 +238,7 @@ class FollowPath : public TaskNode {
     if (path_.entry()->sequence != seen_) {
       seen_ = path_.entry()->sequence;
       const Path& path = path_.Get();
-      if (path != followed_ && !path.poses.empty()) {
+      if (!path.poses.empty() && !robot_.IsSameDrive(followed_, path)) {
         followed_ = path;
         replaces = true;
       }

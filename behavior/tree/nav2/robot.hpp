@@ -119,6 +119,9 @@ class Robot {
   // From `start`, or from where the robot is.
   virtual std::unique_ptr<Task> ComputePath(const Pose& goal, const std::optional<Pose>& start,
                                             const std::string& planner) = 0;
+  // Whether the drive along `driven`, which goes on, is also that along `next`: it is not replaced.
+  // Both have poses.
+  virtual bool IsSameDrive(const Path& driven, const Path& next) const { return driven == next; }
   // Replaces the path of a task that has not ended, without a stop.
   virtual std::unique_ptr<Task> FollowPath(const Path& path, const std::string& controller) = 0;
   // To the left; negative: to the right. It fails after `limit`; 0: there is none.

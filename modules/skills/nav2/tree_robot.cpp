@@ -82,6 +82,14 @@ double Apart(const Robot& robot, const navigation::Point& a, const navigation::P
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
 }
 
+double LengthOf(const Robot& robot, const navigation::Path& path) {
+  double length_m = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    length_m += Apart(robot, path[i - 1].at, path[i].at);
+  }
+  return length_m;
+}
+
 // Fails where no answer has come for 10 s.
 class Deadline {
  public:
@@ -370,12 +378,7 @@ bool Handover::GoesOn(const navigation::Path& path) const {
 }
 
 bool Handover::IsAtEndOf(const navigation::Path& path, const navigation::Path& rest) const {
-  if (arrived_at_ != path.back()) return false;
-  double left_m = 0;
-  for (std::size_t i = 1; i < rest.size(); ++i) {
-    left_m += Apart(robot_, rest[i - 1].at, rest[i].at);
-  }
-  return left_m <= kArrivedWithinM;
+  return arrived_at_ == path.back() && LengthOf(robot_, rest) <= kArrivedWithinM;
 }
 
 void Handover::NotePlan(const navigation::Pose& goal, const navigation::Pose& end) {
@@ -432,6 +435,16 @@ bool TreeRobot::IsFree(const tree::nav2::Path& path) const {
     }
     return false;
   });
+}
+
+bool TreeRobot::IsSameDrive(const tree::nav2::Path& driven, const tree::nav2::Path& next) const {
+  constexpr double kAtEndM = 0.2;  // as the controller arrives
+  if (driven == next) return true;
+  if (driven.poses.back() != next.poses.back()) return false;
+  const auto left_m = [this](const tree::nav2::Path& path) {
+    return LengthOf(robot_, RestOf(robot_, FromTree(path)));
+  };
+  return robot_.pose() && left_m(driven) <= kAtEndM && left_m(next) <= kAtEndM;
 }
 
 bool TreeRobot::CancelDrives() {

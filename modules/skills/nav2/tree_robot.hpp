@@ -120,6 +120,9 @@ class TreeRobot : public tree::nav2::Robot {
   std::optional<tree::nav2::Pose> goal_update() const override { return goal_update_; }
   // By what its scan sees now: no point within its radius of the rest of the path.
   bool IsFree(const tree::nav2::Path& path) const override;
+  // Also where both lead from the robot to the same end within 0.2 m: a plan from just behind its
+  // goal would turn it round.
+  bool IsSameDrive(const tree::nav2::Path& driven, const tree::nav2::Path& next) const override;
   bool CancelDrives() override;
   void OnNewRun() override { handover_.Forget(); }
 

@@ -44,8 +44,9 @@ class MovingRobot : public Robot {
   std::vector<navigation::Point> points;  // of obstacles
   double scan_covers_rad = M_PI;          // to each side of straight ahead
   // A place that is blocked by what the map does not have. The robot stops in front of it, and the
-  // drive ends as those of the controller server do. The planner then plans as the real one: where
-  // no path leads around it, its path leads through.
+  // drive ends as those of the controller server do; one that replaces it leads on to the obstacle,
+  // or has its own time. The planner then plans as the real one: where no path leads around it, its
+  // path leads through.
   std::function<bool(const navigation::Point&)> blocked = [](const auto&) { return false; };
   std::function<std::optional<Line>(const navigation::Pose&)> see_line =
       [](const navigation::Pose&) { return std::optional<Line>(); };
@@ -153,9 +154,12 @@ class MovingRobot : public Robot {
     ++drives;
     driven_paths.push_back(path);
     if (!drive_ && !Rests()) ++drives_from_a_motion;
-    if (drive_) drive_->end.Finish(false);
     auto state = std::make_shared<DriveState>();
     state->path = path;
+    if (drive_) {
+      drive_->end.Finish(false);
+      state->waited_s = drive_->waited_s;
+    }
     auto handle = std::make_unique<Handle>(*this, state);
     if (controller_up) {
       drive_ = state;
@@ -298,17 +302,18 @@ class MovingRobot : public Robot {
     }
   }
 
-  // 0.5 m before it, for 2 s.
+  // 0.5 m before it, for 2 s. Once it waits, more has to be free.
   bool WaitsAtObstacle(double step_s) {
     if (drive_->cancelled || drive_->next >= drive_->path.size()) return false;
-    constexpr double kRoomM = 0.5, kLookM = 0.05;
+    constexpr double kLookM = 0.05;
+    const double room_m = drive_->waited_s > 0 ? 0.6 : 0.5;
     navigation::Point from = at.at;
     double looked_m = 0;
     bool stops = false;
-    for (std::size_t i = drive_->next; i < drive_->path.size() && looked_m < kRoomM; ++i) {
+    for (std::size_t i = drive_->next; i < drive_->path.size() && looked_m < room_m; ++i) {
       const navigation::Point to = drive_->path[i].at;
       const double length_m = navigation::Distance(from, to);
-      for (double along = 0; along <= length_m && looked_m + along <= kRoomM; along += kLookM) {
+      for (double along = 0; along <= length_m && looked_m + along <= room_m; along += kLookM) {
         stops =
             stops || blocked(navigation::Between(from, to, length_m > 0 ? along / length_m : 0));
       }

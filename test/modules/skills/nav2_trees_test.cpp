@@ -225,6 +225,19 @@ TEST_P(ToPose, ArrivesWithoutAContact) {
 INSTANTIATE_TEST_SUITE_P(Nav2, ToPose, ::testing::ValuesIn(kToPose),
                          [](const auto& shape) { return shape.param.name; });
 
+// It comes to rest a little behind its goal, and the next plan leads back to it.
+TEST_F(Nav2OnARobot, DoesNotTurnRoundAtItsGoal) {
+  Begin(kToPose.back().tree);
+  Put("goal", Pose{.x_m = 9, .y_m = 4, .stamp = Now()});
+  double most_rad = 0;
+  for (int i = 0; i < 300 && letter_ == 'R'; ++i) {
+    Run(0.1);
+    most_rad = std::max(most_rad, std::abs(body_.pose().yaw_rad));
+  }
+  EXPECT_EQ(letter_, 'S');
+  EXPECT_LT(most_rad, 0.5);
+}
+
 // One that also plans again by time.
 class AroundADisc : public Nav2OnARobot, public ::testing::WithParamInterface<Shape> {};
 TEST_P(AroundADisc, ThatAppearsOnItsPath) {
@@ -238,6 +251,17 @@ TEST_P(AroundADisc, ThatAppearsOnItsPath) {
 }
 INSTANTIATE_TEST_SUITE_P(Nav2, AroundADisc, ::testing::Values(kToPose[0]),
                          [](const auto& shape) { return shape.param.name; });
+
+// Its odometry is not still to the last digit, so that each plan is another path.
+TEST_F(Nav2OnARobot, RecoversFromADiscThatAppearsTooNearToPlanAroundIt) {
+  Begin(kToPose[2].tree);
+  Put("goal", Pose{.x_m = 10, .y_m = 3, .stamp = Now()});
+  network_.RunUntil([this] { return body_.pose().at.x_m > 5.2; }, network_.now() + FromSeconds(9));
+  body_.discs = {{{5.85, 3, 0}, 0.3}};
+  EXPECT_EQ(RunToTheEnd(120), 'S');
+  EXPECT_LT(OffFrom(10, 3), 0.5);
+  EXPECT_GT(body_.least_room_m(), 0);
+}
 
 TEST_F(Nav2OnARobot, TravelsThroughPlaces) {
   Begin(WithRecoveries("0.333", IfNeeded(kPlanThrough)));

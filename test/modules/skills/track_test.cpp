@@ -152,20 +152,30 @@ TEST_F(Track, FailsAtAnObstacleThatStays) {
   robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
   Go();
   RunFor(8);
-  EXPECT_THAT(feedback().message,
-              HasSubstr("s): the robot makes no progress along its path, as at an obstacle"));
+  EXPECT_THAT(feedback().message, HasSubstr("s): an obstacle stays in the way"));
   EXPECT_TRUE(RunToItsEnd(8));
   EXPECT_EQ(feedback().status, Status::kFailed);
-  EXPECT_EQ(
-      feedback().message,
-      "No path to the target for 10.0 s: the robot makes no progress along its path, as at an "
-      "obstacle");
+  EXPECT_EQ(feedback().message, "No path to the target for 10.0 s: an obstacle stays in the way");
   RunFor(1);
   EXPECT_TRUE(robot.Rests());
   robot.at = {};
   Go({{"track_period", "100"}});
   EXPECT_TRUE(RunToItsEnd(20));
   EXPECT_EQ(feedback().message, "No path to the target for 10.0 s: an obstacle stays in the way");
+}
+
+TEST_F(Track, FailsWhereItsDrivesDoNotMoveTheRobot) {
+  Go();
+  RunFor(2);
+  robot.drive_speed_m_s = 0;
+  RunFor(8);
+  EXPECT_THAT(feedback().message,
+              HasSubstr("s): the robot makes no progress along its path, as at an obstacle"));
+  EXPECT_TRUE(RunToItsEnd(8));
+  EXPECT_EQ(
+      feedback().message,
+      "No path to the target for 10.0 s: the robot makes no progress along its path, as at an "
+      "obstacle");
 }
 
 TEST_F(Track, OutlivesAnObstacleAndARestartOfServers) {

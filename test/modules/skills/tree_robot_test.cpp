@@ -308,6 +308,42 @@ TEST_F(ANav2Tree, RecoversFromAnObstacleUntilItIsGone) {
   EXPECT_EQ(Run(60), 'S');
   EXPECT_NEAR(robot.at.at.x_m, 6, 0.01);
 }
+TEST_F(ANav2Tree, KeepsItsDriveAtTheEndOfItsPathWhereAPlanHasTheSameEnd) {
+  const auto path = [](std::vector<Pose> poses) { return tree::nav2::Path{std::move(poses)}; };
+  const Pose end{.x_m = 4};
+  const tree::nav2::Path driven = path({Pose{}, end});
+  robot.at.at.x_m = 4.05;
+  const Pose here{.x_m = 4.05};
+  EXPECT_TRUE(nav2.IsSameDrive(driven, path({here, end})));
+  EXPECT_FALSE(nav2.IsSameDrive(driven, path({here, Pose{.x_m = 4, .yaw_rad = 1}})));
+  EXPECT_FALSE(nav2.IsSameDrive(driven, path({here, Pose{.x_m = 4, .y_m = 1}, end}))) << "a detour";
+  EXPECT_FALSE(nav2.IsSameDrive(path({here, Pose{.y_m = 2}, Pose{}, end}), path({here, end})))
+      << "the begin of a loop";
+  robot.at.at.x_m = 3.7;
+  EXPECT_TRUE(nav2.IsSameDrive(driven, driven));
+  EXPECT_FALSE(nav2.IsSameDrive(driven, path({Pose{.x_m = 3.7}, end})));
+  robot.at.at.x_m = 4.05;
+  robot.odometry_up = false;
+  EXPECT_FALSE(nav2.IsSameDrive(driven, path({here, end})));
+}
+// The controller gives up after 2 s before an obstacle, and no drive is so old.
+TEST_F(ANav2Tree, FailsADriveThatStandsAlsoWhereEachPlanIsAnotherPath) {
+  int plans = 0;
+  robot.plan = [&plans](const auto& start, const auto& goal) -> Result<navigation::Path> {
+    return navigation::Path{{{start.at.x_m, 1e-9 * ++plans, 0}, 0}, goal};
+  };
+  robot.blocked = [](const navigation::Point& point) { return point.x_m > 3; };
+  Make(
+      "<PipelineSequence><RateController hz=\"2\">"
+      "<ComputePathToPose goal=\"6;0;0\" path=\"{path}\"/></RateController>"
+      "<FollowPath path=\"{path}\" error_code_id=\"{code}\" error_msg=\"{why}\"/>"
+      "</PipelineSequence>");
+  EXPECT_EQ(Run(20), 'F');
+  EXPECT_EQ(Entry<int>("code"), 104);
+  for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
+  EXPECT_TRUE(robot.Rests());
+  EXPECT_FALSE(robot.driving()) << "what does not move is cancelled";
+}
 TEST_F(ANav2Tree, FailsWithTheCodeOfThePlannerWhereNoRecoveryHelps) {
   robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
     return navigation::MakeError(navigation::Fault::kWalledIn, "it is walled in");
