@@ -428,8 +428,8 @@ bool TreeRobot::IsFree(const tree::nav2::Path& path) const {
   return std::ranges::none_of(robot_.obstacles(), [&](const navigation::Point& obstacle) {
     // As the controller has it: what is near does not hold a body that moves away from it.
     constexpr double kNearerM = 0.01;
-    const double within_m =
-        std::min(robot_.radius_m(), Apart(robot_, obstacle, pose->at) - kNearerM);
+    const double within_m = std::min(robot_.radius_m() + kObstacleMarginM,
+                                     Apart(robot_, obstacle, pose->at) - kNearerM);
     for (std::size_t i = 1; i < rest.size(); ++i) {
       if (ApartFromLine(robot_, obstacle, rest[i - 1].at, rest[i].at) < within_m) return true;
     }

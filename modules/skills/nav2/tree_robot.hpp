@@ -118,7 +118,8 @@ class TreeRobot : public tree::nav2::Robot {
   double most_turn_rad_s() const override;
   double most_drive_m_s() const override;
   std::optional<tree::nav2::Pose> goal_update() const override { return goal_update_; }
-  // By what its scan sees now: no point within its radius of the rest of the path.
+  // By what its scan sees now: no point so near to the rest of the path that the controller would
+  // stop before it.
   bool IsFree(const tree::nav2::Path& path) const override;
   // Also where both lead from the robot to the same end within 0.2 m: a plan from just behind its
   // goal would turn it round.

@@ -322,7 +322,7 @@ void Travel::BeginRest() {
 }
 
 std::vector<navigation::Point> Travel::InTheWay(double ahead_m) const {
-  constexpr double kMarginM = 0.1, kStepM = 0.05, kNearerM = 0.01;
+  constexpr double kStepM = 0.05, kNearerM = 0.01;
   const auto pose = robot_.pose();
   if (!pose || path_.empty()) return {};
   std::vector<navigation::Point> places;
@@ -340,7 +340,7 @@ std::vector<navigation::Point> Travel::InTheWay(double ahead_m) const {
   for (const navigation::Point& point : robot_.obstacles()) {
     // As the controller has it: what is near does not hold a body that moves away from it.
     const double within_m =
-        std::min(robot_.radius_m() + kMarginM, FlatApart(point, pose->at) - kNearerM);
+        std::min(robot_.radius_m() + kObstacleMarginM, FlatApart(point, pose->at) - kNearerM);
     const bool is = std::ranges::any_of(
         places, [&](const navigation::Point& place) { return FlatApart(point, place) < within_m; });
     if (is) in_the_way.push_back(point);

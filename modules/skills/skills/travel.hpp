@@ -31,6 +31,8 @@ inline constexpr Duration kLostAfter = std::chrono::seconds(3);
 inline constexpr Duration kServerWait = std::chrono::seconds(2);
 // An arrival that is farther from the goal is none. The controller arrives within 0.2 m.
 inline constexpr double kArrivedWithinM = 0.5;
+// Between the body and an obstacle, as planner and controller keep it by default.
+inline constexpr double kObstacleMarginM = 0.1;
 // A robot that is slower stands.
 inline constexpr double kStandingMPerS = 0.05;
 inline constexpr double kStandingRadPerS = 0.05;

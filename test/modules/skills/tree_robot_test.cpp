@@ -152,7 +152,8 @@ TEST_F(ANav2Tree, SeesNothingInItsWayThatIsBesideItOrThatItHasPassed) {
   robot.at.at.x_m = 3;
   const std::map<std::string, std::pair<navigation::Point, bool>> places = {
       {"behind it", {{2, 0, 0}, true}},
-      {"beside the path", {{3.5, 0.25, 0}, true}},
+      {"beside the path", {{3.5, 0.35, 0}, true}},
+      {"within the margin of the controller", {{3.5, 0.25, 0}, false}},
       {"before it", {{3.5, 0.15, 0}, false}},
       {"behind the turn", {{4.1, 3, 0}, false}},
       {"beside the robot, which moves away from it", {{2.99, 0.1, 0}, true}}};
