@@ -109,7 +109,8 @@ bool IsOn(const std::string& file, const std::string& line) {
 
 }  // namespace
 
-std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration timeout) {
+std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration timeout,
+                                      Severity missing) {
   const ConfigPlaces places(config.file);
   std::error_code no_folder;  // then the path stays relative
   const std::string file = fs::absolute(config.file, no_folder).string();
@@ -127,22 +128,23 @@ std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration time
     if (!actuator.host.empty()) continue;
     std::error_code error;
     if (!actuator.cwd.empty() && !fs::is_directory(actuator.cwd, error)) {
-      add(actuator, "cwd", Severity::kWarning, "folder not found: " + actuator.cwd);
+      add(actuator, "cwd", missing, "folder not found: " + actuator.cwd);
       continue;
     }
     std::string why;
     const std::string program = ProgramOf(actuator, fs::path(file).parent_path(), why);
     if (program.empty()) {
-      add(actuator, "command", Severity::kWarning, why);
+      add(actuator, "command", missing, why);
       continue;
     }
     if (!SupportsCheck(program)) continue;
     const Ran ran = RunCheck(program, actuator, file, timeout);
-    if (ran.ok) continue;
     std::istringstream lines(ran.err);
     for (std::string line; std::getline(lines, line);) {
       if (line.empty() || line.starts_with("Run with --help") || IsOn(file, line)) continue;
-      add(actuator, "command", Severity::kError, line);
+      const bool warning = line.find(": warning: ") != std::string::npos;
+      if (ran.ok && !warning) continue;
+      add(actuator, "command", warning ? Severity::kWarning : Severity::kError, line);
     }
   }
   return found;

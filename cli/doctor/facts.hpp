@@ -178,7 +178,7 @@ struct DoctorFacts {
   bool keys_made = true;         // the folder has what all identities share
   std::string keys_untrusted;    // how another user can change what is in it; empty: none can
   bool keys_of_another = false;  // the folder belongs to a user who is neither this one nor root
-  std::vector<Diagnostic> programs;  // CheckPrograms()
+  std::vector<Diagnostic> programs;  // CheckPrograms(); one that is missing here is an error
   std::vector<Diagnostic> ros;       // CheckRos()
   std::vector<ControllerFacts> controllers;
   std::string controllers_error;

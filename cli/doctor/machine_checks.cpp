@@ -75,8 +75,7 @@ DoctorCheck CheckCommands(const DoctorFacts& facts) {
     check.reason = fmt::format("{} found and accepted", Counted(started, "command"));
     return check;
   }
-  // On the robot a missing program is an error, unlike in `musher check` on another computer.
-  check.health = CheckStatus::kError;
+  check.health = HasError(facts.programs) ? CheckStatus::kError : CheckStatus::kWarning;
   check.reason = FormatDiagnostic(facts.programs.front());
   if (facts.programs.size() > 1) {
     check.reason += fmt::format(" (and {} more)", facts.programs.size() - 1);

@@ -193,7 +193,7 @@ DoctorFacts ReadFacts(std::optional<MachineConfig> config, const GlobalOptions& 
   if (facts.config) {
     facts.lcm = ReadLcm(*facts.config);
     ReadStorage(facts, kDiskTime);
-    facts.programs = CheckPrograms(*facts.config, kProgramTime);
+    facts.programs = CheckPrograms(*facts.config, kProgramTime, Severity::kError);
     facts.ros = CheckRos(*facts.config, facts.environment);
     facts.hosts = ReadOtherHosts(*facts.config);
   }

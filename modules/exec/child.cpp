@@ -83,9 +83,16 @@ ExitStatus Child::Reap() {
   return status_;
 }
 
-ExitStatus Child::Stop(Duration stop_time) {
+Result<> Child::End(Duration stop_time) const {
   Signal(SIGTERM);
-  if (!EndedBy(std::chrono::steady_clock::now() + stop_time)) Signal(SIGKILL);
+  EndedBy(std::chrono::steady_clock::now() + stop_time);
+  Signal(SIGKILL);
+  if (EndedBy(std::chrono::steady_clock::now() + stop_time)) return Ok();
+  return Error{kCodeFailed, "process " + std::to_string(pid_) + " does not end by SIGKILL"};
+}
+
+ExitStatus Child::Stop(Duration stop_time) {
+  static_cast<void>(End(stop_time));
   return Reap();
 }
 

@@ -51,7 +51,11 @@ class Child {
   // return the same.
   ExitStatus Reap();
 
-  // Sends SIGTERM, and SIGKILL if it has not exited after `stop_time`.
+  // Sends the group SIGTERM, and SIGKILL once the child has exited or `stop_time` is over. Fails if
+  // it has not exited `stop_time` after that. It still has to be reaped: until then its number
+  // belongs to no other process.
+  Result<> End(Duration stop_time) const;
+  // The same, and reaps it however long that takes.
   ExitStatus Stop(Duration stop_time);
 
  private:

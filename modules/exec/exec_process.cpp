@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
+#include "musher/lifecycle/config/flow.hpp"
 
 namespace musher::exec {
 namespace {
@@ -21,6 +22,12 @@ UniqueFd TakeSignals() {
   return UniqueFd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
 }
 
+std::string WhyNotConfirmed(const ExecConfig& config) {
+  if (!config.emergency_stop) return WhyNothingStops(config);
+  const std::vector<std::string>& run = config.emergency_stop->run;
+  return "[emergency_stop] has not ended" + (run.empty() ? "" : ": `" + CommandText(run) + '`');
+}
+
 bool IsReadable(int fd) {
   pollfd source{fd, POLLIN, 0};
   return poll(&source, 1, 0) > 0;
@@ -29,14 +36,38 @@ bool IsReadable(int fd) {
 }  // namespace
 
 ExecProcess::ExecProcess(const std::string& actuator_name, ExecConfig config, const Reaper& reaper)
-    : runner_(actuator_name, std::move(config), reaper),
+    : stop_begun_(WhyNotConfirmed(config)),
+      has_stop_action_(config.emergency_stop.has_value()),
+      runner_(actuator_name, std::move(config), reaper),
       signals_(TakeSignals()),
-      actuator_(actuator_name) {
-  actuator_.RegisterStateCallback([this](const State& state) {
-    auto result = runner_.Run(state, [this] { return actuator_.StopRequested(); });
-    loop_.Post([this] { EvaluateProgram(); });
-    return result;
-  });
+      actuator_(actuator_name, [this] { OnEmergencyStop(); }) {
+  actuator_.RegisterStateCallback([this](const State& state) { return RunState(state); });
+}
+
+// Without the program that a stop has ended, the commands of states that lead down still run.
+Result<> ExecProcess::RunState(const State& state) {
+  const bool down = state == kSetUp || state == kTearDown ||
+                    Falls(actuator_.machine_config(), actuator_.CurrentState(), state);
+  if (auto ended = runner_.EndedByStop(); ended && !down) return *std::move(ended);
+  auto result = runner_.Run(state, [this] { return actuator_.StopRequested(); });
+  loop_.Post([this] { EvaluateProgram(); });
+  return result;
+}
+
+void ExecProcess::OnEmergencyStop() {
+  const std::lock_guard lock(stops_mutex_);
+  const std::uint64_t number = ++stops_;
+  actuator_.ReportStopTrouble(stop_begun_);
+  if (!has_stop_action_) return;
+  stop_thread_.Do([this, number] { RunEmergencyStop(number); }, {.key = "stop"});
+}
+
+void ExecProcess::RunEmergencyStop(std::uint64_t number) {
+  const Result<> result = runner_.RunEmergencyStop();
+  if (!result) actuator_.Log(LogLevel::kError, "[emergency_stop]: " + result.error().message);
+  const std::lock_guard lock(stops_mutex_);
+  if (number != stops_) return;  // it runs again
+  actuator_.ReportStopTrouble(result ? "" : "[emergency_stop]: " + result.error().message);
 }
 
 int ExecProcess::Run(const std::string& state_config) {
@@ -49,6 +80,7 @@ int ExecProcess::Run(const std::string& state_config) {
   loop_.Run();
   actuator_.Shutdown();
   actuator_thread.join();
+  stop_thread_.End();
   if (program_lost_) {
     actuator_.Log(LogLevel::kWarning,
                   "the program exited by itself: " + runner_.AwaitProgram()->Text());
@@ -90,6 +122,7 @@ void ExecProcess::OnSignal() {
 void ExecProcess::EvaluateProgram() {
   const int watch = runner_.program_watch();
   if (!set_up_ended_ || exit_code_ || watch < 0 || runner_.tearing_down()) return;
+  if (runner_.EndedByStop()) return;
   if (!IsReadable(watch)) return;
   program_lost_ = true;
   End(1, Wanted::kGetDone);

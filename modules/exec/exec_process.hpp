@@ -4,18 +4,37 @@
 //
 // Threads: Run() belongs to the main thread, with a loop for signals and the program's exit. A
 // second thread starts the actuator and waits for its end, since both block. Commands run on the
-// actuator's worker.
+// actuator's worker, the action of an emergency stop on a thread of its own: a command that hangs
+// does not keep it from running.
 
 #include <csignal>
+#include <cstdint>
+#include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/base/unique_fd.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/exec/state_runner.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::exec {
+
+class ExecActuator : public MachineActuator {
+ public:
+  // `on_stop` is called on the actuator's loop, and must return at once.
+  ExecActuator(const std::string& name, std::function<void()> on_stop)
+      : MachineActuator(name), on_stop_(std::move(on_stop)) {}
+
+ protected:
+  void OnEmergencyStop() override { on_stop_(); }
+
+ private:
+  const std::function<void()> on_stop_;
+};
 
 class ExecProcess {
  public:
@@ -28,16 +47,25 @@ class ExecProcess {
   int Run(const std::string& state_config);
 
  private:
-  void RunActuator();  // on the second thread
+  void RunActuator();                     // on the second thread
+  Result<> RunState(const State& state);  // on the worker
+  void OnEmergencyStop();                 // on the actuator's loop
+  void RunEmergencyStop(std::uint64_t number);
   void OnSetUp(bool ok);
   void OnSignal();
   void EvaluateProgram();
   void End(int exit_code, Wanted wanted);
 
+  // Why an emergency stop is not confirmed yet; empty: it is.
+  const std::string stop_begun_;
+  const bool has_stop_action_;
   transport::LinuxEventLoop loop_;
   StateRunner runner_;
-  UniqueFd signals_;
-  ActuatorRunner<MachineActuator> actuator_;
+  UniqueFd signals_;         // before any thread
+  std::mutex stops_mutex_;   // guards the one below, together with what is reported of it
+  std::uint64_t stops_ = 0;  // so often the action was to run
+  WorkQueue stop_thread_{{.name = "emergency-stop"}};
+  ActuatorRunner<ExecActuator> actuator_;
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr program_watch_;
   bool set_up_ended_ = false;     // Start() has returned

@@ -37,6 +37,9 @@ FILE, for example:
   run = ["./wait-for-port", "80"]     # a command; exit code 0: done
   [state.SelfCheck]
   shell = "test -e /dev/ttyS0"        # the same as run, but a line for /bin/sh
+  [emergency_stop]                    # at once at a stop, which is confirmed when this is done
+  run = ["./brake"]                   # or shell; time_ms = 2000: its time
+  end_program = true                  # then ends the program, until musher-exec is restarted
 A state that FILE leaves out does nothing and succeeds.
 
 Exit codes: 0 torn down, or ended by a signal; 1 SetUp failed or the program ended by itself;
@@ -116,10 +119,15 @@ int Run(const Options& options) {
   } else {
     musher::Parsed<musher::exec::ExecConfig> reading =
         musher::exec::ReadExecFile(options.file, actuator);
-    musher::program::PrintErrors(reading.diagnostics);
+    for (const musher::Diagnostic& found : reading.diagnostics) {
+      std::cerr << musher::FormatDiagnostic(found) << std::endl;
+    }
     config = std::move(reading.config);
   }
   if (!config) return kUsageError;
+  if (options.file.empty()) {
+    std::cerr << "musher-exec: warning: " << musher::exec::WhyNothingStops(*config) << std::endl;
+  }
   if (options.check) return 0;
   // Its commands may be ROS 2 programs.
   config->env = musher::transport::RosEnvironment(

@@ -11,7 +11,8 @@ namespace {
 // Exit codes up to this one are keys of CyberDog's codes; higher ones are those of shells.
 constexpr int kHighestKey = 99;
 
-// As a person wrote it, at most one line of a table.
+}  // namespace
+
 std::string CommandText(const std::vector<std::string>& argv) {
   constexpr std::size_t kLongest = 60;
   const bool shell = argv.size() == 3 && argv[0].ends_with("sh") && argv[1] == "-c";
@@ -19,8 +20,6 @@ std::string CommandText(const std::vector<std::string>& argv) {
   for (std::size_t i = 1; i < argv.size() && !shell; ++i) text += ' ' + argv[i];
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "…";
 }
-
-}  // namespace
 
 StateRunner::StateRunner(std::string actuator, ExecConfig config, const Reaper& reaper)
     : actuator_(std::move(actuator)), config_(std::move(config)), reaper_(reaper) {}
@@ -33,24 +32,73 @@ Result<> StateRunner::Run(const State& state, const StopRequested& stop_requeste
   return RunOne(state, actions, stop_requested);
 }
 
+Result<> StateRunner::RunEmergencyStop() {
+  const EmergencyStopAction& action = *config_.emergency_stop;
+  const Result<> ran = RunStopCommand(action);
+  if (action.end_program) {
+    if (const Result<> ended = EndProgram(); !ended) return ended;
+  }
+  return ran;
+}
+
+Result<> StateRunner::RunStopCommand(const EmergencyStopAction& action) {
+  if (action.run.empty()) return Ok();
+  const Time deadline = std::chrono::steady_clock::now() + action.time;
+  const auto end =
+      RunCommand(Spec(State("emergency_stop"), action.run), reaper_, config_.stop_time, [deadline] {
+        return std::chrono::steady_clock::now() < deadline ? Wanted::kYes : Wanted::kNo;
+      });
+  if (!end) return Failure(KeyCode::kFailed, end.error().message);
+  return ResultOf(
+      end.value(), action.run,
+      "has not ended within " + std::to_string(ToMilliseconds(action.time)) + " ms and was ended");
+}
+
+std::optional<Error> StateRunner::EndedByStop() const {
+  if (!ended_by_stop_) return std::nullopt;
+  return Failure(KeyCode::kStatusError,
+                 "an emergency stop has ended its program; `musher restart " + actuator_ +
+                     "` starts it again");
+}
+
 std::optional<ExitStatus> StateRunner::AwaitProgram() {
+  const std::lock_guard lock(program_mutex_);
   if (!program_) return std::nullopt;
+  program_pid_ = 0;
   return program_->Reap();
 }
 
 void StateRunner::StopProgram() {
+  const std::lock_guard lock(program_mutex_);
+  program_pid_ = 0;
   if (program_) program_->Stop(config_.stop_time);
 }
 
+// It is reaped at the end of this process. One that is not started yet will not be.
+Result<> StateRunner::EndProgram() {
+  const std::lock_guard lock(program_mutex_);
+  ended_by_stop_ = true;
+  return program_ ? program_->End(config_.stop_time) : Ok();
+}
+
+Result<> StateRunner::StartProgram(const std::vector<std::string>& argv) {
+  const std::lock_guard lock(program_mutex_);
+  if (argv.empty() || ended_by_stop_) return Ok();
+  auto program = Child::Start(Spec(State(kSetUp), argv), reaper_);
+  if (!program) return Failure(KeyCode::kFailed, program.error().message);
+  program_.emplace(std::move(program).value());
+  program_pid_ = program_->pid();
+  program_watch_ = UniqueFd(fcntl(program_->pidfd(), F_DUPFD_CLOEXEC, 0));
+  return Ok();
+}
+
+// It succeeds where an emergency stop has ended the program: the actuator remains, is stopped, and
+// does not pass its self-check. A failure would start it again at once.
 Result<> StateRunner::SetUp(const StateActions& actions, const StopRequested& stop_requested) {
-  if (!actions.start.empty()) {
-    auto program = Child::Start(Spec(State(kSetUp), actions.start), reaper_);
-    if (!program) return Failure(KeyCode::kFailed, program.error().message);
-    program_.emplace(std::move(program).value());
-    program_watch_ = UniqueFd(fcntl(program_->pidfd(), F_DUPFD_CLOEXEC, 0));
-  }
-  const auto ended = [this] { return program_ && program_->Ended(); };
+  if (auto started = StartProgram(actions.start); !started) return started;
+  const auto ended = [this] { return ended_by_stop_ || (program_ && program_->Ended()); };
   auto result = RunOne(State(kSetUp), actions, [&] { return stop_requested() || ended(); });
+  if (ended_by_stop_) return Ok();
   if (ended()) {
     return Failure(KeyCode::kFailed,
                    actions.start.front() + " ended during SetUp: " + program_->Reap().Text());
@@ -76,18 +124,17 @@ Result<> StateRunner::RunOne(const State& state, const StateActions& actions,
     return wanted == Wanted::kYes && stop_requested() ? Wanted::kNo : wanted;
   });
   if (!end) return Failure(KeyCode::kFailed, end.error().message);
-  return ResultOf(end.value(), actions.run);
+  return ResultOf(end.value(), actions.run, "was stopped, because its result is no longer needed");
 }
 
 // A command that was stopped and yet succeeded had just finished.
-Result<> StateRunner::ResultOf(const CommandEnd& end, const std::vector<std::string>& argv) const {
+Result<> StateRunner::ResultOf(const CommandEnd& end, const std::vector<std::string>& argv,
+                               const std::string& why_stopped) const {
   const ExitStatus& status = end.status;
   if (status.ok()) return Ok();
-  const std::string reason =
-      (end.stopped
-           ? '`' + CommandText(argv) + "` was stopped, because its result is no longer needed"
-           : status.Text() + " of `" + CommandText(argv) + '`') +
-      (end.last_line.empty() ? "" : "; last output: " + end.last_line);
+  const std::string reason = (end.stopped ? '`' + CommandText(argv) + "` " + why_stopped
+                                          : status.Text() + " of `" + CommandText(argv) + '`') +
+                             (end.last_line.empty() ? "" : "; last output: " + end.last_line);
   if (end.stopped) return Failure(KeyCode::kTimeout, reason);
   const bool is_key = !status.killed && status.number <= kHighestKey;
   return Failure(is_key ? static_cast<KeyCode>(status.number) : KeyCode::kFailed, reason);
@@ -101,7 +148,9 @@ ChildSpec StateRunner::Spec(const State& state, const std::vector<std::string>& 
   if (std::getenv("PYTHONUNBUFFERED") == nullptr) {  // NOLINT(concurrency-mt-unsafe)
     spec.env["PYTHONUNBUFFERED"] = "1";
   }
-  if (program_) spec.env["MUSHER_PROGRAM_PID"] = std::to_string(program_->pid());
+  if (const pid_t program = program_pid_; program != 0) {
+    spec.env["MUSHER_PROGRAM_PID"] = std::to_string(program);
+  }
   return spec;
 }
 

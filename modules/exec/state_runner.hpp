@@ -5,14 +5,19 @@
 //   others    run the command
 //   TearDown  run the command, and when that has succeeded stop the program
 //
+// At an emergency stop it runs the command of [emergency_stop], then ends the program if the config
+// says so. A program that was ended so is started by a new process alone.
+//
 // Commands and the program inherit the environment and get that of the config, MUSHER_STATE,
 // MUSHER_ACTUATOR and, beside a program, MUSHER_PROGRAM_PID (which is also the number of its
 // process group).
 //
-// Threads: Run() on one thread at a time; exceptions are stated below.
+// Threads: Run() on one thread at a time, RunEmergencyStop() on another one beside it; exceptions
+// are stated below.
 
 #include <atomic>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +29,9 @@
 
 namespace musher::exec {
 
+// A command as a person wrote it, at most one line of a table.
+std::string CommandText(const std::vector<std::string>& argv);
+
 class StateRunner {
  public:
   // The reaper must outlive the runner. What still runs when the runner is destroyed is killed.
@@ -32,6 +40,13 @@ class StateRunner {
   // An Error has CyberDog's code in the config's module, and the last line of the command's
   // output.
   Result<> Run(const State& state, const std::function<bool()>& stop_requested);
+
+  // What the config says for an emergency stop. An Error says what was not done.
+  Result<> RunEmergencyStop();
+
+  // Why no state can be entered any more that switches on: an emergency stop has ended the program.
+  // Nothing while it has not. Any thread.
+  std::optional<Error> EndedByStop() const;
 
   // From now on commands are stopped (kNo) or killed (kGetDone), and no new ones started. Any
   // thread.
@@ -53,11 +68,16 @@ class StateRunner {
  private:
   using StopRequested = std::function<bool()>;
 
+  Result<> StartProgram(const std::vector<std::string>& argv);
+  Result<> EndProgram();
+  Result<> RunStopCommand(const EmergencyStopAction& action);
   Result<> SetUp(const StateActions& actions, const StopRequested& stop_requested);
   Result<> TearDown(const StateActions& actions, const StopRequested& stop_requested);
   Result<> RunOne(const State& state, const StateActions& actions,
                   const StopRequested& stop_requested);
-  Result<> ResultOf(const CommandEnd& end, const std::vector<std::string>& argv) const;
+  // `why_stopped` follows the command in the reason if it was stopped.
+  Result<> ResultOf(const CommandEnd& end, const std::vector<std::string>& argv,
+                    const std::string& why_stopped) const;
   ChildSpec Spec(const State& state, const std::vector<std::string>& argv) const;
   Error Failure(KeyCode key, const std::string& message) const;
 
@@ -66,7 +86,10 @@ class StateRunner {
   const Reaper& reaper_;
   std::atomic<Wanted> wanted_ = Wanted::kYes;
   std::atomic<bool> tearing_down_ = false;
+  std::atomic<bool> ended_by_stop_ = false;
+  std::mutex program_mutex_;  // held while the program is started, ended or reaped
   std::optional<Child> program_;
+  std::atomic<pid_t> program_pid_ = 0;  // 0: there is none
   UniqueFd program_watch_;
 };
 

@@ -217,6 +217,16 @@ TEST_F(CheckedPrograms, AreCheckedAlsoIfTheConfigHasAnError) {
   EXPECT_THAT(module.out, Not(HasSubstr("of the state config")));
 }
 
+TEST_F(CheckedPrograms, GiveTheirWarnings) {
+  const std::string program =
+      Write("musher-exec", "#!/bin/sh\necho 'a hint'\necho 'legs.toml:1:1: warning: no stop'\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const Ran ran = Check("command = [\"" + program + "\"]");
+  EXPECT_EQ(ran.exit, 0);
+  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:12:1: warning: in 'actuator.legs': 'command': "
+                                 "legs.toml:1:1: warning: no stop\nok: 2 actuators"));
+}
+
 // A module of one's own, whose name begins like those of Musher's, started and ran for ever.
 TEST_F(CheckedPrograms, AreNotRunUnlessTheyAreMushersOwn) {
   const std::string program = Write("musher-gripper", "#!/bin/sh\ntouch \"$0\".ran\n");

@@ -300,10 +300,15 @@ const Planted kPlanted[] = {
      }},
     {"ACertificateThatExpiresSoon", "keys", CheckStatus::kWarning, "within 30 days",
      "musher keys add controller", [](DoctorFacts& f) { f.keys[0].until = f.now; }},
-    {"AMissingProgram", "programs", CheckStatus::kError, "dog.toml:3:1: warning: no such program",
+    {"AMissingProgram", "programs", CheckStatus::kError, "dog.toml:3:1: error: no such program",
      "musher check dog.toml",
      [](DoctorFacts& f) {
-       f.programs = {{"dog.toml", 3, 1, Severity::kWarning, "no such program"}};
+       f.programs = {{"dog.toml", 3, 1, Severity::kError, "no such program"}};
+     }},
+    {"AProgramThatNothingStops", "programs", CheckStatus::kWarning,
+     "dog.toml:3:1: warning: no [emergency_stop]", "musher check dog.toml",
+     [](DoctorFacts& f) {
+       f.programs = {{"dog.toml", 3, 1, Severity::kWarning, "no [emergency_stop]"}};
      }},
     {"CommandsThatWereOverdue", "time limits", CheckStatus::kWarning,
      "legs: Active was overdue in 3 of 120 commands, its limit is 5000 ms (and 1 more)",

@@ -33,6 +33,9 @@ void CheckConfig(std::string_view text) {
           "the same text gives the same result");
   if (!reading.config) return;
   Require(reading.config->stop_time >= Duration::zero(), "times are not negative");
+  if (const auto& stop = reading.config->emergency_stop) {
+    Require(!stop->run.empty() || stop->end_program, "an emergency stop does something");
+  }
   for (const auto& [state, actions] : reading.config->states) {
     Require(actuator.Lists(state), "only states that the actuator lists");
     Require(actions.start.empty() || state == kSetUp, "a program starts in SetUp only");

@@ -43,6 +43,8 @@ states = ["Active"]
 const ACTUATOR = name => `module = 6200
 [state.Active]
 shell = "echo ${name} is active"
+[emergency_stop]
+shell = "echo ${name} is stopped"
 `;
 
 // `config`: more lines for the state config.

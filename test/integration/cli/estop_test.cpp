@@ -681,6 +681,29 @@ TEST_F(EmergencyStop, NamesAnActuatorThatDoesNotSayThatItHasStopped) {
   EXPECT_THAT(estop.out, HasSubstr("legs   stopped after "));
 }
 
+// It said "stopped" of a program that drove on.
+TEST_F(EmergencyStop, NamesAProgramThatNothingStopsAndEndsOneThatSaysSo) {
+  const std::string start = "[state.SetUp]\nstart = [\"sleep\", \"infinity\"]\n";
+  Does("legs", start + "[emergency_stop]\nend_program = true\n");
+  Does("voice", start);
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string none = "voice.toml has no [emergency_stop]: nothing stops its program";
+  EXPECT_THAT(Musher({"check", config_}).out, HasSubstr("warning: " + none));
+  const Ended estop = Musher({"estop", "--timeout", "2"});
+  EXPECT_EQ(estop.exit, 1);
+  EXPECT_THAT(estop.err, HasSubstr("stop not confirmed: voice"));
+  EXPECT_THAT(estop.out, AllOf(HasSubstr("legs   stopped after "), HasSubstr("voice  " + none)));
+
+  ASSERT_EQ(Musher({"estop", "--release"}).exit, 0);
+  const Ended again = Musher({"set", "Active"});
+  EXPECT_NE(again.exit, 0);
+  EXPECT_THAT(again.out, HasSubstr("`musher restart legs` starts it again"));
+  const Ended restart = Musher({"restart", "legs"});
+  EXPECT_EQ(restart.exit, 0) << restart.err;
+  EXPECT_THAT(restart.out, HasSubstr("legs is back in LowPower"));
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+}
+
 // The program that keeps a stop published for a minute went on after the release: a module that was
 // restarted in that minute latched the released stop, and stayed degraded beside an Active machine.
 TEST_F(EmergencyStop, IsPublishedNoLongerAfterItsReleaseAndHoldsNoModuleThatIsRestarted) {

@@ -56,6 +56,18 @@ TEST_F(ChildTest, NamesTheSignalThatKilledIt) {
   EXPECT_EQ(child.value().Reap().Text(), "killed by SIGSEGV");
 }
 
+// Its number must not be another process's while a command may still signal it.
+TEST_F(ChildTest, IsEndedWithItsGroupAndKeepsItsNumberUntilItIsReaped) {
+  auto child = Shell("trap '' TERM; sleep infinity & echo $! > " + (folder_ / "child") + "; wait");
+  ASSERT_TRUE(child);
+  const pid_t in_group = ReadPid(folder_ / "child");
+  ASSERT_GT(in_group, 0);
+  EXPECT_TRUE(child.value().End(Milliseconds(20)));
+  EXPECT_TRUE(HasExited(in_group));
+  EXPECT_EQ(kill(child.value().pid(), 0), 0);
+  EXPECT_EQ(child.value().Reap(), (ExitStatus{true, SIGKILL}));
+}
+
 TEST_F(ChildTest, FailsToStartAMissingProgram) {
   const auto child = Start({{"no-such-program"}, "", {}});
   ASSERT_FALSE(child);

@@ -35,6 +35,10 @@ start = ["server", "--port", "80"]
 run = ["./wait", "80", "80"]
 [state.SelfCheck]
 shell = "test -e /dev/snd && true"
+[emergency_stop]
+run = ["./mute"]
+time_ms = 300
+end_program = true
 )");
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(reading.diagnostics, IsEmpty());
@@ -46,12 +50,34 @@ shell = "test -e /dev/snd && true"
   EXPECT_THAT(reading.config->states.at("SetUp").run, ElementsAre("/robot/wait", "80", "80"));
   EXPECT_THAT(reading.config->states.at("SelfCheck").run,
               ElementsAre("/bin/sh", "-c", "test -e /dev/snd && true"));
+  EXPECT_EQ(reading.config->emergency_stop,
+            (EmergencyStopAction{{"/robot/mute"}, Milliseconds(300), true}));
+  EXPECT_EQ(WhyNothingStops(*reading.config), "");
 }
 
 TEST(ExecConfig, NeedsNoMoreThanOneState) {
   const Parsed<ExecConfig> reading = Read("[state.SetUp]\nstart = [\"server\"]\n");
   ASSERT_TRUE(reading.config);
-  EXPECT_EQ(*reading.config, ConfigForProgram({"server"}));
+  ExecConfig expected = ConfigForProgram({"server"});
+  expected.file = "audio.toml";
+  EXPECT_EQ(*reading.config, expected);
+}
+
+TEST(ExecConfig, WarnsOfWhatNoEmergencyStopStops) {
+  const std::string none = "/robot/audio.toml:1:1: warning: audio.toml has no [emergency_stop]: ";
+  musher::testing::ExpectDiagnostics(
+      Read,
+      {{"a program",
+        "[state.SetUp]\nstart = [\"server\"]\n",
+        {none + "nothing stops its program; `musher estop` does not confirm its stop"}},
+       {"a command of Active",
+        "[state.Active]\nrun = [\"true\"]\n",
+        {none + "nothing stops what its commands switch on; `musher estop` does not"}},
+       {"commands that switch nothing on",
+        "[state.SetUp]\nrun = [\"true\"]\n[state.SelfCheck]\nrun = [\"true\"]\n"
+        "[state.Active]\n",
+        {}},
+       {"a stop", "[state.Active]\nrun = [\"true\"]\n[emergency_stop]\nshell = \"true\"\n", {}}});
 }
 
 TEST(ExecConfig, ReportsWhatIsWrongAndWhere) {
@@ -79,6 +105,18 @@ TEST(ExecConfig, ReportsWhatIsWrongAndWhere) {
          ":4:7: error: state.Active.run: expected at least one string",
          ":5:1: error: state.Active: unknown key \"runs\"",
          ":7:8: error: state.SetUp.run: expected a program"}},
+       {"an emergency stop that does nothing",
+        "[state.Active]\n[emergency_stop]\n",
+        {":2:1: error: emergency_stop: expected run, shell or end_program = true"}},
+       {"an end of no program",
+        "[state.Active]\n[emergency_stop]\nend_program = true\n",
+        {":3:15: error: emergency_stop.end_program: [state.SetUp] starts no program"}},
+       {"all errors of an emergency stop",
+        "[state.Active]\n[emergency_stop]\nrun = [\"true\"]\nshell = \"true\"\ntime_ms = 0\n"
+        "start = [\"server\"]\n",
+        {":4:9: error: emergency_stop.shell: expected either run or shell, found both",
+         ":5:11: error: emergency_stop.time_ms: expected an integer from 1",
+         ":6:1: error: emergency_stop: unknown key \"start\""}},
        {"no state", "module = 100\n", {"the key \"state\" is missing"}},
        {"no table of states", "state = 3\n", {"expected a table, found an integer"}},
        {"no table of a state",
@@ -106,6 +144,7 @@ TEST(CyberdogConfig, HasAGoodExecFileForEachActuator) {
     const Parsed<ExecConfig> reading =
         ReadExecFile(folder + "exec/" + actuator.name + ".toml", actuator);
     EXPECT_TRUE(reading.config) << actuator.name;
+    EXPECT_THAT(reading.diagnostics, IsEmpty()) << actuator.name;
     EXPECT_THAT(actuator.command, ElementsAre("musher-exec", actuator.name + ".toml"));
   }
 }

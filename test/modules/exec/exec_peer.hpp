@@ -1,7 +1,14 @@
 #pragma once
 // The peer of a musher-exec process, which is the actuator "motion".
 
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::exec {
 
@@ -9,7 +16,48 @@ class ExecPeer : public test::ActuatorPeer {
  public:
   ExecPeer()
       : ActuatorPeer("motion", {"SetUp", "TearDown", "SelfCheck", "Active", "LowPower"},
-                     "musher-exec") {}
+                     "musher-exec") {
+    stops_ = transport::MakePublisher<msg::EmergencyStop>(node(), transport::EmergencyStopTopic(""),
+                                                          transport::kLatchedQos)
+                 .value();
+    statuses_ = transport::MakeSubscription<msg::ActuatorStatus>(
+                    node(), transport::ActuatorStatusTopic(""),
+                    [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
+                      status_ = status;
+                    },
+                    transport::kLatchedFromManyQos)
+                    .value();
+  }
+
+  void EngageStop() { PublishStop(true); }
+  // As its controller.
+  bool ReleaseStop() {
+    PublishStop(false);
+    return Until([this] { return status_.emergency_stop == 0; });
+  }
+  // Waits until it has the stop, with a trouble of which that holds: "" once it is confirmed.
+  bool AwaitTrouble(const std::function<bool(const std::string&)>& holds) {
+    return Until([&] {
+      return status_.pid == pid() && status_.emergency_stop != 0 && holds(status_.stop_trouble);
+    });
+  }
+  bool AwaitTrouble(const std::string& trouble) {
+    return AwaitTrouble([&](const std::string& now) { return now == trouble; });
+  }
+  const std::string& trouble() const { return status_.stop_trouble; }
+
+ private:
+  void PublishStop(bool engaged) {
+    msg::EmergencyStop stop;
+    stop.id = 7;
+    stop.engaged = engaged;
+    stop.by = "alice";
+    static_cast<void>(stops_->Publish(stop));
+  }
+
+  msg::ActuatorStatus status_;
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
+  std::unique_ptr<transport::Subscription> statuses_;
 };
 
 }  // namespace musher::exec

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/test/modules/exec/exec_peer.hpp"
@@ -217,6 +218,149 @@ TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramHasExited) {
   peer.Send("TearDown");
   EXPECT_EQ(peer.AwaitExit(), 1);
   EXPECT_THAT(peer.Output(), HasSubstr("the program exited by itself: killed by SIGTERM"));
+}
+
+// It was "stopped", with the motors on.
+TEST(MusherExec, DoesNotConfirmAnEmergencyStopOfWhatNothingStops) {
+  const std::string none = "motion.toml has no [emergency_stop]: nothing stops ";
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"[state.Active]\nshell = \"echo motors on\"\n", none + "what its commands switch on"},
+      {kProgram, none + "its program"},
+      {"[state.LowPower]\nrun = [\"true\"]\n", ""}};
+  for (const auto& [file, trouble] : files) {
+    ExecPeer peer;
+    peer.Start(file);
+    ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+    peer.EngageStop();
+    EXPECT_TRUE(peer.AwaitTrouble(trouble)) << file << peer.trouble();
+  }
+}
+
+TEST(MusherExec, WithoutAFileDoesNotConfirmAnEmergencyStop) {
+  ExecPeer peer;
+  peer.StartWith({"--actuator", "motion", "--config", peer.folder() / "machine.toml", "--", "sleep",
+                  "infinity"});
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.EngageStop();
+  EXPECT_TRUE(peer.AwaitTrouble(
+      "started without a file, it has no [emergency_stop]: nothing stops its program"))
+      << peer.trouble();
+}
+
+// How often a command was run that adds a line to this file.
+std::ptrdiff_t Runs(const ExecPeer& peer, const std::string& file) {
+  std::ifstream lines(peer.folder() / file);
+  return std::count(std::istreambuf_iterator<char>(lines), {}, '\n');
+}
+
+TEST(MusherExec, ConfirmsAnEmergencyStopOnceItsCommandHasEnded) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\nshell = \"echo on >> $MUSHER_TEST/on\"\n"
+      "[emergency_stop]\ntime_ms = 20000\n"
+      "shell = \"until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done; echo off >> "
+      "$MUSHER_TEST/off\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  EXPECT_TRUE(peer.AwaitTrouble([](const std::string& trouble) {
+    return trouble.starts_with("[emergency_stop] has not ended: `until ");
+  })) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 0);
+  std::ofstream(peer.folder() / "go") << "go";
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 1);
+
+  ASSERT_TRUE(peer.ReleaseStop());
+  ASSERT_TRUE(peer.Switch("Active"));
+  EXPECT_EQ(Runs(peer, "on"), 2) << "once for each command to Active, not by the release";
+  EXPECT_EQ(Runs(peer, "off"), 1);
+}
+
+TEST(MusherExec, NamesAnEmergencyStopCommandThatFails) {
+  ExecPeer peer;
+  peer.Start("[emergency_stop]\nshell = \"echo no brake; exit 9\"\n[state.LowPower]\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.EngageStop();
+  EXPECT_TRUE(
+      peer.AwaitTrouble("[emergency_stop]: exit code 9 of `echo no brake; exit 9`; last "
+                        "output: no brake"))
+      << peer.trouble();
+}
+
+TEST(MusherExec, EndsAnEmergencyStopCommandAtItsTime) {
+  ExecPeer peer;
+  peer.Start(
+      "stop_ms = 20\n[state.LowPower]\n[emergency_stop]\ntime_ms = 100\n"
+      "shell = \"trap '' TERM; echo $$ > $MUSHER_TEST/stop; while :; do sleep 1; done\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.EngageStop();
+  EXPECT_TRUE(peer.AwaitTrouble([](const std::string& trouble) {
+    return trouble.ends_with("` has not ended within 100 ms and was ended");
+  })) << peer.trouble();
+  EXPECT_TRUE(HasExited(ReadPid(peer.folder() / "stop")));
+}
+
+TEST(MusherExec, RunsItsEmergencyStopBesideTheCommandOfAStateAndAgainAfterIt) {
+  ExecPeer peer;
+  peer.Start(std::string("stop_ms = 20000\n[state.Active]\n") +
+             "shell = \"trap '' TERM; echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; "
+             "do sleep 0.02; done; echo on > $MUSHER_TEST/on\"\n"
+             "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off; rm -f $MUSHER_TEST/on\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.Send("Active");
+  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
+  peer.EngageStop();
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 1);
+  EXPECT_FALSE(peer.reply()) << "the command of Active runs on: it ignores SIGTERM";
+
+  std::ofstream(peer.folder() / "go") << "go";
+  ASSERT_TRUE(peer.AwaitReply());
+  EXPECT_EQ(peer.reply()->value().verdict, msg::ActuatorCommand::kVerdictFailed);
+  EXPECT_TRUE(peer.Until([&] { return Runs(peer, "off") == 2; }));
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_NE(access((peer.folder() / "on").c_str(), F_OK), 0);
+}
+
+TEST(MusherExec, EndsItsProgramAtAnEmergencyStopAndIsNotSwitchedOnWithoutIt) {
+  ExecPeer peer;
+  peer.Start(std::string(kProgram) +
+             "[state.Active]\nrun = [\"true\"]\n[emergency_stop]\nend_program = true\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  const pid_t program = ReadPid(peer.folder() / "program");
+  ASSERT_GT(program, 0);
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_TRUE(HasExited(program));
+  ASSERT_TRUE(peer.ReleaseStop());
+
+  const std::string reason =
+      "an emergency stop has ended its program; `musher restart motion` starts it again";
+  for (const char* state : {"SelfCheck", "Active"}) {
+    const auto refused = peer.Switch(State(state));
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused.value().verdict, msg::ActuatorCommand::kVerdictFailed) << state;
+    EXPECT_EQ(refused.value().message, reason) << state;
+  }
+  EXPECT_EQ(peer.Switch("LowPower").value().status.state, "LowPower");
+  EXPECT_EQ(peer.Switch("TearDown").value().verdict, msg::ActuatorCommand::kVerdictDone);
+  EXPECT_EQ(peer.AwaitExit(), 0) << peer.Output();
+}
+
+TEST(MusherExec, IsSetUpWithoutItsProgramWhereAnEmergencyStopEndsItInSetUp) {
+  ExecPeer peer;
+  peer.Start(std::string(kProgram) +
+             "shell = \"until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+             "[emergency_stop]\nend_program = true\n");
+  const pid_t program = ReadPid(peer.folder() / "program");
+  ASSERT_GT(program, 0);
+  peer.EngageStop();
+  EXPECT_TRUE(HasExited(program)) << "it waited for the end of SetUp";
+  ASSERT_TRUE(peer.AwaitVisible()) << "it would be restarted again and again: " << peer.Output();
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_EQ(peer.Switch("SelfCheck").value().verdict, msg::ActuatorCommand::kVerdictFailed);
 }
 
 TEST(MusherExec, WrapsAProgramWithoutAFile) {
