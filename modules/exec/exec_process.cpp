@@ -44,10 +44,12 @@ ExecProcess::ExecProcess(const std::string& actuator_name, ExecConfig config, co
   actuator_.RegisterStateCallback([this](const State& state) { return RunState(state); });
 }
 
-// Without the program that a stop has ended, the commands of states that lead down still run.
+// What switches on waits for the action of a stop that was released before its end. Without the
+// program that it has ended, the commands of states that lead down still run.
 Result<> ExecProcess::RunState(const State& state) {
   const bool down = state == kSetUp || state == kTearDown ||
                     Falls(actuator_.machine_config(), actuator_.CurrentState(), state);
+  if (!down) stop_thread_.Flush();
   if (auto ended = runner_.EndedByStop(); ended && !down) return *std::move(ended);
   auto result = runner_.Run(state, [this] { return actuator_.StopRequested(); });
   loop_.Post([this] { EvaluateProgram(); });

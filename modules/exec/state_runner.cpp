@@ -98,10 +98,11 @@ Result<> StateRunner::SetUp(const StateActions& actions, const StopRequested& st
   if (auto started = StartProgram(actions.start); !started) return started;
   const auto ended = [this] { return ended_by_stop_ || (program_ && program_->Ended()); };
   auto result = RunOne(State(kSetUp), actions, [&] { return stop_requested() || ended(); });
+  const bool exited = program_ && program_->Ended();  // asked first: a stop says so before it ends
   if (ended_by_stop_) return Ok();
-  if (ended()) {
+  if (exited) {
     return Failure(KeyCode::kFailed,
-                   actions.start.front() + " ended during SetUp: " + program_->Reap().Text());
+                   actions.start.front() + " ended during SetUp: " + AwaitProgram()->Text());
   }
   if (!result) StopProgram();
   return result;

@@ -277,6 +277,27 @@ TEST(MusherExec, ConfirmsAnEmergencyStopOnceItsCommandHasEnded) {
   EXPECT_EQ(Runs(peer, "off"), 1);
 }
 
+// A stop that is released at once switched off what the switch to Active had switched on.
+TEST(MusherExec, SwitchesOnOnlyAfterTheCommandOfAReleasedEmergencyStop) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\nshell = \"echo on >> $MUSHER_TEST/log\"\n"
+      "[emergency_stop]\ntime_ms = 20000\n"
+      "shell = \"until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done; echo off >> "
+      "$MUSHER_TEST/log\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.EngageStop();
+  ASSERT_TRUE(peer.AwaitTrouble([](const auto& trouble) { return !trouble.empty(); }));
+  ASSERT_TRUE(peer.ReleaseStop());
+  peer.Send("Active");
+  ASSERT_TRUE(peer.AwaitStatus([](const auto& report) { return report.target == "Active"; }));
+  std::ofstream(peer.folder() / "go") << "go";
+  ASSERT_TRUE(peer.AwaitReply());
+  EXPECT_EQ(peer.reply()->value().verdict, msg::ActuatorCommand::kVerdictDone);
+  std::ifstream log(peer.folder() / "log");
+  EXPECT_EQ((std::string{std::istreambuf_iterator<char>(log), {}}), "off\non\n");
+}
+
 TEST(MusherExec, NamesAnEmergencyStopCommandThatFails) {
   ExecPeer peer;
   peer.Start("[emergency_stop]\nshell = \"echo no brake; exit 9\"\n[state.LowPower]\n");
