@@ -205,7 +205,7 @@ class SkillNodes::Wire {
     transport::ParticipantId participant;
     std::uint64_t number = 0;  // grows with each that is received
   };
-  struct Offering {
+  struct OffersByMachine {
     std::vector<const Offer*> own;  // of this machine, as far as known: the newest of each actuator
     std::vector<const Offer*> others;  // of other machines
   };
@@ -230,9 +230,9 @@ class SkillNodes::Wire {
 
   // The offers with that skill, of that actuator; empty: of all. A process that has crashed keeps
   // its offers until its lease ends.
-  Offering Find(const std::string& skill, const std::string& actuator) const {
+  OffersByMachine Find(const std::string& skill, const std::string& actuator) const {
     std::map<std::string, const Offer*> newest;
-    Offering found;
+    OffersByMachine found;
     const auto has = [&](const Offer& offer) {
       return std::ranges::any_of(offer.offers.skills,
                                  [&](const auto& one) { return one.skill == skill; });

@@ -52,7 +52,7 @@ class VoiceDecision {
   void Announce(Occasion occasion, Utterance utterance);
   void AnnounceFirst(Utterance utterance);
   void AnnounceSentence(Occasion occasion, const std::string& sentence);
-  void Queue(VoiceState::Waiting waiting, bool first);
+  void Queue(VoiceState::WaitingUtterance waiting, bool first);
 
   void AnnounceStart();
   void AnnounceFaults();
@@ -266,7 +266,7 @@ void VoiceDecision::AnnounceSentence(Occasion occasion, const std::string& sente
   Announce(occasion, {0, text});
 }
 
-void VoiceDecision::Queue(VoiceState::Waiting waiting, bool first) {
+void VoiceDecision::Queue(VoiceState::WaitingUtterance waiting, bool first) {
   auto& all = voice_.waiting;
   const bool waits = std::any_of(all.begin(), all.end(),
                                  [&](const auto& w) { return w.utterance == waiting.utterance; });
@@ -303,7 +303,7 @@ void VoiceDecision::DropWithoutPlayer() {
 
 void VoiceDecision::PlayNext() {
   if (voice_.waiting.empty()) return;
-  VoiceState::Waiting next = voice_.waiting.front();
+  VoiceState::WaitingUtterance next = voice_.waiting.front();
   if (now_ < std::min(voice_.busy_until, next.until)) return;
   voice_.waiting.erase(voice_.waiting.begin());
   actions_.emplace_back(voice_action::Play{++voice_.number, next.utterance});

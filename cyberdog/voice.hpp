@@ -113,12 +113,12 @@ inline constexpr Duration kSameSentence = std::chrono::seconds(30);
 inline constexpr std::size_t kMostWaiting = 8;  // the oldest is dropped
 
 struct VoiceState {
-  struct Waiting {
+  struct WaitingUtterance {
     Utterance utterance;
     Time until{};           // by then it is played or dropped
     bool stand_up = false;  // after it was played
 
-    friend bool operator==(const Waiting&, const Waiting&) = default;
+    friend bool operator==(const WaitingUtterance&, const WaitingUtterance&) = default;
   };
   struct Sentence {
     std::string text;
@@ -129,9 +129,9 @@ struct VoiceState {
 
   MachineSummary machine;
   Time now{};  // of the last step
-  std::vector<Waiting> waiting;
-  std::optional<Waiting> playing;  // until its deadline
-  std::uint64_t number = 0;        // of the last one sent
+  std::vector<WaitingUtterance> waiting;
+  std::optional<WaitingUtterance> playing;  // until its deadline
+  std::uint64_t number = 0;                 // of the last one sent
   bool player = false;
   Time busy_until{};  // other sounds play
 

@@ -66,8 +66,8 @@ inline constexpr std::tuple kIgnored<Switch> = {&Switch::legs, &Switch::others, 
 template <>
 inline constexpr std::tuple kIgnored<WaitingSwitch> = {&WaitingSwitch::cause, &WaitingSwitch::by};
 template <>
-inline constexpr std::tuple kIgnored<Stopping> = {&Stopping::begun, &Stopping::cause,
-                                                  &Stopping::by};
+inline constexpr std::tuple kIgnored<Shutdown> = {&Shutdown::begun, &Shutdown::cause,
+                                                  &Shutdown::by};
 template <>
 inline constexpr std::tuple kIgnored<Keep> = {&Keep::seconds};
 template <>
@@ -189,7 +189,7 @@ class Mixer {
     Add(ToMilliseconds(now_ - c.status_stamp - c.since_status));
   }
   void One(const QueryCommand& a) { Add(a.epoch, a.number, a.stop); }
-  void One(const ActuatorCore::Waiting& w) { Add(w.command, w.tokens, w.stopped); }
+  void One(const ActuatorCore::WaitingCommand& w) { Add(w.command, w.tokens, w.stopped); }
   void One(const Message& m) {
     Add(m.sender, m.epoch, m.what.index());
     std::visit([this](const auto& what) { One(what); }, m.what);

@@ -101,14 +101,15 @@ void CommandChecker::CheckWaiting(const std::string& name, std::size_t host,
   const ActuatorCore* core = processes.CoreOf(name, host);
   const std::uint64_t process = processes.SerialOf(host, processes.PidOf(name, host));
   auto& known = waiting_[{name, host}];
-  const std::optional<Waiting> before = known;
+  const std::optional<WaitingCommand> before = known;
   known.reset();
   if (core != nullptr && core->waiting) {
     const bool same = before && before->process == process &&
                       before->incarnation == report.incarnation &&
                       before->command.number == core->waiting->command.number;
     const bool stopped = report.emergency_stop != 0 || (same && before->stopped);
-    known = Waiting{process, report.incarnation, report.epoch, core->waiting->command, stopped};
+    known =
+        WaitingCommand{process, report.incarnation, report.epoch, core->waiting->command, stopped};
   }
   if (!before || before->process != process) return;
   if (before->incarnation != report.incarnation) return;

@@ -47,7 +47,7 @@ class CommandChecker : public SubjectChecker {
     bool has_reason = true;        // to lead to a more active state, among its records
     ReleaseChecker::Basis basis;
   };
-  struct Waiting {
+  struct WaitingCommand {
     std::uint64_t process =
         0;  // its serial: after a boot of its host an incarnation may come again
     Incarnation incarnation = 0;
@@ -65,7 +65,7 @@ class CommandChecker : public SubjectChecker {
   // The last that was given up, by epoch and actuator.
   std::map<std::pair<Epoch, ActuatorIndex>, CommandKey> given_up_;
   std::map<std::string, Time> self_switched_;  // entered their state without a command: when
-  std::map<std::pair<std::string, std::size_t>, std::optional<Waiting>> waiting_;
+  std::map<std::pair<std::string, std::size_t>, std::optional<WaitingCommand>> waiting_;
 };
 
 }  // namespace musher::simulation

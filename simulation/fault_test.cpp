@@ -190,7 +190,7 @@ std::optional<FaultTest::Impl::Verdict> FaultTest::Impl::RunOnce(const ScenarioI
           return std::make_unique<ModuleUnderTest>(setup_, sample_act, random.Next());
         });
     Timeline timeline(scenario, config_);
-    const Ending ending = scenario.Run();
+    const ScenarioEnd ending = scenario.Run();
     timeline.End(ending);
     timeline_ = timeline.Text();
     if (!verdict && ending.violation) {

@@ -154,7 +154,7 @@ void ProcessChecker::CheckKill(const SimulatedController& controller, std::int32
 // TearDown awaits the status of a process that runs already: a signal would end it in a state such
 // as Active.
 void ProcessChecker::CheckTornDownFirst(const SimulatedController& controller, std::int32_t pid) {
-  const Stopping& stopping = *controller.shell().machine().stopping;
+  const Shutdown& stopping = *controller.shell().machine().stopping;
   const Duration awaited = std::min(kLongestDiscovery, config_.shutdown_budget * 3 / 10);
   if (stopping.result || robot_.network().now() >= stopping.begun + awaited) return;
   for (const ActuatorIndex i : config_.actuators.Indices()) {

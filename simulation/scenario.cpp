@@ -144,13 +144,13 @@ void Scenario::UseModule(
   };
 }
 
-Ending RunScenario(const MachineConfig& config, std::uint64_t seed, const Injections& injections,
-                   const ScenarioOptions& options) {
+ScenarioEnd RunScenario(const MachineConfig& config, std::uint64_t seed,
+                        const Injections& injections, const ScenarioOptions& options) {
   const CheckContext context("the scenario of seed " + std::to_string(seed));
   return Scenario(config, seed, injections, options).Run();
 }
 
-Ending Scenario::Run() {
+ScenarioEnd Scenario::Run() {
   SwitchOn();
   if (!Over()) Inject();
   if (!Over()) EndFaults();

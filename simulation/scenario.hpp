@@ -37,7 +37,7 @@ struct ScenarioOptions {
 ScenarioOptions UsualOptions(const MachineConfig& config);
 
 // The outcome of a scenario.
-struct Ending {
+struct ScenarioEnd {
   std::optional<Violation> violation;
   Coverage coverage;
   std::array<std::uint64_t, 5> switches{};  // by SwitchOutcome
@@ -68,7 +68,7 @@ class Scenario {
   void EndNow() { end_now_ = true; }
 
   // Call once.
-  Ending Run();
+  ScenarioEnd Run();
 
   // Observes the run. Set before Run().
   struct Listener {
@@ -160,7 +160,7 @@ class Scenario {
   const ScenarioOptions options_;
   const bool supervised_;     // a supervisor restarts the controller
   Duration phase_timeout_{};  // how long an injected event waits for its phase
-  Ending ending_;
+  ScenarioEnd ending_;
   bool end_now_ = false;
   std::size_t console_host_ = 0;  // of the console that gives permits
   PerActuator<FaultWindow> fault_windows_;
@@ -179,7 +179,7 @@ class Scenario {
 };
 
 // Runs a scenario with everything sampled from the seed.
-Ending RunScenario(const MachineConfig& config, std::uint64_t seed, const Injections& injections,
-                   const ScenarioOptions& options);
+ScenarioEnd RunScenario(const MachineConfig& config, std::uint64_t seed,
+                        const Injections& injections, const ScenarioOptions& options);
 
 }  // namespace musher::simulation

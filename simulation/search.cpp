@@ -19,7 +19,7 @@ std::optional<Invariant> ViolatedBy(const MachineConfig& config, const ScenarioO
                                     const ScenarioId& id) {
   const auto injections = InjectionsOf(config, id);
   if (!injections) return std::nullopt;
-  const Ending ending = RunScenario(config, id.seed, injections.value(), options);
+  const ScenarioEnd ending = RunScenario(config, id.seed, injections.value(), options);
   return ending.violation ? std::optional(ending.violation->invariant) : std::nullopt;
 }
 
@@ -44,7 +44,7 @@ bool Summary::good() const {
   return std::all_of(bad.begin(), bad.end(), [](const auto& seeds) { return seeds.empty(); });
 }
 
-void Summary::Add(std::uint64_t seed, const Ending& ending) {
+void Summary::Add(std::uint64_t seed, const ScenarioEnd& ending) {
   ++scenarios;
   coverage.Add(ending.coverage);
   for (std::size_t i = 0; i < switches.size(); ++i) switches[i] += ending.switches[i];
@@ -75,7 +75,7 @@ Summary RunMany(const MachineConfig& config, const ScenarioOptions& options, std
       if (begin >= count || stop) return;
       for (std::uint64_t i = begin; i < std::min(begin + kBatch, count); ++i) {
         const std::uint64_t seed = first + i;
-        const Ending ending =
+        const ScenarioEnd ending =
             RunScenario(config, seed, SampleInjections(config, seed, options.bridges), options);
         const std::lock_guard lock(mutex);
         summary.Add(seed, ending);

@@ -26,11 +26,11 @@ struct Summary {
   std::uint64_t checks = 0;
   std::uint64_t steps = 0;
   Duration simulated{};
-  std::vector<Duration> rests;                              // Ending::rested, ascending
+  std::vector<Duration> rests;                              // ScenarioEnd::rested, ascending
   std::array<std::vector<std::uint64_t>, kInvariants> bad;  // seeds, ascending, by invariant
 
   bool good() const;
-  void Add(std::uint64_t seed, const Ending& ending);
+  void Add(std::uint64_t seed, const ScenarioEnd& ending);
   // Call when all are added.
   void Sort();
 };

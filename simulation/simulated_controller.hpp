@@ -47,7 +47,7 @@ struct Disk {
   struct OtherFolder {
     StoredStops stops;
     BatteryLevel level = BatteryLevel::kFree;
-    std::optional<Lowering> lowering;
+    std::optional<BatteryFallback> lowering;
   };
   OtherFolder other;
   bool level_taken = false;  // `policy` has the level of `other`

@@ -15,7 +15,7 @@ class SimulatedProcesses::SimWorker : public Worker {
  public:
   using OnDone = std::function<void(const State&)>;  // of a callback that succeeds
 
-  SimWorker(transport::EventLoop& loop, std::shared_ptr<Running> running, OnDone on_done)
+  SimWorker(transport::EventLoop& loop, std::shared_ptr<RunningCallback> running, OnDone on_done)
       : loop_(loop), running_(std::move(running)), on_done_(std::move(on_done)) {}
 
   void Run(Work work, Done done) override {
@@ -28,7 +28,7 @@ class SimulatedProcesses::SimWorker : public Worker {
 
  private:
   transport::EventLoop& loop_;
-  std::shared_ptr<Running> running_;
+  std::shared_ptr<RunningCallback> running_;
   const OnDone on_done_;
   transport::LoopHandlePtr end_;
 };
@@ -116,7 +116,7 @@ void SimulatedProcesses::AddPart(Process& process, const std::string& name,
     part.program = program->second(*process.node);
     return;
   }
-  auto running = std::make_shared<Running>();
+  auto running = std::make_shared<RunningCallback>();
   part.module = make_module(name);
   part.worker = part.module->MakeWorker(process.node->loop());
   part.has_power = !part.worker;
@@ -134,7 +134,7 @@ void SimulatedProcesses::AddPart(Process& process, const std::string& name,
 }
 
 ActuatorShell::Hooks SimulatedProcesses::HooksOf(const Process& process, Part& part,
-                                                 const std::shared_ptr<Running>& running) {
+                                                 const std::shared_ptr<RunningCallback>& running) {
   ActuatorShell::Hooks hooks;
   Module* module = part.module.get();
   hooks.run_callback = [module, running](const State& state) -> Result<> {

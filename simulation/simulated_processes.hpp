@@ -138,7 +138,7 @@ class SimulatedProcesses {
     bool powered = false;
   };
   // The running callback.
-  struct Running {
+  struct RunningCallback {
     Duration takes{};
     State target;
   };
@@ -167,7 +167,7 @@ class SimulatedProcesses {
   void EndLater(std::uint64_t serial, const ProcessExit& exit);
   void End(std::uint64_t serial, const ProcessExit& exit);
   ActuatorShell::Hooks HooksOf(const Process& process, Part& part,
-                               const std::shared_ptr<Running>& running);
+                               const std::shared_ptr<RunningCallback>& running);
   void SwitchPower(Part& part, const State& target) const;
 
   transport::sim::Network& network_;

@@ -89,7 +89,7 @@ void Timeline::Show(std::size_t band, const std::string& state, const std::strin
   }
 }
 
-void Timeline::End(const Ending& ending) {
+void Timeline::End(const ScenarioEnd& ending) {
   end_ = scenario_.robot().age();
   for (Band& band : bands_) {
     if (!band.spans.empty()) band.spans.back().to = end_;

@@ -18,7 +18,7 @@ class Timeline {
   Timeline& operator=(const Timeline&) = delete;
 
   // Call after the run.
-  void End(const Ending& ending);
+  void End(const ScenarioEnd& ending);
 
   enum class Source : std::uint8_t { kInjection, kOperator, kController, kActuator, kChecker };
   struct Line {

@@ -67,13 +67,13 @@ class EventLoop {
 
  protected:
   // The calling thread runs the loop as long as this exists.
-  class Running {
+  class RunScope {
    public:
-    explicit Running(EventLoop& loop)
+    explicit RunScope(EventLoop& loop)
         : loop_(loop), before_(loop.runner_.exchange(std::this_thread::get_id())) {}
-    ~Running() { loop_.runner_ = before_; }
-    Running(const Running&) = delete;
-    Running& operator=(const Running&) = delete;
+    ~RunScope() { loop_.runner_ = before_; }
+    RunScope(const RunScope&) = delete;
+    RunScope& operator=(const RunScope&) = delete;
 
    private:
     EventLoop& loop_;

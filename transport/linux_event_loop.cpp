@@ -93,7 +93,7 @@ LoopHandlePtr LinuxEventLoop::WhenReadable(int fd, std::function<void()> callbac
 
 void LinuxEventLoop::Run() {
   CheckThread();
-  const Running running(*this);
+  const RunScope running(*this);
   const Done stopped = [this] { return stop_.exchange(false); };
   if (stopped()) return;
   while (!Turn(stopped)) {
@@ -102,7 +102,7 @@ void LinuxEventLoop::Run() {
 
 bool LinuxEventLoop::RunUntil(const std::function<bool()>& done, Time deadline) {
   CheckThread();
-  const Running running(*this);
+  const RunScope running(*this);
   if (done()) return true;
   const LoopHandlePtr alarm = At(deadline, [] {});
   while (!Turn(done)) {

@@ -161,7 +161,7 @@ bool RawActionServer::OnGetResult(const msg::RequestId& id, std::span<const std:
     return true;
   }
   if (record.waiting.size() >= kManyWaiting) {
-    std::erase_if(record.waiting, [this](const Waiting& waiting) {
+    std::erase_if(record.waiting, [this](const WaitingRequest& waiting) {
       return !get_result_->HasClientOf(waiting.caller);
     });
   }
@@ -237,7 +237,7 @@ void RawActionServer::Abandon(const GoalId& id) {
 
 void RawActionServer::ReplyToWaiting(const GoalId& id) {
   Record& record = records_.at(id);
-  for (const Waiting& waiting : std::exchange(record.waiting, {})) {
+  for (const WaitingRequest& waiting : std::exchange(record.waiting, {})) {
     waiting.reply(Completed(record.result, waiting.id, goals_.StateOf(id)));
   }
 }

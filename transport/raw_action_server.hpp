@@ -98,16 +98,16 @@ class RawActionServer {
  private:
   friend class RawGoal;
 
-  struct Waiting {
+  struct WaitingRequest {
     msg::RequestId id;
     ParticipantId caller;
     RawServer::Reply reply;
   };
   struct Record {
     std::weak_ptr<RawGoal> goal;
-    bool started = false;          // passed to the handler
-    std::vector<Waiting> waiting;  // for the end
-    msg::Bytes result;             // from the end on
+    bool started = false;                 // passed to the handler
+    std::vector<WaitingRequest> waiting;  // for the end
+    msg::Bytes result;                    // from the end on
   };
 
   RawActionServer(Node& node, Defaults defaults, Handlers handlers, ActionServerOptions options)

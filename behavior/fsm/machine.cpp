@@ -61,11 +61,11 @@ constexpr const char* kInTick = "a state or a listener cannot change the machine
 // While this exists, calls that change the machine fail.
 class Machine::InTick {
  public:
-  explicit InTick(Machine& machine, Ticking ticking = Ticking::kAny) : machine_(machine) {
+  explicit InTick(Machine& machine, TickKind ticking = TickKind::kAny) : machine_(machine) {
     machine_.ticking_ = ticking;
   }
   ~InTick() {
-    if (machine_.ticking_ != Ticking::kNoPlainNext) machine_.ticking_ = Ticking::kNo;
+    if (machine_.ticking_ != TickKind::kNoPlainNext) machine_.ticking_ = TickKind::kNo;
   }
   InTick(const InTick&) = delete;
   InTick& operator=(const InTick&) = delete;
@@ -560,19 +560,19 @@ void Machine::DropNormalCommands() {
 // [[unlikely]] moves rare code out of the path of the common tick: the state decides to stay, and
 // runs.
 void Machine::RunOnce(Time now) {
-  if (ticking_ != Ticking::kNoPlainNext) [[unlikely]] {
+  if (ticking_ != TickKind::kNoPlainNext) [[unlikely]] {
     return RunAny(now);
   }
-  const InTick guard(*this, Ticking::kPlain);
+  const InTick guard(*this, TickKind::kPlain);
   Advance(std::exchange(*last_tick_, now), now);
   Next next = Next::Stay();
   if (Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) [[likely]] {
-    if (!next.stays() || ticking_ != Ticking::kPlain) [[unlikely]] {
+    if (!next.stays() || ticking_ != TickKind::kPlain) [[unlikely]] {
       return Finish(next);
     }
-    if (Guard(Phase::kRun, [&] { present_->Run(tick_); }) && ticking_ == Ticking::kPlain)
+    if (Guard(Phase::kRun, [&] { present_->Run(tick_); }) && ticking_ == TickKind::kPlain)
         [[likely]] {
-      ticking_ = Ticking::kNoPlainNext;
+      ticking_ = TickKind::kNoPlainNext;
       return;
     }
   }
@@ -617,7 +617,7 @@ void Machine::EndTick() {
   if (!checks_.empty() && running_) PassesChecks();
   if (running_ && mode_ != Mode::kTransitioning && waiting_ == 0 && requested_ == nullptr &&
       checks_.empty() && input_listeners_.empty()) {
-    ticking_ = Ticking::kNoPlainNext;
+    ticking_ = TickKind::kNoPlainNext;
   }
 }
 

@@ -252,7 +252,7 @@ class Machine {
   // A plain tick needs to ask and run the state only: the machine runs, and has no safety checks,
   // no listeners of inputs, no commands and no transition under way. Each call that may change this
   // ends it, and the next tick finds out again.
-  enum class Ticking : std::uint8_t {
+  enum class TickKind : std::uint8_t {
     kNo,
     kNoPlainNext,  // no, and the next one will be plain
     kPlain,        // and so far it has stayed plain
@@ -283,9 +283,9 @@ class Machine {
   // What the present states have declared of it.
   enum class Word : std::uint8_t { kNothing, kHandles, kDefers };
 
-  bool in_tick() const { return ticking_ >= Ticking::kPlain; }
+  bool in_tick() const { return ticking_ >= TickKind::kPlain; }
   // The tick, and the next one, may have more to do than to ask and run the state.
-  void EndPlain() { ticking_ = in_tick() ? Ticking::kAny : Ticking::kNo; }
+  void EndPlain() { ticking_ = in_tick() ? TickKind::kAny : TickKind::kNo; }
   void Request(const Route& route) {
     requested_ = &route;
     EndPlain();
@@ -365,7 +365,7 @@ class Machine {
 
   // The data that every tick reads, side by side.
   bool running_ = false;
-  Ticking ticking_ = Ticking::kNo;
+  TickKind ticking_ = TickKind::kNo;
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
   State* present_ = nullptr;  // the same, ready to be called

@@ -37,7 +37,7 @@ class ScriptParser {
   static constexpr std::uint32_t kDeepestOperation = 1000;
 
   Index AssignmentLevel() {
-    const Nesting nesting(*this);
+    const DepthGuard nesting(*this);
     const Index left = ConditionalLevel();
     using Assignment = Script::Assignment;
     static constexpr std::pair<std::string_view, Assignment> kOperators[] = {
@@ -77,7 +77,7 @@ class ScriptParser {
     if (!failed_ && (text_.substr(at_).starts_with(":=") || !Take(":"))) {
       Fail("expected ':' of 'condition ? value : value'");
     }
-    const Nesting nesting(*this);
+    const DepthGuard nesting(*this);
     const Index no = failed_ ? 0 : ConditionalLevel();
     const Index made = Add(Code::kIf, condition, yes);
     At(made).c = no;
@@ -194,7 +194,7 @@ class ScriptParser {
     return left;
   }
   Index PrefixLevel() {
-    const Nesting nesting(*this);
+    const DepthGuard nesting(*this);
     if (failed_) return 0;
     if (Take("-")) return AddPrefix(Code::kNegate);
     if (Take("~")) return AddPrefix(Code::kInvertBits);
@@ -289,13 +289,13 @@ class ScriptParser {
     if (last != script_.reads_.rend()) script_.reads_.erase(std::next(last).base());
   }
 
-  struct Nesting {
-    explicit Nesting(ScriptParser& of) : parser(of) {
+  struct DepthGuard {
+    explicit DepthGuard(ScriptParser& of) : parser(of) {
       if (++parser.depth_ > kDeepest) parser.Fail("the expression is nested too deeply");
     }
-    ~Nesting() { --parser.depth_; }
-    Nesting(const Nesting&) = delete;
-    Nesting& operator=(const Nesting&) = delete;
+    ~DepthGuard() { --parser.depth_; }
+    DepthGuard(const DepthGuard&) = delete;
+    DepthGuard& operator=(const DepthGuard&) = delete;
     ScriptParser& parser;
   };
 

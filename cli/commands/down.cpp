@@ -11,7 +11,7 @@
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/commands/switch_request.hpp"
 #include "musher/cli/grammar/grammar.hpp"
-#include "musher/cli/machine/ending.hpp"
+#include "musher/cli/machine/direct_tear_down.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/machine_files.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
@@ -84,8 +84,9 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   if (running.value()->Now().empty()) {
     return console.Fail(link.value()->NotFound("controller or actuator"));
   }
-  const auto ending = Ending::Begin(link.value()->node(), global.name_space, *running.value(),
-                                    global.timeout.value_or(kTearDownTime));
+  const auto ending =
+      DirectTearDown::Begin(link.value()->node(), global.name_space, *running.value(),
+                            global.timeout.value_or(kTearDownTime));
   if (!ending) return console.Fail(ending.error());
   link.value()->RunUntil([&] { return ending.value()->Ended() || ending.value()->OutOfTime(); },
                          std::chrono::hours(1));

@@ -85,7 +85,7 @@ std::vector<std::string> MakeAllUseMusher(MachineConfig& config) {
 struct SimulatedRun {
   std::string text;
   std::string svg;
-  simulation::Ending ending;
+  simulation::ScenarioEnd ending;
 };
 
 Result<SimulatedRun> RunWithTimeline(const MachineConfig& config, const ScenarioOptions& options,

@@ -386,9 +386,9 @@ std::string RunningJson(const Failure& failure,
   return JsonLine(json);
 }
 
-std::string EndingJson(const std::vector<Ending::Outcome>& outcomes) {
+std::string EndingJson(const std::vector<DirectTearDown::Outcome>& outcomes) {
   OrderedJson actuators = OrderedJson::object();
-  for (const Ending::Outcome& o : outcomes) {
+  for (const DirectTearDown::Outcome& o : outcomes) {
     actuators[o.name] = {{"pid", Known(o.pid)},
                          {"ended", o.ended},
                          {"torn_down", o.torn_down},

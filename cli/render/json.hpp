@@ -13,7 +13,7 @@
 #include "musher/base/diagnostic.hpp"
 #include "musher/cli/console/exit_code.hpp"
 #include "musher/cli/console/json_line.hpp"
-#include "musher/cli/machine/ending.hpp"
+#include "musher/cli/machine/direct_tear_down.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/why.hpp"
 #include "musher/cli/start/progress.hpp"
@@ -46,7 +46,7 @@ std::string StatusJson(const msg::MachineStatus& status,
 // A failure, and the actuators that run without a controller.
 std::string RunningJson(const Failure& failure,
                         const std::map<std::string, RunningActuators::Actuator>& running);
-std::string EndingJson(const std::vector<Ending::Outcome>& outcomes);
+std::string EndingJson(const std::vector<DirectTearDown::Outcome>& outcomes);
 std::string SwitchJson(const msg::SetState::Response& result);
 std::string EstopJson(const EstopReport& report);
 // `released`: the ids of the stops that the release has covered.

@@ -48,9 +48,9 @@ std::string RunningNames(const std::map<std::string, RunningActuators::Actuator>
   return names;
 }
 
-std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour) {
+std::string EndingText(const std::vector<DirectTearDown::Outcome>& outcomes, bool colour) {
   Table table({"ACTUATOR", "PID", "END"});
-  for (const Ending::Outcome& outcome : outcomes) {
+  for (const DirectTearDown::Outcome& outcome : outcomes) {
     std::string end = !outcome.ended      ? "still running"
                       : outcome.torn_down ? "torn down, exited"
                                           : "exited without TearDown";

@@ -26,8 +26,8 @@ std::string SimulationText(const SimulationReport& report, const std::string& fa
                            bool colour);
 std::string SimulationJson(const SimulationReport& report, const std::string& failing_scenario);
 
-std::string ScenarioVerdict(const simulation::Ending& ending);
-std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
+std::string ScenarioVerdict(const simulation::ScenarioEnd& ending);
+std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::ScenarioEnd& ending,
                          const std::string& text);
 
 }  // namespace musher::cli

@@ -59,7 +59,7 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
   return JsonLine(json);
 }
 
-std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
+std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::ScenarioEnd& ending,
                          const std::string& text) {
   OrderedJson json = ScenarioOf(id);
   json["passed"] = !ending.violation.has_value();

@@ -125,7 +125,7 @@ std::string SimulationText(const SimulationReport& report, const std::string& fa
   return text + Verdict(report, colour);
 }
 
-std::string ScenarioVerdict(const simulation::Ending& ending) {
+std::string ScenarioVerdict(const simulation::ScenarioEnd& ending) {
   if (ending.violation) return "\nThis scenario failed.\n";
   return fmt::format(
       "\nThis scenario passed; the machine was stable {:.1f} s after the last fault.\n",

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "musher/cli/console/console.hpp"
-#include "musher/cli/machine/ending.hpp"
+#include "musher/cli/machine/direct_tear_down.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/why.hpp"
 #include "musher/cli/start/progress.hpp"
@@ -39,7 +39,7 @@ std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 std::string RunningText(const std::map<std::string, RunningActuators::Actuator>& running,
                         bool colour);
 std::string RunningNames(const std::map<std::string, RunningActuators::Actuator>& running);
-std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour);
+std::string EndingText(const std::vector<DirectTearDown::Outcome>& outcomes, bool colour);
 
 std::string SwitchText(const msg::SetState::Response& result, bool colour);
 // Why a switch is not done, as one sentence.

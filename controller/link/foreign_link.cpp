@@ -166,7 +166,7 @@ void ForeignLink::Take(const SwitchCommand& command) {
                   Refused<Refusal::kNoStateToSwitchTo>(actuator().name, command.target));
   }
   if (!pending_) return Begin(command);
-  if (const auto older = std::exchange(waiting_, Waiting{command, Now()})) {
+  if (const auto older = std::exchange(waiting_, WaitingCommand{command, Now()})) {
     Refuse(older->command.number, Refused<Refusal::kCommandReplaced>(command.number));
   }
 }

@@ -92,7 +92,7 @@ class ForeignLink : public ActuatorLink {
   Time Now() const { return node_.loop().Now(); }
 
  private:
-  struct Waiting {
+  struct WaitingCommand {
     SwitchCommand command;
     Time since{};
   };
@@ -128,7 +128,7 @@ class ForeignLink : public ActuatorLink {
   std::set<transport::ParticipantId> watched_;     // the servers whose exit will be reported
   transport::ParticipantId newcomer_ = 0;          // compared with the current process; 0: none
   std::optional<PendingCommand> pending_;
-  std::optional<Waiting> waiting_;
+  std::optional<WaitingCommand> waiting_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for work that is posted
 };
 

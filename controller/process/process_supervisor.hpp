@@ -74,7 +74,7 @@ class ProcessSupervisor : public ProcessRunner {
   };
 
   // A process that has exited; the last line of its output is being read.
-  struct Ending {
+  struct ExitedProcess {
     ProcessExit exit;
     std::vector<OnExit> on_exit;
     transport::LoopHandlePtr deadline;
@@ -96,7 +96,7 @@ class ProcessSupervisor : public ProcessRunner {
   std::map<pid_t, Process> processes_;
   bool adopts_ = false;
   std::uint64_t next_number_ = 1;
-  std::map<std::uint64_t, Ending> endings_;
+  std::map<std::uint64_t, ExitedProcess> endings_;
   std::uint64_t next_ending_ = 1;
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>();  // expires with the supervisor
 };

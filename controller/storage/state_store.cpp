@@ -428,7 +428,7 @@ StoredPolicy StateStore::PolicyIn(const std::string& dir) {
       if (word == kProtectedWord) policy.level = BatteryLevel::kProtected;
       if (word == kLowPowerWord) policy.level = BatteryLevel::kLowPower;
     } else if (word == "lowered" && text >> from >> to >> epoch) {
-      policy.lowering = Lowering{State(from), State(to), Epoch(epoch)};
+      policy.lowering = BatteryFallback{State(from), State(to), Epoch(epoch)};
     }
   }
   return policy;

@@ -194,14 +194,14 @@ struct ActuatorCore {
   ActuatorReport report;                  // all but `stamp`, which the shell sets when it publishes
   std::vector<RequestToken> running_for;  // answered when the running callback ends
   bool was_detached = false;              // before the running callback; restored if it fails
-  struct Waiting {
+  struct WaitingCommand {
     SwitchCommand command;
     std::vector<RequestToken> tokens;
     bool stopped = false;  // a stop was engaged meanwhile, or already when it came
-    friend bool operator==(const Waiting&, const Waiting&) = default;
+    friend bool operator==(const WaitingCommand&, const WaitingCommand&) = default;
   };
-  std::optional<Waiting> waiting;    // the newest command, behind the running callback
-  bool unsettled = false;            // the last callback failed: the state may be incomplete
+  std::optional<WaitingCommand> waiting;  // the newest command, behind the running callback
+  bool unsettled = false;                 // the last callback failed: the state may be incomplete
   bool half_way_down = false;        // since the last settled state a callback has failed that led
                                      // down, or that had to switch on again after a stop
   Sender controller = 0;             // the controller that has control

@@ -244,11 +244,11 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
     if (joins) consider(known.failed_checks.at);
   }
   if (machine.phase == Phase::kStopping && machine.stopping) {
-    const Stopping& stopping = *machine.stopping;
+    const Shutdown& stopping = *machine.stopping;
     consider(stopping.intent_by);
     consider(stopping.announced_by);
-    if (stopping.sent == Stopping::Signal::kNone) consider(stopping.terminate_at);
-    consider(stopping.sent == Stopping::Signal::kKill ? stopping.give_up_at : stopping.kill_at);
+    if (stopping.sent == Shutdown::Signal::kNone) consider(stopping.terminate_at);
+    consider(stopping.sent == Shutdown::Signal::kKill ? stopping.give_up_at : stopping.kill_at);
   }
   if (machine.waiting) consider(machine.waiting->until);
   if (const auto& release = machine.emergency.release) {

@@ -112,7 +112,7 @@ struct Machine {
   std::optional<Switch> current;
   std::optional<WaitingSwitch> waiting;  // never together with a current one
   FallbackState fallback;
-  std::optional<Stopping> stopping;
+  std::optional<Shutdown> stopping;
   EmergencyStopState emergency;
   RecordId last_record = 0;  // id of the last record
   State recorded_state;      // the state in the last record of it

@@ -44,18 +44,18 @@ enum class PolicyInput { kBattery, kMotion };
 
 // The state to which the battery rule took the machine, and the state before, to which it returns.
 // Survives the controller, unless another one has led meanwhile.
-struct Lowering {
+struct BatteryFallback {
   State from;
   State to;
   Epoch epoch = 0;  // of the controller that stored it
 
-  friend bool operator==(const Lowering&, const Lowering&) = default;
+  friend bool operator==(const BatteryFallback&, const BatteryFallback&) = default;
 };
 
 // What has to survive the controller.
 struct StoredPolicy {
   std::optional<bool> low_power;  // the LowPower switch, once it was stored
-  std::optional<Lowering> lowering;
+  std::optional<BatteryFallback> lowering;
   BatteryLevel level = BatteryLevel::kFree;  // the last known, at most LowPower
 
   friend bool operator==(const StoredPolicy&, const StoredPolicy&) = default;
@@ -123,10 +123,10 @@ struct PolicyState {
   bool empty = false;                        // confirmed: the robot is powered off
 
   StoredPolicy stored;
-  std::optional<Lowering> withheld;  // the higher state that the battery does not allow yet
-  bool low_power = false;            // the LowPower switch
-  bool still = false;                // the robot lies still
-  std::optional<Time> still_since;   // since when it lies still
+  std::optional<BatteryFallback> withheld;  // the higher state that the battery does not allow yet
+  bool low_power = false;                   // the LowPower switch
+  bool still = false;                       // the robot lies still
+  std::optional<Time> still_since;          // since when it lies still
   std::optional<Keep> keep;
   std::optional<PowerDown> power;
 
@@ -160,8 +160,9 @@ inline constexpr std::array<std::string_view, 8> kValueNames<PolicyRequest> = {
 static_assert(EndsWith(PolicyRequest::kReboot));
 
 template <>
-inline constexpr std::tuple kFields<Lowering> = {
-    Field{"from", &Lowering::from}, Field{"to", &Lowering::to}, Field{"epoch", &Lowering::epoch}};
+inline constexpr std::tuple kFields<BatteryFallback> = {Field{"from", &BatteryFallback::from},
+                                                        Field{"to", &BatteryFallback::to},
+                                                        Field{"epoch", &BatteryFallback::epoch}};
 
 template <>
 inline constexpr std::tuple kFields<StoredPolicy> = {

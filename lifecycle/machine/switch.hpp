@@ -132,7 +132,7 @@ struct WaitingSwitch {
 };
 
 // The end of the machine: when to escalate.
-struct Stopping {
+struct Shutdown {
   Time begun{};
   Time tear_down_by{};               // the deadline of TearDown
   std::optional<Time> terminate_at;  // SIGTERM to what is left
@@ -152,7 +152,7 @@ struct Stopping {
   std::optional<SwitchResult> result;  // of TearDown, answered when the processes have exited
   std::vector<RequestId> requests;
 
-  friend bool operator==(const Stopping&, const Stopping&) = default;
+  friend bool operator==(const Shutdown&, const Shutdown&) = default;
 };
 
 }  // namespace musher
@@ -165,12 +165,12 @@ inline constexpr std::array<std::string_view, 6> kValueNames<Purpose> = {
 static_assert(EndsWith(Purpose::kPolicy));
 
 template <>
-inline constexpr std::array<std::string_view, 3> kValueNames<Stopping::Signal> = {
+inline constexpr std::array<std::string_view, 3> kValueNames<Shutdown::Signal> = {
     "none", "terminate", "kill"};
-static_assert(EndsWith(Stopping::Signal::kKill));
+static_assert(EndsWith(Shutdown::Signal::kKill));
 
 template <>
-inline constexpr std::array<std::string_view, 3> kValueNames<Stopping::Look> = {
+inline constexpr std::array<std::string_view, 3> kValueNames<Shutdown::Look> = {
     "not-yet", "under-way", "done"};
 
 template <>
@@ -254,21 +254,21 @@ inline constexpr std::tuple kFields<StandingRequest> = {
 };
 
 template <>
-inline constexpr std::tuple kFields<Stopping> = {
-    Field{"begun", &Stopping::begun},
-    Field{"after", &Stopping::after},
-    Field{"intent_by", &Stopping::intent_by},
-    Field{"announced_by", &Stopping::announced_by},
-    Field{"cause", &Stopping::cause},
-    Field{"by", &Stopping::by},
-    Field{"tear_down_by", &Stopping::tear_down_by},
-    Field{"terminate_at", &Stopping::terminate_at},
-    Field{"kill_at", &Stopping::kill_at},
-    Field{"give_up_at", &Stopping::give_up_at},
-    Field{"sent", &Stopping::sent},
-    Field{"look", &Stopping::look},
-    Field{"result", &Stopping::result},
-    Field{"requests", &Stopping::requests},
+inline constexpr std::tuple kFields<Shutdown> = {
+    Field{"begun", &Shutdown::begun},
+    Field{"after", &Shutdown::after},
+    Field{"intent_by", &Shutdown::intent_by},
+    Field{"announced_by", &Shutdown::announced_by},
+    Field{"cause", &Shutdown::cause},
+    Field{"by", &Shutdown::by},
+    Field{"tear_down_by", &Shutdown::tear_down_by},
+    Field{"terminate_at", &Shutdown::terminate_at},
+    Field{"kill_at", &Shutdown::kill_at},
+    Field{"give_up_at", &Shutdown::give_up_at},
+    Field{"sent", &Shutdown::sent},
+    Field{"look", &Shutdown::look},
+    Field{"result", &Shutdown::result},
+    Field{"requests", &Shutdown::requests},
 };
 
 }  // namespace musher::fields

@@ -37,7 +37,7 @@ void PolicyMemory::SetLevel(BatteryLevel level) {
   if (std::exchange(policy.stored.level, kept) != kept) saver_.Save(Stored::kPolicy);
 }
 
-void PolicyMemory::Lower(std::optional<Lowering> lowering) {
+void PolicyMemory::Lower(std::optional<BatteryFallback> lowering) {
   StoredPolicy& stored = machine_.policy.stored;
   if (lowering) lowering->epoch = machine_.epoch;
   if (stored.lowering == lowering) return;

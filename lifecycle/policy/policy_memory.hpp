@@ -19,7 +19,7 @@ class PolicyMemory : StepPart {
   // The level, which outlives the controller.
   void SetLevel(BatteryLevel level);
   // Stores the lowering, when it has changed.
-  void Lower(std::optional<Lowering> lowering);
+  void Lower(std::optional<BatteryFallback> lowering);
   // An actuator is lost: the battery rule brings the machine back at most to `most`.
   void LowerAtMostTo(const State& most);
   void EndKeep(const std::string& why);

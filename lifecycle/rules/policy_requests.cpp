@@ -233,7 +233,7 @@ std::optional<Error> PolicyRequests::BeginUp(const Requested& requested, RecordI
   const State most = CeilingState(config_, BatteryLevel::kFree);
   const State target = rules_.UpTo(most);
   if (auto refusal = BeginRequested(requested, target, request_record)) return refusal;
-  if (target != most) machine_.policy.withheld = Lowering{most, target, 0};
+  if (target != most) machine_.policy.withheld = BatteryFallback{most, target, 0};
   return std::nullopt;
 }
 

@@ -245,7 +245,7 @@ bool PolicyRules::TakeDown(BatteryLevel level) {
           machine_.policy.level_cause)) {
     return false;
   }
-  memory_.Lower(Lowering{from, target, 0});
+  memory_.Lower(BatteryFallback{from, target, 0});
   return true;
 }
 

@@ -155,11 +155,11 @@ void Recovery::On(const event::ProcessStarted& started) {
   if (!stopped && machine_.phase != Phase::kStopping) return BeginLateSetUp(started);
   // TearDown commands it, and SignalProcesses() ends it if it does not exit after that.
   const bool driven =
-      started.found && !stopped && machine_.stopping->sent == Stopping::Signal::kNone &&
+      started.found && !stopped && machine_.stopping->sent == Shutdown::Signal::kNone &&
       (known.presence == Presence::kPresent || known.presence == Presence::kStarting);
   if (driven) return;
   Do(action::SignalProcess{started.actuator, started.pid,
-                           stopped || machine_.stopping->sent == Stopping::Signal::kKill});
+                           stopped || machine_.stopping->sent == Shutdown::Signal::kKill});
 }
 
 // A process that has waited for its host is set up within the usual time.

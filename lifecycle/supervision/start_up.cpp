@@ -265,7 +265,7 @@ void StartUp::Activate(RecordId cause) {
   const Plan plan = MakePlan(config_, machine_, target);
   if (plan.refusal) return Fail(plan.refusal->message, cause);
   switches_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
-  if (unsaved.empty() && battery_low) policy.withheld = Lowering{State(kActive), target, 0};
+  if (unsaved.empty() && battery_low) policy.withheld = BatteryFallback{State(kActive), target, 0};
 }
 
 // Empty: it is on disk, or not known to have failed.

@@ -21,7 +21,7 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
     Do(action::AnswerCall{request, Refused<Refusal::kBeingTornDown>()});
   }
   const Duration budget = config_.shutdown_budget;
-  Stopping stopping;
+  Shutdown stopping;
   stopping.begun = now_;
   stopping.tear_down_by = now_ + budget * 7 / 10;
   stopping.kill_at = now_ + budget * 9 / 10;
@@ -118,7 +118,7 @@ bool TearDown::BeginWaiting() {
 
 // Of several TearDown requests, the one counts that keeps the machine down.
 void TearDown::Join(const event::SetStateRequested& requested) {
-  Stopping& stopping = *machine_.stopping;
+  Shutdown& stopping = *machine_.stopping;
   stopping.requests.push_back(requested.request);
   if (requested.after >= stopping.after) return;
   const bool saved = stopping.after != AfterTearDown::kStartsAgain || machine_.start_up.finishing;
@@ -135,15 +135,15 @@ bool TearDown::WaitsForIntent() {
 }
 
 void TearDown::OnTornDown(SwitchResult result) {
-  Stopping& stopping = *machine_.stopping;
+  Shutdown& stopping = *machine_.stopping;
   stopping.result = std::move(result);
   const Duration grace = std::min(kExitGrace, config_.shutdown_budget / 10);
   stopping.terminate_at = std::min(now_ + grace, stopping.kill_at);
 }
 
 void TearDown::Advance() {
-  Stopping& stopping = *machine_.stopping;
-  using Signal = Stopping::Signal;
+  Shutdown& stopping = *machine_.stopping;
+  using Signal = Shutdown::Signal;
   if (stopping.terminate_at && now_ >= *stopping.terminate_at && stopping.sent == Signal::kNone) {
     stopping.sent = Signal::kTerminate;
     SignalProcesses(false);
@@ -261,20 +261,20 @@ bool TearDown::ProcessesLeft() const {
 // and the process may not have published anything yet. So processes are searched for once more when
 // all known ones have exited.
 bool TearDown::HasSearched() {
-  Stopping::Look& look = machine_.stopping->look;
+  Shutdown::Look& look = machine_.stopping->look;
   const bool may_run =
       std::any_of(config_.actuators.begin(), config_.actuators.end(),
                   [](const ActuatorConfig& actuator) { return !actuator.command.empty(); });
-  if (!may_run || look == Stopping::Look::kDone) return true;
-  if (look == Stopping::Look::kNotYet) Do(action::FindProcesses{});
-  look = Stopping::Look::kUnderWay;
+  if (!may_run || look == Shutdown::Look::kDone) return true;
+  if (look == Shutdown::Look::kNotYet) Do(action::FindProcesses{});
+  look = Shutdown::Look::kUnderWay;
   return false;
 }
 
 void TearDown::On(const event::ProcessesFound& found) {
   if (machine_.phase != Phase::kStopping) return;
-  Stopping& stopping = *machine_.stopping;
-  if (stopping.look == Stopping::Look::kUnderWay) stopping.look = Stopping::Look::kDone;
+  Shutdown& stopping = *machine_.stopping;
+  if (stopping.look == Shutdown::Look::kUnderWay) stopping.look = Shutdown::Look::kDone;
   for (const ActuatorIndex i : found.unreached.Indices()) {
     const std::string& why = found.unreached[i];
     if (!why.empty()) {
@@ -289,8 +289,8 @@ void TearDown::On(const event::ProcessesFound& found) {
     Of(i).process.pid = pid;
     if (found.hosts.size() == found.processes.size()) Of(i).process.host = found.hosts[i];
     RecordProcess(i, kCodeOk, texts::ProcessFound(pid, ConfigOf(i).name), Of(i).cause);
-    Do(action::SignalProcess{i, pid, stopping.sent == Stopping::Signal::kKill});
-    stopping.look = Stopping::Look::kNotYet;  // again, once it has ended
+    Do(action::SignalProcess{i, pid, stopping.sent == Shutdown::Signal::kKill});
+    stopping.look = Shutdown::Look::kNotYet;  // again, once it has ended
   }
 }
 

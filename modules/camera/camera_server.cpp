@@ -122,7 +122,7 @@ void CameraServer::Await(Shape shape, const std::string& file, bool video, Reply
   const auto self = std::prev(waiting_.end());
   transport::EventLoop& loop = dependencies_.node.loop();
   self->timeout = loop.At(loop.Now() + kPictureTime, [this, self] {
-    const Waiting late = std::move(*self);
+    const WaitingCall late = std::move(*self);
     waiting_.erase(self);
     if (late.video) beginning_ = false;
     Listen();
@@ -147,14 +147,14 @@ void CameraServer::OnPicture(const msg::Image& picture) {
   if (image_) PublishImage(picture);
   if (recording_) Record(picture);
   if (waiting_.empty()) return;
-  for (Waiting& waiting : std::exchange(waiting_, {})) Take(std::move(waiting), picture);
+  for (WaitingCall& waiting : std::exchange(waiting_, {})) Take(std::move(waiting), picture);
   // The listener is not destroyed while it runs.
   dependencies_.node.loop().Post([weak = std::weak_ptr(alive_), this] {
     if (weak.lock()) Listen();
   });
 }
 
-void CameraServer::Take(Waiting waiting, const msg::Image& picture) {
+void CameraServer::Take(WaitingCall waiting, const msg::Image& picture) {
   auto ready = ForFile(picture, waiting.shape);
   const NewFile file = FileFor(waiting.file, waiting.video);
   if (!ready) {
@@ -211,7 +211,7 @@ void CameraServer::PublishImage(const msg::Image& picture) {
 }
 
 void CameraServer::OnOff() {
-  for (Waiting& waiting : std::exchange(waiting_, {})) {
+  for (WaitingCall& waiting : std::exchange(waiting_, {})) {
     if (waiting.video) beginning_ = false;
     waiting.reply(Answer(CameraService::kInvalidState, "the camera was switched off"));
   }

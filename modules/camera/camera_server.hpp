@@ -41,7 +41,7 @@ class CameraServer {
   using Reply = transport::Server<msg::CameraService>::Reply;
 
   // A call that waits for the next picture, to save it or to begin a video with it.
-  struct Waiting {
+  struct WaitingCall {
     Shape shape;
     std::string file;
     bool video = false;
@@ -62,7 +62,7 @@ class CameraServer {
                std::unique_ptr<Store> store);
   void OnRequest(const Request& request, Reply reply);
   void OnPicture(const msg::Image& picture);
-  void Take(Waiting waiting, const msg::Image& picture);
+  void Take(WaitingCall waiting, const msg::Image& picture);
   void Record(const msg::Image& picture);
   void PublishImage(const msg::Image& picture);
   void Await(Shape shape, const std::string& file, bool video, Reply reply);
@@ -76,7 +76,7 @@ class CameraServer {
   const Dependencies dependencies_;
   CameraDevice& camera_;
   Shape requested_;
-  std::list<Waiting> waiting_;
+  std::list<WaitingCall> waiting_;
   std::optional<Recording> recording_;
   bool beginning_ = false;  // a video is being opened
   std::optional<ImageTopic> image_;

@@ -22,7 +22,7 @@ class CaptureThreads {
 
   void Start(std::function<void()> work) {
     Reap(false);
-    Running& running = threads_.emplace_back();
+    CaptureThread& running = threads_.emplace_back();
     running.thread = std::thread([work = std::move(work), ended = running.ended] {
       work();
       *ended = true;
@@ -30,20 +30,20 @@ class CaptureThreads {
   }
 
  private:
-  struct Running {
+  struct CaptureThread {
     std::shared_ptr<std::atomic<bool>> ended = std::make_shared<std::atomic<bool>>(false);
     std::thread thread;
   };
 
   void Reap(bool all) {
-    threads_.remove_if([all](Running& running) {
+    threads_.remove_if([all](CaptureThread& running) {
       if (!all && !*running.ended) return false;
       running.thread.join();
       return true;
     });
   }
 
-  std::list<Running> threads_;
+  std::list<CaptureThread> threads_;
 };
 
 }  // namespace musher::camera

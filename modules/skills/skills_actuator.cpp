@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int32_t kSelfCheckFailed = RobotCode(KeyCode::kSelfCheckFailed);
 
-Result<> Verdict(const RosRobot::Missing& missing) {
+Result<> Verdict(const RosRobot::MissingInterfaces& missing) {
   std::string all = missing.odometry;
   for (const std::string& other : missing.others) all += (all.empty() ? "" : "; ") + other;
   if (all.empty()) return Ok();
@@ -89,7 +89,7 @@ void SkillsActuator::OnPause() {
 Result<> SkillsActuator::SelfCheck() {
   const auto here = node();
   if (!here) return Ok();  // a fault-injection test: there is no transport
-  RosRobot::Missing missing;
+  RosRobot::MissingInterfaces missing;
   static_cast<void>(program::AwaitOnLoop(
       *here, robot_.config().self_check_time,
       [&] {

@@ -150,23 +150,24 @@ class MachineSearch {
   // Before the program ends, and with it what a search uses: waits for them, not long for one that
   // hangs.
   static void AwaitAll() {
-    Running& running = AllRunning();
+    RunningCount& running = AllRunning();
     std::unique_lock lock(running.mutex);
     running.changed.wait_for(lock, std::chrono::seconds(1), [&] { return running.count == 0; });
   }
 
  private:
-  struct Running {
+  struct RunningCount {
     std::mutex mutex;
     std::condition_variable changed;
     int count = 0;
   };
-  static Running& AllRunning() {
-    static Running& running = *std::make_unique<Running>().release();  // outlives each search
+  static RunningCount& AllRunning() {
+    static RunningCount& running =
+        *std::make_unique<RunningCount>().release();  // outlives each search
     return running;
   }
   static void Count(int change) {
-    Running& running = AllRunning();
+    RunningCount& running = AllRunning();
     const std::lock_guard lock(running.mutex);
     running.count += change;
     running.changed.notify_all();

@@ -49,7 +49,8 @@ TEST_F(Store, MakesItsFolderForItsOwnerOnly) {
 TEST_F(Store, KeepsAndDeletesTheValuesOfThePolicy) {
   StateStore store = MustOpen();
   EXPECT_EQ(store.LoadPolicy(), StoredPolicy{});
-  const StoredPolicy lowered{true, Lowering{"Active", "Protected", 7}, BatteryLevel::kProtected};
+  const StoredPolicy lowered{true, BatteryFallback{"Active", "Protected", 7},
+                             BatteryLevel::kProtected};
   ASSERT_TRUE(store.SavePolicy(lowered).ok());
   EXPECT_EQ(store.LoadPolicy(), lowered);
   const StoredPolicy off{false, std::nullopt, BatteryLevel::kLowPower};

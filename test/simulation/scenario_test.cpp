@@ -22,9 +22,9 @@
 
 namespace musher::testing::scenario_test {
 
-using simulation::Ending;
 using simulation::Injections;
 using simulation::Scenario;
+using simulation::ScenarioEnd;
 using simulation::ScenarioId;
 using simulation::ScenarioOptions;
 using simulation::Timeline;
@@ -71,7 +71,7 @@ void ExpectInvariantsHold(std::uint64_t seed, simulation::Coverage& coverage) {
   const ScenarioOptions options = OptionsFor(config);
   Scenario scenario(config, seed, simulation::SampleInjections(config, seed, options.bridges),
                     options);
-  const Ending ending = scenario.Run();
+  const ScenarioEnd ending = scenario.Run();
   coverage.Add(ending.coverage);
   if (ending.violation) {
     const ScenarioId id = Shrink(config, options, seed, ending.violation->invariant);
@@ -144,7 +144,7 @@ TEST(Scenario, OfASeedThatOnceViolatedAnInvariantHoldsEveryInvariant) {
     const std::size_t around = std::erase_if(injections, [](const simulation::Injection& one) {
       return simulation::IsAround(one.kind);
     });
-    const Ending ending = RunScenario(config, seed, injections, OptionsFor(config));
+    const ScenarioEnd ending = RunScenario(config, seed, injections, OptionsFor(config));
     EXPECT_FALSE(ending.violation) << seed << ": " << ending.violation->what;
     if (around != 0) ExpectInvariantsHold(seed, coverage);
   }
@@ -156,7 +156,7 @@ std::string ViolationOf(std::uint64_t seed, const std::vector<std::size_t>& only
   ScenarioOptions options = OptionsFor(config);
   options.bridges = true;
   const auto injections = simulation::InjectionsOf(config, {seed, only, true});
-  const Ending ending = RunScenario(config, seed, injections.value(), options);
+  const ScenarioEnd ending = RunScenario(config, seed, injections.value(), options);
   return ending.violation ? ending.violation->what : "";
 }
 
@@ -384,8 +384,8 @@ TEST(FoundScenario, AnOlderSampleBeforeTheStartMakesNoControllerReleaseControl) 
   EXPECT_EQ(ViolationOf(715917, {1, 4, 7, 9, 10}), "");
 }
 
-// The same at a start by a person: the older sample arrived first, and the denial of the query by it
-// was taken for a newer controller. No controller led, and none tore the machine down.
+// The same at a start by a person: the older sample arrived first, and the denial of the query by
+// it was taken for a newer controller. No controller led, and none tore the machine down.
 TEST(FoundScenario, AnOlderSampleOfAnActuatorOfItsHostMakesNoStartReleaseControl) {
   EXPECT_EQ(ViolationOf(979865, {2, 4, 13, 15}), "");
 }
@@ -476,7 +476,7 @@ TEST(Scenario, OfARobotThatUsesTheClockTopicHasASteadyClock) {
   keep.at = std::chrono::seconds(5);
   keep.state = kActive;
   keep.random = 7;  // seconds
-  const Ending ending = simulation::RunScenario(config, 1, {keep}, OptionsFor(config));
+  const ScenarioEnd ending = simulation::RunScenario(config, 1, {keep}, OptionsFor(config));
   EXPECT_FALSE(ending.violation) << ending.violation->what;
 }
 
@@ -506,7 +506,7 @@ TEST(Scenarios, CoverEveryInjectionAndEveryMachinePhase) {
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     const MachineConfig config = SampleConfig(seed);
     const ScenarioOptions options = OptionsFor(config);
-    const Ending ending = RunScenario(
+    const ScenarioEnd ending = RunScenario(
         config, seed, simulation::SampleInjections(config, seed, options.bridges), options);
     coverage.Add(ending.coverage);
     for (std::size_t i = 0; i < 3; ++i) client_ends[i] += ending.client_ends[i];

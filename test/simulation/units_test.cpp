@@ -24,10 +24,10 @@
 
 namespace musher::testing::units_test {
 
-using simulation::Ending;
 using simulation::Invariant;
 using simulation::Layout;
 using simulation::Scenario;
+using simulation::ScenarioEnd;
 using simulation::ScenarioOptions;
 using simulation::SimRobot;
 using simulation::Timeline;
@@ -70,7 +70,7 @@ TEST_P(ScenariosOfUnits, HoldTheInvariants) {
   const std::uint64_t first = Environment("MUSHER_FIRST", 1);
   for (std::uint64_t seed = first + GetParam(); seed < first + seeds; seed += kParts) {
     const MachineConfig config = SampleConfigWithUnits(seed);
-    const Ending ending =
+    const ScenarioEnd ending =
         RunScenario(config, seed, simulation::SampleInjections(config, seed), OptionsFor(config));
     if (!ending.violation) continue;
     ADD_FAILURE() << ending.violation->what << "\nreplay with: MUSHER_SEED=" << seed

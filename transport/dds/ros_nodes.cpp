@@ -80,7 +80,7 @@ bool RosNodes::WhenKnown(const std::string& service, ParticipantId participant,
 
 // What is called may wait again.
 void RosNodes::CallKnown() const {
-  std::list<Waiting> known;
+  std::list<WaitingCall> known;
   for (auto one = waiting_.begin(); one != waiting_.end();) {
     const auto next = std::next(one);
     if (!CallersOf(one->service, one->participant).empty()) {
@@ -88,7 +88,7 @@ void RosNodes::CallKnown() const {
     }
     one = next;
   }
-  for (const Waiting& one : known) one.then();
+  for (const WaitingCall& one : known) one.then();
 }
 
 const RosNodes::Nodes& RosNodes::NodesIn(Process& process) {

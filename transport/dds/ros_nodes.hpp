@@ -49,7 +49,7 @@ class RosNodes {
     std::optional<msg::Bytes> newest;  // not yet decoded
     Nodes nodes;
   };
-  struct Waiting {
+  struct WaitingCall {
     std::string service;
     ParticipantId participant = 0;
     std::function<void()> then;
@@ -61,7 +61,7 @@ class RosNodes {
 
   Node& node_;
   mutable std::map<EndpointId, Process> processes_;  // by their writers of the topic
-  mutable std::list<Waiting> waiting_;
+  mutable std::list<WaitingCall> waiting_;
   mutable std::map<ParticipantId, Time> first_waited_;  // of those that were waited for
   std::unique_ptr<RawReader> reader_;
 };

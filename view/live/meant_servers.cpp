@@ -36,17 +36,17 @@ void MeantServers::Check(const std::string& name, Servers servers, const Machine
 }
 
 void MeantServers::LookAtAll() {
-  std::list<Waiting> ended;
+  std::list<WaitingCall> ended;
   for (auto at = waiting_.begin(); at != waiting_.end();) {
     const auto next = std::next(at);
     if (!Waits(*at)) ended.splice(ended.end(), waiting_, at);
     at = next;
   }
   if (waiting_.empty()) timer_ = nullptr;
-  for (const Waiting& one : ended) one.then(WhyNot(one));
+  for (const WaitingCall& one : ended) one.then(WhyNot(one));
 }
 
-bool MeantServers::Waits(Waiting& waiting) const {
+bool MeantServers::Waits(WaitingCall& waiting) const {
   const Time now = node_.loop().Now();
   const auto servers = waiting.servers();
   if (servers.empty()) return now < waiting.begun + kServersWithin;
@@ -56,7 +56,7 @@ bool MeantServers::Waits(Waiting& waiting) const {
   return now < *waiting.found_at + (all_known || !statuses_ ? kOthersWithin : kStatusWithin);
 }
 
-std::optional<Error> MeantServers::WhyNot(const Waiting& waiting) const {
+std::optional<Error> MeantServers::WhyNot(const WaitingCall& waiting) const {
   const auto servers = waiting.servers();
   if (servers.empty()) {
     return Error{kCodeTimeout, "no actuator " + waiting.name + " answers. Nothing was done"};

@@ -36,7 +36,7 @@ class MeantServers {
              std::function<void(std::optional<Error>)> then);
 
  private:
-  struct Waiting {
+  struct WaitingCall {
     std::string name;
     Servers servers;
     MachineIdentity meant;
@@ -51,14 +51,14 @@ class MeantServers {
 
   void LookAtAll();
   // Whether it has to wait longer.
-  bool Waits(Waiting& waiting) const;
-  std::optional<Error> WhyNot(const Waiting& waiting) const;
+  bool Waits(WaitingCall& waiting) const;
+  std::optional<Error> WhyNot(const WaitingCall& waiting) const;
   const MachineIdentity* MachineOf(transport::ParticipantId participant) const;
 
   transport::Node& node_;
   const std::string name_space_;
   std::map<transport::EndpointId, Known> known_;  // by their writer
-  std::list<Waiting> waiting_;
+  std::list<WaitingCall> waiting_;
   std::unique_ptr<transport::Subscription> statuses_;  // null: not permitted, nothing is known
   transport::LoopHandlePtr timer_;
 };

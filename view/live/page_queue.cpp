@@ -6,8 +6,9 @@
 namespace musher::view {
 
 void PageQueue::Put(const std::string& key, SharedText message) {
-  const auto same = std::find_if(messages_.begin(), messages_.end(),
-                                 [&key](const Waiting& waiting) { return waiting.key == key; });
+  const auto same =
+      std::find_if(messages_.begin(), messages_.end(),
+                   [&key](const WaitingMessage& waiting) { return waiting.key == key; });
   if (same != messages_.end()) {
     same->message = std::move(message);
   } else {
@@ -26,7 +27,7 @@ void PageQueue::PutEntry(SharedText entry) {
 std::vector<SharedText> PageQueue::TakeAll() {
   std::vector<SharedText> all;
   all.reserve(messages_.size() + 1);
-  for (Waiting& waiting : messages_) all.push_back(std::move(waiting.message));
+  for (WaitingMessage& waiting : messages_) all.push_back(std::move(waiting.message));
   if (!entries_.empty()) all.push_back(HistoryMessage(entries_, false));
   messages_.clear();
   entries_.clear();

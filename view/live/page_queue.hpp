@@ -31,12 +31,12 @@ class PageQueue {
   std::vector<SharedText> TakeAll();
 
  private:
-  struct Waiting {
+  struct WaitingMessage {
     std::string key;
     SharedText message;
   };
 
-  std::deque<Waiting> messages_;
+  std::deque<WaitingMessage> messages_;
   std::vector<SharedText> entries_;
   bool history_lost_ = false;
 };

@@ -221,8 +221,8 @@ void RobotRequests::Restart(const Caller& caller, const std::string& actuator,
                             const http::Respond& respond) {
   if (!HasController(respond) || !IsMeant(caller, respond)) return;
   if (!HasActuator(actuator, respond)) return;
-  std::erase_if(restarts_, [](const Restarting& each) { return each.ended; });
-  Restarting& one = restarts_.emplace_back();
+  std::erase_if(restarts_, [](const RestartCall& each) { return each.ended; });
+  RestartCall& one = restarts_.emplace_back();
   auto call = LeaderCall<msg::RestartActuator>::Make(
       node_, LeaderOptions(), "restart_actuator", {actuator, OnPage(caller)}, kRestartTime,
       [this, &one, respond](const Result<msg::RestartActuator::Response>& answer) {
@@ -300,7 +300,7 @@ void RobotRequests::Stop(const Caller& caller, const std::string& reason,
   }
   if (stops_.size() >= kMostStops) DropOldestStop();
   const Time now = node_.loop().Now();
-  Stopping& stopping = stops_.emplace_back();
+  EstopCall& stopping = stops_.emplace_back();
   stopping.latch = std::move(latch).value();
   stopping.respond = respond;
   stopping.answer_by = now + kStopTime;
@@ -314,7 +314,7 @@ void RobotRequests::Stop(const Caller& caller, const std::string& reason,
 
 // One that was answered, if there is one: a later one has reached what runs, and stays published.
 void RobotRequests::DropOldestStop() {
-  auto oldest = std::ranges::find_if(stops_, [](const Stopping& stop) { return !stop.respond; });
+  auto oldest = std::ranges::find_if(stops_, [](const EstopCall& stop) { return !stop.respond; });
   if (oldest == stops_.end()) {
     oldest = stops_.begin();
     AnswerStop(*oldest, ReportOf(*oldest), "too many stops were sent at once");
@@ -336,7 +336,7 @@ std::uint64_t RobotRequests::SearchHost() {
 void RobotRequests::OnMachines(std::vector<MachineHere> machines) {
   searching_ = false;
   own_ = NamedOf(machines);
-  for (Stopping& stop : stops_) {
+  for (EstopCall& stop : stops_) {
     if (stop.searched || stop.search > searches_) continue;
     stop.searched = true;
     stop.scope.machines = machines;
@@ -349,7 +349,7 @@ void RobotRequests::OnStatus() {
   LookAtStops();
 }
 
-EstopReport RobotRequests::ReportOf(const Stopping& stop) const {
+EstopReport RobotRequests::ReportOf(const EstopCall& stop) const {
   // Meanwhile another machine may be followed.
   const MachineIdentity& machine = leader_().machine();
   const bool is_its = status() && (SameMachine(stop.address.machine, machine) ||
@@ -358,7 +358,7 @@ EstopReport RobotRequests::ReportOf(const Stopping& stop) const {
       ViewFromHere(stop.scope, is_its ? status() : std::optional<msg::MachineStatus>()));
 }
 
-void RobotRequests::AnswerStop(Stopping& stop, const EstopReport& report,
+void RobotRequests::AnswerStop(EstopCall& stop, const EstopReport& report,
                                const std::string& why_early) {
   const http::Respond respond = std::exchange(stop.respond, nullptr);
   std::string missing = NotStopped(report, stop.searched);
@@ -375,14 +375,14 @@ void RobotRequests::AnswerStop(Stopping& stop, const EstopReport& report,
 
 void RobotRequests::LookAtStops() {
   const Time now = node_.loop().Now();
-  for (Stopping& stop : stops_) {
+  for (EstopCall& stop : stops_) {
     if (!stop.respond) continue;
     const EstopReport report = ReportOf(stop);
     const bool known = report.controller || stop.searched;
     const bool over = now >= stop.answer_by;
     if (over || (known && report.found() && stop.latch->IsOver(report))) AnswerStop(stop, report);
   }
-  std::erase_if(stops_, [now](const Stopping& stop) { return now >= stop.drop_at; });
+  std::erase_if(stops_, [now](const EstopCall& stop) { return now >= stop.drop_at; });
   if (stops_.empty()) stop_timer_.reset();
 }
 

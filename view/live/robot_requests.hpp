@@ -90,7 +90,7 @@ class RobotRequests {
     std::unique_ptr<SwitchClient> client;
     bool ended = false;
   };
-  struct Restarting {
+  struct RestartCall {
     std::unique_ptr<LeaderCall<msg::RestartActuator>> call;
     bool ended = false;
   };
@@ -100,7 +100,7 @@ class RobotRequests {
     std::string id_begins = {};               // and each machine whose id begins so; empty: none
     std::vector<MachineIdentity> by_id = {};  // of these, the known ones
   };
-  struct Stopping {
+  struct EstopCall {
     std::unique_ptr<StopLatch> latch;
     http::Respond respond;  // empty: it was answered
     Time answer_by;
@@ -130,8 +130,8 @@ class RobotRequests {
   std::uint64_t SearchHost();
   void OnMachines(std::vector<MachineHere> machines);
   void DropOldestStop();
-  void AnswerStop(Stopping& stop, const EstopReport& report, const std::string& why_early = "");
-  EstopReport ReportOf(const Stopping& stop) const;
+  void AnswerStop(EstopCall& stop, const EstopReport& report, const std::string& why_early = "");
+  EstopReport ReportOf(const EstopCall& stop) const;
   void LookAtStops();
 
   transport::Node& node_;
@@ -142,12 +142,12 @@ class RobotRequests {
   std::map<std::string, std::unique_ptr<transport::Client<msg::GetBehavior>>> behaviors_;
   std::map<std::string, std::unique_ptr<transport::Client<msg::GetTree>>> trees_;
   std::list<Switch> switches_;
-  std::list<Restarting> restarts_;
+  std::list<RestartCall> restarts_;
   std::optional<std::vector<MachineIdentity>> own_;  // of this host; nullopt: not searched yet
   std::uint64_t searches_ = 0;                       // begun
   bool searching_ = false;
   bool search_again_ = false;
-  std::list<Stopping> stops_;
+  std::list<EstopCall> stops_;
   transport::LoopHandlePtr stop_timer_;  // while there are stops
 };
 

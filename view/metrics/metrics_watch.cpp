@@ -107,7 +107,7 @@ void MetricsWatch::Answer(bool complete) {
   ExamineProcesses();
   metrics_.OnLostSamples(transport::LostSamples());
   const Time now = node_.loop().Now();
-  for (const Waiting& scrape : std::exchange(waiting_, {})) {
+  for (const WaitingScrape& scrape : std::exchange(waiting_, {})) {
     metrics_.OnScrape(complete);
     scrape.respond(metrics_.Text(now, scrape.format));
   }

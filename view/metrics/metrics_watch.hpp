@@ -49,7 +49,7 @@ class MetricsWatch {
   RobotMetrics& metrics() { return metrics_; }
 
  private:
-  struct Waiting {
+  struct WaitingScrape {
     MetricsFormat format;
     Respond respond;
   };
@@ -71,7 +71,7 @@ class MetricsWatch {
   std::uint64_t requests_ = 0;            // for the history
   std::optional<std::uint64_t> reading_;  // the request that the scrape waits for
   Time answer_by_;
-  std::vector<Waiting> waiting_;
+  std::vector<WaitingScrape> waiting_;
   transport::LoopHandlePtr timeout_;
   std::unique_ptr<transport::Client<msg::GetHistory>> get_history_;
   std::unique_ptr<transport::Subscription> heartbeats_;

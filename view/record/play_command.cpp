@@ -153,7 +153,7 @@ class RobotSearch {
 int RunPlay(const PlayCommandOptions& options) {
   const auto signals = EndSignals();
   if (!signals) return Fail(signals.error(), 1);
-  auto remapping = Remapping::Of(options.remap);
+  auto remapping = TopicNames::Of(options.remap);
   if (!remapping) return Fail(remapping.error());
   const auto source = OpenSource(options);
   if (!source) return Fail(source.error());

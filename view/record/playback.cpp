@@ -55,8 +55,8 @@ std::int64_t PlaySchedule::At(Time now) const {
   return from_ns_ + static_cast<std::int64_t>(std::llround(passed * rate_));
 }
 
-Result<Remapping> Remapping::Of(const std::vector<std::string>& rules) {
-  Remapping remapping;
+Result<TopicNames> TopicNames::Of(const std::vector<std::string>& rules) {
+  TopicNames remapping;
   for (const std::string& rule : rules) {
     const std::size_t at = rule.find(":=");
     const std::string from = at == std::string::npos ? "" : rule.substr(0, at);
@@ -72,7 +72,7 @@ Result<Remapping> Remapping::Of(const std::vector<std::string>& rules) {
   return remapping;
 }
 
-std::string Remapping::NameOf(const std::string& topic) const {
+std::string TopicNames::NameOf(const std::string& topic) const {
   const auto found = to_.find(topic);
   return found == to_.end() ? topic : found->second;
 }

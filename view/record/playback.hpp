@@ -32,10 +32,10 @@ class PlaySchedule {
 };
 
 // Topics under other names: "/chat:=/old/chat".
-class Remapping {
+class TopicNames {
  public:
   // Fails, naming the rule, unless each is FROM:=TO with two topics' names and no FROM twice.
-  static Result<Remapping> Of(const std::vector<std::string>& rules);
+  static Result<TopicNames> Of(const std::vector<std::string>& rules);
 
   std::string NameOf(const std::string& topic) const;
 

@@ -45,7 +45,7 @@ struct PlayOptions {
   bool loop = false;
   bool clock = true;                       // publishes /clock instead of a recorded one
   Duration discovery = Milliseconds(500);  // before the first message, for subscribers to match
-  Remapping remapping;
+  TopicNames remapping;
   // While it returns true, commands (IsCommand) are not published, and are lost; may be empty.
   std::function<bool()> withholds_commands{};
 };

@@ -94,7 +94,7 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
       if (record->cancel) SendCancel(record);
     }
     while (!waiting_.empty() && MaySend()) {
-      const Waiting next = std::move(waiting_.front());
+      const WaitingGoal next = std::move(waiting_.front());
       waiting_.pop_front();
       if (next.record->state == GoalState::kWaiting) Send(next.record, next.goal);
     }
@@ -103,14 +103,14 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
   void CancelOne(const std::shared_ptr<GoalRecord>& record) override {
     if (!record->cancel) record->cancelled_at = std::chrono::steady_clock::now();
     record->cancel = true;
-    for (const Waiting& each : waiting_) {
+    for (const WaitingGoal& each : waiting_) {
       if (each.record == record) record->state = GoalState::kCancelled;
     }
     SendCancel(record);
   }
 
   void CancelAll() override {
-    for (const Waiting& each : waiting_) each.record->state = GoalState::kCancelled;
+    for (const WaitingGoal& each : waiting_) each.record->state = GoalState::kCancelled;
     for (const auto& record : open_) CancelOne(record);
     if (Ready()) client_->CancelAll(kCancelTime, [](const auto& /*reply*/) {});
   }
@@ -122,7 +122,7 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
   bool Ready() const override { return client_ != nullptr && client_->Ready(); }
 
  private:
-  struct Waiting {
+  struct WaitingGoal {
     std::shared_ptr<GoalRecord> record;
     typename A::Goal goal;
   };
@@ -204,7 +204,7 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
   const Duration server_time_;
   const ToText to_text_;
   std::vector<std::shared_ptr<GoalRecord>> open_;
-  std::deque<Waiting> waiting_;
+  std::deque<WaitingGoal> waiting_;
 };
 
 }  // namespace musher::meilin

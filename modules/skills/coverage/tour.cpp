@@ -55,9 +55,10 @@ Passage PassageOf(const Cell& cell, bool from_top, bool from_right) {
 }
 
 // Chooses the order and the passages.
-class Ordering {
+class TourSearch {
  public:
-  Ordering(const std::vector<Cell>& cells, const std::optional<GroundPoint>& start, Router& router)
+  TourSearch(const std::vector<Cell>& cells, const std::optional<GroundPoint>& start,
+             Router& router)
       : start_(start) {
     std::vector<GroundPoint> begins;
     for (const Cell& cell : cells) {
@@ -281,7 +282,7 @@ Attempt BestAttempt(const std::vector<CellLane>& lanes, Router& router) {
 Tour TourOf(const std::vector<Cell>& cells, const std::optional<GroundPoint>& start,
             Router& router) {
   if (cells.empty()) return {};
-  const Ordering ordering(cells, start, router);
+  const TourSearch ordering(cells, start, router);
   const std::vector<std::size_t> order = ordering.Order(ordering.LargestPart());
   std::vector<CellLane> lanes;
   for (std::size_t cell = 0; cell < order.size(); ++cell) {

@@ -58,9 +58,9 @@ void RosRobot::StandStill() {
   if (const auto wire = wire_.lock()) wire->StandStill();
 }
 
-RosRobot::Missing RosRobot::Look() const {
+RosRobot::MissingInterfaces RosRobot::Look() const {
   const auto wire = wire_.lock();
-  return wire ? wire->Look() : Missing{kClosed, {}};
+  return wire ? wire->Look() : MissingInterfaces{kClosed, {}};
 }
 
 std::string RosRobot::LowBattery() const {

@@ -39,11 +39,11 @@ class RosRobot final : public Robot {
   void StandStill();
 
   // What of its environment cannot be reached.
-  struct Missing {
+  struct MissingInterfaces {
     std::string odometry;             // empty: it comes
     std::vector<std::string> others;  // "no server of jetbot_0/compute_path_to_pose", ...
   };
-  Missing Look() const;
+  MissingInterfaces Look() const;
 
   // Why it may not move with its battery: "the battery of r is at 9 %, its limit is 10 %"; empty:
   // it may.

@@ -368,8 +368,8 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
   }
 }
 
-RosRobot::Missing RosRobot::Wire::Look() const {
-  Missing missing;
+RosRobot::MissingInterfaces RosRobot::Wire::Look() const {
+  MissingInterfaces missing;
   if (motion.At(Now()) == nullptr) {
     const std::string& topic = config.names.odometry;
     const std::string* why = refused.At(Now());

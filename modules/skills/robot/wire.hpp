@@ -62,7 +62,7 @@ struct RosRobot::Wire {
     holding_ = false;
     velocity->Stop();
   }
-  Missing Look() const;
+  MissingInterfaces Look() const;
   // Whether the controller drives, for a skill or for another client.
   bool Drives() const;
   // Of planner and controller; succeeds once all that are configured have answered.

@@ -53,7 +53,7 @@ TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoadAfterAStartThatAnEmergencyStop
 // The controller has crashed before the first command of its switch down.
 TEST_F(Rules, AStoredLevelDoesNotLowerTheMachineBeforeTheFirstSample) {
   Robot();
-  robot().disk().policy.lowering = Lowering{"Active", "Protected", robot().machine().epoch};
+  robot().disk().policy.lowering = BatteryFallback{"Active", "Protected", robot().machine().epoch};
   robot().RestartController();
   robot().RunFor(std::chrono::seconds(2));
   EXPECT_EQ(state(), "Active");

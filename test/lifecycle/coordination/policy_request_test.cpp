@@ -197,7 +197,7 @@ TEST_F(WithoutTheBatteryRule, AMachineThatTheRuleOfAnEarlierConfigTookDownWakesU
   begin.epoch = 1;
   begin.running = {false, false};
   begin.host = "here";
-  begin.policy.lowering = Lowering{"Active", "LowPower", 1};
+  begin.policy.lowering = BatteryFallback{"Active", "LowPower", 1};
   Do(begin);
   for (const ActuatorIndex i : {ActuatorIndex(0), ActuatorIndex(1)}) Come(i, "LowPower");
   ASSERT_EQ(machine_.state, "LowPower");

@@ -9,7 +9,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 
-class Stopping : public ::testing::Test {
+class Shutdown : public ::testing::Test {
  protected:
   static MachineConfig Chain() {
     MachineConfig config = MachineOf(3);
@@ -19,7 +19,7 @@ class Stopping : public ::testing::Test {
     config.shutdown_budget = Milliseconds(2000);
     return config;
   }
-  Stopping() : t(Chain()) {
+  Shutdown() : t(Chain()) {
     t.Begin();
     t.Rest();
     EXPECT_EQ(t.machine().state, "Active");
@@ -28,7 +28,7 @@ class Stopping : public ::testing::Test {
   Harness t;
 };
 
-TEST_F(Stopping, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
+TEST_F(Shutdown, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
   EXPECT_TRUE(t.Set("TearDown").done());
   EXPECT_THAT(t.log(), ElementsAre("a:TearDown", "b:TearDown", "c:TearDown"));
   EXPECT_TRUE(t.stopped());
@@ -37,7 +37,7 @@ TEST_F(Stopping, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
 }
 
 // A previous controller has started it, just before it received the first heartbeat of this one.
-TEST_F(Stopping, AnUnknownProcessEndsWithTheMachine) {
+TEST_F(Shutdown, AnUnknownProcessEndsWithTheMachine) {
   t.Crash("c");
   t.RunUntil([&] { return t.RecordOf("c").presence == Presence::kLost; });
   const auto request = t.RequestSwitch("TearDown");
@@ -50,7 +50,7 @@ TEST_F(Stopping, AnUnknownProcessEndsWithTheMachine) {
   EXPECT_THAT(t.signals, ElementsAre("c:TERM"));
 }
 
-TEST_F(Stopping, AProcessThatIsBeingStartedWhenTheMachineStopsEndsWithIt) {
+TEST_F(Shutdown, AProcessThatIsBeingStartedWhenTheMachineStopsEndsWithIt) {
   t.Crash("c");
   t.RunUntil([&] { return t.RecordOf("c").restart.at.has_value(); });
   t.RunUntil([&] { return t.RecordOf("c").process.pid != 0; });
@@ -59,7 +59,7 @@ TEST_F(Stopping, AProcessThatIsBeingStartedWhenTheMachineStopsEndsWithIt) {
   for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
 }
 
-TEST_F(Stopping, AnActuatorThatFailsToTearDownGetsSigtermAndDoesNotDelayTheOthers) {
+TEST_F(Shutdown, AnActuatorThatFailsToTearDownGetsSigtermAndDoesNotDelayTheOthers) {
   t.On("b", "TearDown").code = 5001;
   const SwitchResult result = t.Set("TearDown");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
@@ -68,7 +68,7 @@ TEST_F(Stopping, AnActuatorThatFailsToTearDownGetsSigtermAndDoesNotDelayTheOther
   EXPECT_TRUE(t.stopped());
 }
 
-TEST_F(Stopping, AnActuatorThatHangsAndIgnoresSigtermIsKilledWithinTheBudget) {
+TEST_F(Shutdown, AnActuatorThatHangsAndIgnoresSigtermIsKilledWithinTheBudget) {
   t.On("b", "TearDown").hangs = true;
   t.On("b", "TERM").hangs = true;
   const Time begun = t.now();
@@ -78,7 +78,7 @@ TEST_F(Stopping, AnActuatorThatHangsAndIgnoresSigtermIsKilledWithinTheBudget) {
   EXPECT_LE(t.now() - begun, Milliseconds(2000));
 }
 
-TEST_F(Stopping, TheBudgetIsNeverExceededThoughEveryActuatorHangs) {
+TEST_F(Shutdown, TheBudgetIsNeverExceededThoughEveryActuatorHangs) {
   for (const char* name : {"a", "b", "c"}) {
     t.On(name, "TearDown").hangs = true;
     t.On(name, "TERM").hangs = true;
@@ -90,7 +90,7 @@ TEST_F(Stopping, TheBudgetIsNeverExceededThoughEveryActuatorHangs) {
   EXPECT_THAT(t.signals, ::testing::IsSupersetOf({"a:KILL", "b:KILL", "c:KILL"}));
 }
 
-TEST_F(Stopping, SupersedesASwitchUnderWay) {
+TEST_F(Shutdown, SupersedesASwitchUnderWay) {
   t.On("b", "LowPower").takes = Milliseconds(80);
   const RequestId first = t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(30));
@@ -98,7 +98,7 @@ TEST_F(Stopping, SupersedesASwitchUnderWay) {
   EXPECT_EQ(t.answers.at(first).outcome, SwitchOutcome::kSuperseded);
 }
 
-TEST_F(Stopping, RequestedTwiceIsOneStop) {
+TEST_F(Shutdown, RequestedTwiceIsOneStop) {
   const RequestId first = t.RequestSwitch("TearDown");
   const RequestId second = t.RequestSwitch("TearDown");
   t.Rest();
@@ -106,7 +106,7 @@ TEST_F(Stopping, RequestedTwiceIsOneStop) {
   EXPECT_TRUE(t.answers.at(second).done());
 }
 
-TEST_F(Stopping, RequestedAgainWhileAProcessStillRunsIsTheSameStop) {
+TEST_F(Shutdown, RequestedAgainWhileAProcessStillRunsIsTheSameStop) {
   t.shared.insert("c");
   t.RequestSwitch("TearDown");
   ASSERT_TRUE(t.RunUntil([&] { return !t.machine().current; }));
@@ -116,13 +116,13 @@ TEST_F(Stopping, RequestedAgainWhileAProcessStillRunsIsTheSameStop) {
   EXPECT_TRUE(t.answers.at(again).done());
 }
 
-TEST_F(Stopping, RecordsHowLongItTook) {
+TEST_F(Shutdown, RecordsHowLongItTook) {
   const Time begun = t.now();
   t.Set("TearDown");
   EXPECT_THAT(t.records, Contains(Is(texts::MachineStopped(t.now() - begun, std::nullopt))));
 }
 
-TEST_F(Stopping, RefusesEverythingElseFromThenOn) {
+TEST_F(Shutdown, RefusesEverythingElseFromThenOn) {
   t.Set("TearDown");
   EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kRefused);
 }
@@ -142,7 +142,7 @@ TEST(StoppingEarly, EndsProcessesThatAreStillSettingUp) {
 
 // What still runs
 
-TEST_F(Stopping, AFrozenActuatorWithoutACommandIsListedThoughTheRestIsDown) {
+TEST_F(Shutdown, AFrozenActuatorWithoutACommandIsListedThoughTheRestIsDown) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "a").command = {"run", "a"};
   Harness robot(config);
@@ -157,7 +157,7 @@ TEST_F(Stopping, AFrozenActuatorWithoutACommandIsListedThoughTheRestIsDown) {
   EXPECT_TRUE(robot.stopped());
 }
 
-TEST_F(Stopping, AnActuatorThatIsLostDuringTearDownIsListed) {
+TEST_F(Shutdown, AnActuatorThatIsLostDuringTearDownIsListed) {
   MachineConfig config = MachineOf(2);
   Harness robot(config);
   robot.Begin();
@@ -169,7 +169,7 @@ TEST_F(Stopping, AnActuatorThatIsLostDuringTearDownIsListed) {
   EXPECT_THAT(result.degraded, ElementsAre("b"));
 }
 
-TEST_F(Stopping, AnActuatorThatIsReachedAgainDuringTearDownIsListed) {
+TEST_F(Shutdown, AnActuatorThatIsReachedAgainDuringTearDownIsListed) {
   Harness robot(MachineOf(2));
   robot.Begin();
   robot.Rest();
@@ -183,7 +183,7 @@ TEST_F(Stopping, AnActuatorThatIsReachedAgainDuringTearDownIsListed) {
   EXPECT_THAT(robot.answers.at(request).degraded, ElementsAre("b"));
 }
 
-TEST_F(Stopping, AnActuatorThatIsKnownToHaveExitedIsNotListed) {
+TEST_F(Shutdown, AnActuatorThatIsKnownToHaveExitedIsNotListed) {
   Harness robot(MachineOf(2));
   robot.Begin();
   robot.Rest();
@@ -192,7 +192,7 @@ TEST_F(Stopping, AnActuatorThatIsKnownToHaveExitedIsNotListed) {
   EXPECT_TRUE(robot.Set("TearDown").done());
 }
 
-TEST_F(Stopping, AProcessThatOutlivesSigkillIsListed) {
+TEST_F(Shutdown, AProcessThatOutlivesSigkillIsListed) {
   t.On("b", "TearDown").hangs = true;
   t.On("b", "TERM").hangs = true;
   t.On("b", "KILL").hangs = true;
@@ -234,7 +234,7 @@ TEST(StoppingWithAFault, AnOldFaultOfATornDownActuatorDoesNotMakeTheTearDownDegr
 
 // The stop intent
 
-TEST_F(Stopping, TheIntentIsOnDiskBeforeTheFirstTearDown) {
+TEST_F(Shutdown, TheIntentIsOnDiskBeforeTheFirstTearDown) {
   t.disk_takes = Milliseconds(40);
   t.RequestSwitch("TearDown");
   t.RunFor(Milliseconds(30));
@@ -243,7 +243,7 @@ TEST_F(Stopping, TheIntentIsOnDiskBeforeTheFirstTearDown) {
   EXPECT_TRUE(t.disk().stop_intent);
 }
 
-TEST_F(Stopping, ADiskThatNeverAnswersDelaysTearDownForAMomentOnly) {
+TEST_F(Shutdown, ADiskThatNeverAnswersDelaysTearDownForAMomentOnly) {
   t.disk_takes.reset();
   const Time begun = t.now();
   EXPECT_TRUE(t.Set("TearDown").done());
@@ -252,7 +252,7 @@ TEST_F(Stopping, ADiskThatNeverAnswersDelaysTearDownForAMomentOnly) {
   EXPECT_THAT(t.records, Contains(Is(EventName::kStopIntentLate)));
 }
 
-TEST_F(Stopping, AControllerThatASupervisorStartsAfterACrashInTearDownFinishesIt) {
+TEST_F(Shutdown, AControllerThatASupervisorStartsAfterACrashInTearDownFinishesIt) {
   t.On("b", "TearDown").takes = Milliseconds(60);
   t.RequestSwitch("TearDown");
   EXPECT_TRUE(t.RunUntil([&] { return t.log().size() == 2; }));  // a is down, b is switching
@@ -265,7 +265,7 @@ TEST_F(Stopping, AControllerThatASupervisorStartsAfterACrashInTearDownFinishesIt
 }
 
 // All had been torn down and had exited: no process is left that could report it.
-TEST_F(Stopping, AControllerThatASupervisorStartsAfterTheLastProcessHasEndedStaysDown) {
+TEST_F(Shutdown, AControllerThatASupervisorStartsAfterTheLastProcessHasEndedStaysDown) {
   t.Set("TearDown");
   t.ClearLog();
   t.RestartController(false, true);
@@ -274,7 +274,7 @@ TEST_F(Stopping, AControllerThatASupervisorStartsAfterTheLastProcessHasEndedStay
   EXPECT_THAT(t.log(), ElementsAre());
 }
 
-TEST_F(Stopping, APersonsStartClearsTheIntent) {
+TEST_F(Shutdown, APersonsStartClearsTheIntent) {
   t.Set("TearDown");
   t.RestartController();
   t.Rest();
@@ -282,14 +282,14 @@ TEST_F(Stopping, APersonsStartClearsTheIntent) {
   EXPECT_FALSE(t.disk().stop_intent);
 }
 
-TEST_F(Stopping, ARestartBySupervisorWithoutAnIntentAdoptsTheMachine) {
+TEST_F(Shutdown, ARestartBySupervisorWithoutAnIntentAdoptsTheMachine) {
   t.RestartController(false, true);
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_THAT(t.log(), ElementsAre());
 }
 
-TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAnOperatorRequestsOne) {
+TEST_F(Shutdown, ATearDownToStartAgainLeavesNoIntentUnlessAnOperatorRequestsOne) {
   t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kStartsAgain});
   t.RunFor(Milliseconds(1));
   EXPECT_FALSE(t.disk().stop_intent);
@@ -299,7 +299,7 @@ TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAnOperatorRequestsOne)
 }
 
 // `systemctl restart`: the supervisor that ends it starts it again.
-TEST_F(Stopping, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
+TEST_F(Shutdown, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
   t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kMayStart});
   EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
   EXPECT_TRUE(t.disk().stop_intent);

@@ -30,20 +30,20 @@ TEST(PlaySchedule, WhatIsBeforeTheBeginningIsDueAtOnce) {
   EXPECT_EQ(schedule.DueAt(kFrom - 5000 * kMs), Time{});
 }
 
-TEST(Remapping, GivesATopicItsOtherName) {
-  const Remapping remapping = Remapping::Of({"/chat:=/old/chat", "a:=b"}).value();
+TEST(TopicNames, GivesATopicItsOtherName) {
+  const TopicNames remapping = TopicNames::Of({"/chat:=/old/chat", "a:=b"}).value();
   EXPECT_EQ(remapping.NameOf("/chat"), "/old/chat");
   EXPECT_EQ(remapping.NameOf("/a"), "/b");
   EXPECT_EQ(remapping.NameOf("/other"), "/other");
 }
 
-TEST(Remapping, RefusesARuleThatIsNone) {
+TEST(TopicNames, RefusesARuleThatIsNone) {
   for (const std::string rule : {"/chat", "/chat=/b", ":=/b", "/a:=", "/a:=/b/", "/a b:=/c"}) {
-    const auto remapping = Remapping::Of({rule});
+    const auto remapping = TopicNames::Of({rule});
     ASSERT_FALSE(remapping) << rule;
     EXPECT_THAT(remapping.error().message, HasSubstr("'" + rule + "'; expected FROM:=TO"));
   }
-  EXPECT_FALSE(Remapping::Of({"/a:=/b", "a:=/c"}));
+  EXPECT_FALSE(TopicNames::Of({"/a:=/b", "a:=/c"}));
 }
 
 TEST(Playback, ARobotWouldObeyTheTopicsOfAMachine) {

@@ -135,7 +135,7 @@ TEST_F(Playing, InALoopItBeginsAgain) {
 
 TEST_F(Playing, ARemappedTopicHasItsOtherName) {
   PlayOptions options;
-  options.remapping = Remapping::Of({"/chat:=/old/chat"}).value();
+  options.remapping = TopicNames::Of({"/chat:=/old/chat"}).value();
   Play(options);
   network_.RunFor(std::chrono::seconds(3));
   EXPECT_THAT(texts_, IsEmpty());
@@ -149,7 +149,7 @@ TEST_F(Playing, CommandsThatAreWithheldAreLostAndNothingElseIs) {
       });
   int asked = 0;
   PlayOptions options;
-  options.remapping = Remapping::Of({"/chat:=/cmd_vel"}).value();
+  options.remapping = TopicNames::Of({"/chat:=/cmd_vel"}).value();
   options.withholds_commands = [&] { return ++asked == 2; };
   Play(options);
   network_.RunFor(std::chrono::seconds(3));

@@ -25,7 +25,7 @@
 
 namespace musher::cli {
 
-class Ending {
+class DirectTearDown {
  public:
   // The result for one actuator.
   struct Outcome {
@@ -38,8 +38,10 @@ class Ending {
   };
 
   // `timeout`: for the TearDowns. The node and `running` must outlive it.
-  static Result<std::unique_ptr<Ending>> Begin(transport::Node& node, const std::string& name_space,
-                                               const RunningActuators& running, Duration timeout);
+  static Result<std::unique_ptr<DirectTearDown>> Begin(transport::Node& node,
+                                                       const std::string& name_space,
+                                                       const RunningActuators& running,
+                                                       Duration timeout);
 
   bool Ended() const;
   // The time for all attempts is over.
@@ -61,8 +63,8 @@ class Ending {
 
   using Actuators = std::map<std::string, RunningActuators::Actuator>;
 
-  Ending(transport::Node& node, std::string name_space, const RunningActuators& running,
-         Duration timeout);
+  DirectTearDown(transport::Node& node, std::string name_space, const RunningActuators& running,
+                 Duration timeout);
   Result<> Open();
   void Advance();
   void Check(Target& target, const Actuators& running);

@@ -1,6 +1,6 @@
 // What `musher down --without-controller` says of the end of an actuator.
 
-#include "musher/cli/machine/ending.hpp"
+#include "musher/cli/machine/direct_tear_down.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,16 +8,16 @@
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
-namespace musher::cli::ending_test {
+namespace musher::cli::direct_tear_down_test {
 
 // A cable that was pulled for the time of a lease was "exited without TearDown", and exit code 0.
-TEST(EndingTest, OfAnotherHostIsNotBelievedWhereOnlyTheStatusIsLost) {
+TEST(ADirectTearDown, OfAnotherHostIsNotBelievedWhereOnlyTheStatusIsLost) {
   transport::sim::Network network(1);
   const auto desk = network.MakeNode("desk");
   const auto board = network.MakeNode("board");
   const auto statuses =
       transport::MakePublisher<msg::ActuatorStatus>(
-          *board, transport::ActuatorStatusTopic("ending_test"), transport::kLatchedQos)
+          *board, transport::ActuatorStatusTopic("direct_tear_down_test"), transport::kLatchedQos)
           .value();
   msg::ActuatorStatus legs;
   legs.name = "legs";
@@ -26,12 +26,12 @@ TEST(EndingTest, OfAnotherHostIsNotBelievedWhereOnlyTheStatusIsLost) {
   legs.state = "Active";
   legs.pid = 7;
   static_cast<void>(statuses->Publish(legs));
-  const auto running = RunningActuators::Begin(*desk, "ending_test", false).value();
+  const auto running = RunningActuators::Begin(*desk, "direct_tear_down_test", false).value();
   network.RunFor(std::chrono::seconds(1));
   running->OnlyOf({"dog", ""});
   ASSERT_EQ(running->Now().size(), 1U);
   const auto ending =
-      Ending::Begin(*desk, "ending_test", *running, std::chrono::seconds(1)).value();
+      DirectTearDown::Begin(*desk, "direct_tear_down_test", *running, std::chrono::seconds(1)).value();
   network.Partition("board", "desk");
   network.RunFor(std::chrono::minutes(1));
   ASSERT_FALSE(running->HasStatusOf("legs"));
@@ -40,4 +40,4 @@ TEST(EndingTest, OfAnotherHostIsNotBelievedWhereOnlyTheStatusIsLost) {
   EXPECT_EQ(ending->Outcomes().front().trouble, "its status is lost, it may run on");
 }
 
-}  // namespace musher::cli::ending_test
+}  // namespace musher::cli::direct_tear_down_test

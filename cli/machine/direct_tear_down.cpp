@@ -1,4 +1,4 @@
-#include "musher/cli/machine/ending.hpp"
+#include "musher/cli/machine/direct_tear_down.hpp"
 
 #include <poll.h>
 #include <unistd.h>
@@ -34,21 +34,23 @@ void Send(const UniqueFd& process, pid_t pid, int signal) {
 
 }  // namespace
 
-Ending::Ending(transport::Node& node, std::string name_space, const RunningActuators& running,
-               Duration timeout)
+DirectTearDown::DirectTearDown(transport::Node& node, std::string name_space,
+                               const RunningActuators& running, Duration timeout)
     : node_(node),
       name_space_(std::move(name_space)),
       running_(running),
       deadline_(node.loop().Now() + timeout) {}
 
-Result<std::unique_ptr<Ending>> Ending::Begin(transport::Node& node, const std::string& name_space,
-                                              const RunningActuators& running, Duration timeout) {
-  std::unique_ptr<Ending> ending(new Ending(node, name_space, running, timeout));
+Result<std::unique_ptr<DirectTearDown>> DirectTearDown::Begin(transport::Node& node,
+                                                              const std::string& name_space,
+                                                              const RunningActuators& running,
+                                                              Duration timeout) {
+  std::unique_ptr<DirectTearDown> ending(new DirectTearDown(node, name_space, running, timeout));
   if (auto opened = ending->Open(); !opened) return opened.error();
   return ending;
 }
 
-Result<> Ending::Open() {
+Result<> DirectTearDown::Open() {
   const int domain = transport::DomainId({}).value();
   for (const auto& [name, actuator] : running_.Now()) {
     Target& target = targets_[name];
@@ -87,7 +89,7 @@ Result<> Ending::Open() {
   return Ok();
 }
 
-void Ending::Advance() {
+void DirectTearDown::Advance() {
   const Time now = node_.loop().Now();
   const auto running = running_.Now();
   for (auto& [name, target] : targets_) {
@@ -102,7 +104,7 @@ void Ending::Advance() {
   }
 }
 
-void Ending::Check(Target& target, const Actuators& running) {
+void DirectTearDown::Check(Target& target, const Actuators& running) {
   const bool runs = running.contains(target.outcome.name);
   const bool has_status = running_.HasStatusOf(target.outcome.name);
   if (!runs && !target.outcome.torn_down && has_status) {
@@ -120,7 +122,7 @@ void Ending::Check(Target& target, const Actuators& running) {
   if (lost && !target.outcome.ended) target.outcome.trouble = "its status is lost, it may run on";
 }
 
-void Ending::CommandTearDown(Target& target, const Actuators& running) {
+void DirectTearDown::CommandTearDown(Target& target, const Actuators& running) {
   const auto found = running.find(target.outcome.name);
   if (target.commanded || found == running.end() || !found->second.has_status) return;
   // An actuator of another machine may have the same name: only this process is commanded.
@@ -154,7 +156,7 @@ void Ending::CommandTearDown(Target& target, const Actuators& running) {
   target.commands->Call(request, deadline_ - now, on_reply, participant);
 }
 
-void Ending::Signal(Target& target) {
+void DirectTearDown::Signal(Target& target) {
   const Time now = node_.loop().Now();
   if (!target.here) return;
   if (!target.terminated_at) {
@@ -169,16 +171,16 @@ void Ending::Signal(Target& target) {
   }
 }
 
-bool Ending::Ended() const {
+bool DirectTearDown::Ended() const {
   return std::all_of(targets_.begin(), targets_.end(),
                      [](const auto& one) { return one.second.outcome.ended; });
 }
 
-bool Ending::OutOfTime() const {
+bool DirectTearDown::OutOfTime() const {
   return node_.loop().Now() >= deadline_ + kExitGrace + kTerminateTime + kKillTime;
 }
 
-std::vector<Ending::Outcome> Ending::Outcomes() const {
+std::vector<DirectTearDown::Outcome> DirectTearDown::Outcomes() const {
   std::vector<Outcome> outcomes;
   for (const auto& [name, target] : targets_) outcomes.push_back(target.outcome);
   return outcomes;
