@@ -309,6 +309,7 @@ class Ends(unittest.TestCase):
             process = subprocess.Popen([sys.executable, "-c", "import musher\n" + ALL + stuck + RUN],
                                        stdout=subprocess.PIPE, text=True,
                                        env={**os.environ, "MUSHER_CONFIG": self.robot().file, "MUSHER_ACTUATOR": "a"})
+            self.addCleanup(process.kill)  # it would use a CPU for ever
             self.assertEqual(process.stdout.readline(), "stuck\n")
             process.send_signal(number)
             self.assertEqual(process.wait(DEADLINE_S), -number)
