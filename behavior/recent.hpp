@@ -2,6 +2,7 @@
 // The last entries of a list that grows: the changes of a machine, the failures of a skill.
 // Allocates its places once.
 
+#include <algorithm>
 #include <cstddef>
 #include <new>
 #include <type_traits>
@@ -14,10 +15,10 @@ namespace musher {
 template <class T>
 class Recent {
  public:
-  explicit Recent(std::size_t capacity) : ring_(capacity) {}
+  explicit Recent(std::size_t capacity) : capacity_(capacity), ring_(capacity) {}
 
   void Add(const T& entry) {
-    if (ring_.empty()) return;
+    if (capacity_ == 0) return;
     ring_[next_] = entry;
     Advance();
   }
@@ -25,31 +26,32 @@ class Recent {
   template <class... Fields>
   requires std::is_trivially_destructible_v<T>
   void Emplace(Fields... fields) {
-    if (ring_.empty()) return;
+    if (capacity_ == 0) return;
     ::new (static_cast<void*>(&ring_[next_])) T{fields...};
     Advance();
   }
-  void Clear() { next_ = size_ = 0; }
+  void Clear() { next_ = added_ = 0; }
 
-  std::size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
-  std::size_t capacity() const { return ring_.size(); }
+  std::size_t size() const { return std::min(added_, capacity_); }
+  bool empty() const { return size() == 0; }
+  std::size_t capacity() const { return capacity_; }
   // 0 is the oldest.
   const T& operator[](std::size_t i) const {
-    MUSHER_CHECK(i < size_);
-    return ring_[(next_ + ring_.size() - size_ + i) % ring_.size()];
+    MUSHER_CHECK(i < size());
+    return ring_[(next_ + capacity_ - size() + i) % capacity_];
   }
-  const T& back() const { return (*this)[size_ - 1]; }
+  const T& back() const { return (*this)[size() - 1]; }
 
  private:
   void Advance() {
-    next_ = next_ + 1 == ring_.size() ? 0 : next_ + 1;
-    if (size_ < ring_.size()) ++size_;
+    next_ = next_ + 1 == capacity_ ? 0 : next_ + 1;
+    ++added_;
   }
 
+  std::size_t capacity_;
   std::vector<T> ring_;
   std::size_t next_ = 0;
-  std::size_t size_ = 0;
+  std::size_t added_ = 0;  // since it was empty
 };
 
 }  // namespace musher

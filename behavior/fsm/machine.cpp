@@ -161,7 +161,6 @@ class Machine::Declaration : public Transitions {
 
 Machine::Machine(Options options)
     : options_(std::move(options)),
-      unsafe_(0),
       commands_(std::max<std::size_t>(1, options_.commands)),
       history_(options_.history) {}
 
@@ -326,7 +325,6 @@ Result<> Machine::Build(std::string_view start) {
   CheckAll(start);
   if (errors_.empty()) {
     built_ = true;
-    unsafe_ = checks_.size();
     return Ok();
   }
   std::string all;
@@ -414,7 +412,7 @@ std::string_view Machine::Name(EventId event) const {
 }
 
 std::string_view Machine::unsafe() const {
-  return unsafe_ < checks_.size() ? std::string_view(checks_[unsafe_].name) : "";
+  return unsafe_ != kNoCheck ? std::string_view(checks_[unsafe_].name) : "";
 }
 
 std::string Machine::Path() const {
@@ -528,7 +526,7 @@ Result<> Machine::StartIn(StateId state, Time now, const Entry& entry) {
   tick_ = {};
   last_tick_ = now;
   DropCommands();
-  unsafe_ = checks_.size();
+  unsafe_ = kNoCheck;
   history_.Clear();
   fault_.reset();
   Enter(state, Cause::kStarted, kNoEvent, entry);
@@ -584,8 +582,17 @@ void Machine::RunOnce(Time now) {
 // line here: the frames of its functions would take as long as the work in them.
 [[gnu::flatten]] void Machine::Finish(Next next) {
   use_ = Use::kDone;
-  stays_ = Conclude(next);
-  if (stays_) Run();
+  stays_ = false;
+  if (ticking_ == TickKind::kPlain) [[likely]] {
+    Begin(next);  // there is no command, and no safety check
+    if (ticking_ == TickKind::kPlain && running_ && mode_ != Mode::kTransitioning) [[likely]] {
+      ticking_ = TickKind::kNoPlainNext;
+      return;
+    }
+  } else {
+    stays_ = Conclude(next);
+    if (stays_) Run();
+  }
   EndTick();
 }
 
@@ -704,7 +711,7 @@ bool Machine::Conclude(Next next) {
 // Executes the decision of the state, with or without a command. Whether the state stays.
 bool Machine::Execute(Next next) {
   // The safe state is not left while a check fails.
-  const bool held = mode_ == Mode::kSafeStop && unsafe_ != checks_.size();
+  const bool held = mode_ == Mode::kSafeStop && unsafe_ != kNoCheck;
   const bool leaves = !next.stays() && !held;
   const EventId command = tick_.command;
   if (command != kNoEvent) {
@@ -746,7 +753,7 @@ bool Machine::PassesChecks() {
     }
     return HandleUnsafe(check, std::nullopt);
   }
-  if (mode_ == Mode::kSafeStop) unsafe_ = checks_.size();
+  if (mode_ == Mode::kSafeStop) unsafe_ = kNoCheck;
   return true;
 }
 
@@ -782,8 +789,9 @@ void Machine::Proceed() {
 
 // The transition of the current state is complete.
 void Machine::GoTo(StateId target) {
+  static constexpr Entry kByStart{};  // not to be made for each change
   const Route* const route = RouteOf(target);
-  if (route == nullptr) return Switch(target, Cause::kDecided, cause_, {});
+  if (route == nullptr) return Switch(target, Cause::kDecided, cause_, kByStart);
   for (Machine* machine = this; machine != route->at; machine = machine->around_) {
     machine->Request(*route);
   }
@@ -829,7 +837,7 @@ void Machine::Switch(StateId target, Cause cause, EventId command, const Entry& 
 // unfinished: the machine inside, where its function threw before it stopped that machine, and an
 // aborted transition, whose command was not handled.
 void Machine::EndPresent(EventId command) {
-  if (current_ != kNoState && !nodes_[Index(current_)].inside.empty()) StopInside();
+  if (holds_machines_) StopInside();
   if (requested_ != nullptr) CancelRequest();
   kept_ = kNoEvent;
   const EventId behind = std::exchange(cause_, kNoEvent);
@@ -840,21 +848,26 @@ void Machine::StopInside() {
   for (const auto& inside : nodes_[Index(current_)].inside) static_cast<void>(inside->Stop());
 }
 
+// `node`: of the state; null: there is none.
+void Machine::SetPresent(StateId state, const Node* node) {
+  current_ = state;
+  present_ = node == nullptr ? nullptr : node->state.get();
+  holds_machines_ = node != nullptr && !node->inside.empty();
+}
+
 // The current state has been left, or there was none.
 void Machine::Enter(StateId target, Cause cause, EventId command, const Entry& entry) {
   EndPresent(command);
   const Change change{tick_.now, ticks_, current_, target, command, cause};
-  current_ = target;
   const Node& node = nodes_[Index(target)];
-  present_ = node.state.get();
+  SetPresent(target, &node);
   tick_ = {.now = tick_.now, .step = tick_.step};
   mode_ = target == safe_ ? Mode::kSafeStop : Mode::kNormal;
-  if (mode_ == Mode::kNormal) unsafe_ = checks_.size();
+  if (mode_ == Mode::kNormal) unsafe_ = kNoCheck;
   Remember(change);
-  const bool holds_machines = !node.inside.empty();
-  if (holds_machines) SetEntries(entry);
+  if (holds_machines_) SetEntries(entry);
   Guard(Phase::kEnter, [&] { present_->OnEnter(tick_); });
-  if (!holds_machines) return;
+  if (node.inside.empty()) return;
   for (const auto& inside : node.inside) inside->entry_ = {};  // OnEnter may have failed before it
 }
 
@@ -904,8 +917,7 @@ void Machine::Halt(Cause cause) {
   const Change change{tick_.now, ticks_, current_, kNoState, kNoEvent, cause};
   running_ = false;
   mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
-  current_ = kNoState;
-  present_ = nullptr;
+  SetPresent(kNoState, nullptr);
   Remember(change);
 }
 

@@ -243,6 +243,7 @@ class Machine {
     std::string name;
     std::function<bool(const Tick&)> is_safe;
   };
+  static constexpr std::size_t kNoCheck = static_cast<std::size_t>(-1);
   struct Data {
     std::string name;
     std::function<void(Archive&)> persist;
@@ -309,6 +310,7 @@ class Machine {
   EventId InsideOf(EventId outer) const;
   inline void Begin(Next next);
   void Proceed();
+  void SetPresent(StateId state, const Node* node);
   void Enter(StateId target, Cause cause, EventId command, const Entry& entry);
   void Switch(StateId target, Cause cause, EventId command, const Entry& entry);
   [[gnu::noinline]] bool PassesChecks();
@@ -369,6 +371,7 @@ class Machine {
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
   State* present_ = nullptr;  // the same, ready to be called
+  bool holds_machines_ = false;
   // A state inside goes along it, to be followed at the end of this step by the machine `at`.
   const Route* requested_ = nullptr;
   Tick tick_;  // the argument of the states; with the transition under way
@@ -385,7 +388,7 @@ class Machine {
   bool stays_ = false;             // after Decide()
   EventId kept_ = kNoEvent;        // reported by OnKept() for the present state
   EventId cause_ = kNoEvent;       // the command behind the transition
-  std::size_t unsafe_;             // index of the check, or their number
+  std::size_t unsafe_ = kNoCheck;  // the check that failed
   std::vector<Command> commands_;  // a ring
   std::size_t first_command_ = 0;
   History history_;

@@ -335,12 +335,12 @@ void Machine::Become(const Snapshot& saved, Time now) {
   EndPlain();
   running_ = saved.running;
   mode_ = saved.mode;
-  current_ = state(saved.state);
-  present_ = running_ ? nodes_[Index(current_)].state.get() : nullptr;
+  const StateId present = state(saved.state);
+  SetPresent(present, running_ ? &nodes_[Index(present)] : nullptr);
   ticks_ = saved.ticks;
   tick_ = {.now = saved.time, .step = saved.step, .elapsed = saved.elapsed};
   last_tick_ = saved.paused ? std::nullopt : std::optional(now);
-  unsafe_ = FindCheck(saved.unsafe).value_or(checks_.size());
+  unsafe_ = FindCheck(saved.unsafe).value_or(kNoCheck);
   const Snapshot::Transition transition = saved.transition.value_or(Snapshot::Transition{});
   tick_.target = FindTarget(current_, transition.to).value_or(kNoState);
   tick_.transition_elapsed = transition.elapsed;
