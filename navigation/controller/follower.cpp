@@ -71,7 +71,9 @@ Result<> Follower::Start(Trajectory trajectory, Time now) {
   if (trajectory.points.empty()) return MakeError(Fault::kInput, "trajectory: it has no point");
   // The body may be on its way: then the new reference moves from the begin on.
   const bool moves = progress_ == Progress::kFollowing;
-  const Duration waited = waiting_;  // goes on where the new one leads to an obstacle, too
+  // The time before an obstacle goes on where the new one leads to one, too.
+  const bool drives = moves || progress_ == Progress::kWaiting;
+  const Duration waited = drives ? waiting_ : Duration::zero();
   Stop();
   waiting_ = waited;
   trajectory_ = std::move(trajectory);

@@ -12,6 +12,8 @@ namespace musher::navigation {
 struct ProgressRules {
   double radius_m = 0.5;
   Duration time = std::chrono::seconds(10);
+
+  friend bool operator==(const ProgressRules&, const ProgressRules&) = default;
 };
 
 class ProgressCheck {

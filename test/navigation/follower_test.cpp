@@ -251,6 +251,8 @@ TEST(Follower, FailsWhenTheObstacleStaysForever) {
   EXPECT_EQ(command.progress, Progress::kFailed);
   EXPECT_TRUE(Is(*command.failure, Fault::kObstacle));
   EXPECT_EQ(command.failure->message, "an obstacle at (2.00, 0.25) has been in the way for 30 s");
+  body.Start({body.pose, kAhead.back()});
+  EXPECT_EQ(body.Run(1, {{2, 0.25, 0}}).progress, Progress::kWaiting) << "it is a new attempt";
 }
 
 TEST(Follower, IsLateAlsoAfterAnObstacleHasSlowedItDown) {

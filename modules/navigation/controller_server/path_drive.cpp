@@ -203,7 +203,7 @@ void PathDrive::SetKeepOut(std::shared_ptr<const CellMap> keep_out) {
 void PathDrive::Check(double arrive_m, double arrive_rad,
                       const std::optional<ProgressRules>& progress) {
   follower_.ArriveWithin(arrive_m, arrive_rad);
-  progress_.Begin(progress);
+  if (!driving_ || progress != progress_.rules()) progress_.Begin(progress);
 }
 
 bool PathDrive::Fits(const Path& path, double radius_m) const {

@@ -62,7 +62,8 @@ class PathDrive {
   void SetMap(std::shared_ptr<const Clearance> map, Time now);
   // Cells into which no drive leads; null: none. A drive that leads there ends.
   void SetKeepOut(std::shared_ptr<const CellMap> keep_out);
-  // When a drive has arrived, and what progress it has to make; before Start().
+  // When a drive has arrived, and what progress it has to make; before Start(). Where that replaces
+  // a drive that has to make the same, the time goes on.
   void Check(double arrive_m, double arrive_rad, const std::optional<ProgressRules>& progress);
   // `stamp`: of the message, since the zero of its clock.
   void OnOdometry(const Motion& motion, Duration stamp, Time now);

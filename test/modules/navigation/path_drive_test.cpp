@@ -106,6 +106,24 @@ TEST_F(Drive, RemembersAlsoWhatANewMapContains) {
   EXPECT_LT(pose_.at.x_m, 2.8) << end->reason;
 }
 
+// A client that plans twice a second.
+TEST_F(Drive, EndsWithoutProgressAlsoWhereItsPathIsReplaced) {
+  std::optional<DriveEnd> end;
+  for (int i = 0; i < 60 * 3 && !end; ++i) {
+    now_ += FromSeconds(1.0 / 60);
+    BeHere();
+    if (i % 6 == 0) See(1.5, 9);
+    if (i % 30 == 0) {
+      drive_.Check(0.2, 0.1, ProgressRules{0.5, Milliseconds(1200)});
+      ASSERT_FALSE(drive_.Start({pose_, {{5, 0.001 * i, 0}, 0}}, now_));
+    }
+    end = drive_.Update(now_).end;
+  }
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->error_code, FollowCode::kFailedToMakeProgress);
+  EXPECT_THAT(end->reason, HasSubstr("not moved by 0.50 m within 1.2 s"));
+}
+
 // A differential body came to rest beside its goal, and the drive failed as late.
 TEST_F(Drive, ArrivesAlsoWhereItsLocalisationIsCorrectedToTheSide) {
   for (const double at_m : {1.0, 2.5, 2.9, 2.99}) {
