@@ -82,12 +82,16 @@ export class ApiError extends Error {
   }
 }
 
+// Of all requests but an emergency stop. A browser has six connections: without an answer to six requests
+// the stop would wait unsent, so it ends them.
+let others = new AbortController();
+
 async function request(path, options) {
   let response;
   try {
     response = await fetch(path, {credentials: 'same-origin', cache: 'no-store', ...options});
   } catch (error) {
-    throw new ApiError(0, 0, error.name === 'TimeoutError' ? '' : error.message);
+    throw new ApiError(0, 0, /^(Timeout|Abort)Error$/.test(error.name) ? '' : error.message);
   }
   const text = await response.text();
   let value = null;
@@ -105,12 +109,17 @@ async function request(path, options) {
 
 export function get(path, query = {}) {
   const parameters = new URLSearchParams(query).toString();
-  return request(parameters ? `${path}?${parameters}` : path, {});
+  return request(parameters ? `${path}?${parameters}` : path, {signal: others.signal});
 }
 
-// `within_ms`: without an answer by then it fails; whether the robot has done it is not known.
+// `within_ms`: of an emergency stop; without an answer by then it fails, and whether the robot has done it is
+// not known.
 export function post(path, body, {within_ms} = {}) {
-  const signal = within_ms ? AbortSignal.timeout(within_ms) : undefined;
+  if (within_ms) {
+    others.abort();
+    others = new AbortController();
+  }
+  const signal = within_ms ? AbortSignal.timeout(within_ms) : others.signal;
   return request(path, {signal, method: 'POST', headers: {'Content-Type': 'application/json'},
     body: JSON.stringify(body)});
 }

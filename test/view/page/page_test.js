@@ -149,6 +149,20 @@ test('the emergency stop can be pressed from each dialog, which blocks the rest 
   assert.deepEqual(server.requests.map(r => r.path), ['/api/estop', '/api/estop']);
 }));
 
+// A browser has six connections: the stop waited unsent for one of them, and its time was over.
+test('the emergency stop is sent while six requests get no answer',
+  () => inPage({hash: 'actuators'}, async (page, {server}) => {
+  server.delay = path => path === '/api/restart' ? new Promise(() => {}) : Promise.resolve();
+  for (const name of ['world', 'motion_manager', 'audio', 'device_manager', 'sensor_manager', 'camera']) {
+    await page.click(`#actuator-${name}`);
+    await page.click('.details button:has-text("Restart")');
+    await page.click('dialog .danger');
+  }
+  await page.click('.stop');
+  await page.waitForSelector('.release');
+  assert.deepEqual(server.requests.map(r => r.path), ['/api/estop']);
+}));
+
 test('the emergency stop can be pressed from the login',
   () => inPage({mayAct: false}, async (page, {server}) => {
   await page.click('.banner >> text=Log in');
