@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <utility>
 
@@ -34,9 +35,9 @@ Result<> StateRunner::Run(const State& state, const StopRequested& stop_requeste
 
 Result<> StateRunner::RunEmergencyStop() {
   const EmergencyStopAction& action = *config_.emergency_stop;
-  const Result<> ran = RunStopCommand(action);
+  Result<> ran = RunStopCommand(action);
   if (action.end_program) {
-    if (const Result<> ended = EndProgram(); !ended) return ended;
+    if (Result<> ended = EndProgram(); !ended) return ended;
   }
   return ran;
 }
