@@ -157,9 +157,8 @@ std::string WhyNothingStops(const ExecConfig& config) {
   });
   const bool program = HasProgram(config);
   if (!program && !switches_on) return "";
-  const std::string who =
-      config.file.empty() ? "started without a file, it has" : config.file + " has";
-  return who + " no [emergency_stop]: nothing stops " +
+  const std::string who = config.file.empty() ? "started without a file, it" : config.file;
+  return who + " has no [emergency_stop]: nothing stops " +
          (program ? "its program" : "what its commands switch on");
 }
 
