@@ -125,6 +125,10 @@ class Robot {
   virtual std::string HeldBy() const { return ""; }
   // A flyer has landed: it is not held at its place any more, until it moves again.
   virtual void NoteLanding() {}
+  // Why a flyer is not held at its place any more: "cf2x_0 is not held at its place any more: it
+  // came 0.21 m lower …", as in a hand. Empty: it is held, is moved by a skill or a drive, or has
+  // landed.
+  virtual std::string WhyNotHeld() const { return {}; }
 
   // Whether the planner and the controller can be reached now.
   virtual bool HasPlanner() const = 0;

@@ -110,6 +110,11 @@ void RosRobot::NoteLanding() {
   if (const auto wire = wire_.lock()) wire->hold.Land();
 }
 
+std::string RosRobot::WhyNotHeld() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->WhyNotHeld() : "";
+}
+
 void RosRobot::StopMotion() {
   if (const auto wire = wire_.lock()) wire->StopMotion();
 }

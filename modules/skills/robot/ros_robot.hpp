@@ -65,6 +65,7 @@ class RosRobot final : public Robot {
   void StopMotion() override;
   std::string HeldBy() const override;
   void NoteLanding() override;
+  std::string WhyNotHeld() const override;
   bool HasPlanner() const override;
   bool HasController() const override;
   bool Drives() const override;

@@ -304,10 +304,15 @@ void RosRobot::Wire::LogEndOfHold() {
   if (hold.ended().empty() || hold.ended() == end_logged_) return;
   end_logged_ = hold.ended();
   Log(LogLevel::kWarning,
-      config.robot + " is not held at its place any more: " + hold.ended() +
-          (hold.of_other() ? "; it is held again if that leaves it in the air"
-                           : "; it is held again after a skill, a drive or another program has "
-                             "moved it"));
+      WhyNotHeld() + (hold.of_other()
+                          ? "; it is held again if that leaves it in the air"
+                          : "; it is held again after a skill, a drive or another program has "
+                            "moved it"));
+}
+
+std::string RosRobot::Wire::WhyNotHeld() const {
+  if (hold.ended().empty()) return "";
+  return config.robot + " is not held at its place any more: " + hold.ended();
 }
 
 void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {

@@ -83,6 +83,8 @@ struct RosRobot::Wire {
   const std::string& LowBattery() const { return low_battery_; }
   // Nullopt: no recent odometry.
   std::optional<navigation::Pose> PoseNow() const;
+  // "cf2x_0 is not held at its place any more: ..."; empty: it is held, or has landed.
+  std::string WhyNotHeld() const;
 
   struct Motion {
     navigation::Pose pose;

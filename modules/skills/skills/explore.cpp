@@ -162,6 +162,7 @@ Next Explore::Step(Tick& tick) {
 
 Next Explore::Go(Tick& tick) {
   if (tick.state == stopping_) return Stop(tick);
+  if (const Result<> may = CheckAfterPause(); !may) return Next::Fail(may.error().message);
   DoNotGiveWay();
   if (!made_) {
     if (const auto next = MakePath(tick)) return *next;
@@ -225,7 +226,7 @@ Result<> Explore::BeginPath(const Tick& tick) {
   begin_.resize(3);
   cuts_ = tick.data.Get<skill::Numbers>(kCuts, {});
   if (robot_.pose()) {
-    const Result<> flies = CheckInTheAir(robot_, robot_.flies() ? begin_[2] : 0);
+    const Result<> flies = CheckInTheAir(robot_, pose.at.z_m);
     if (!flies) return flies.error();
   }
   left_ = regions.value();

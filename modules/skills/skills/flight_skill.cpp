@@ -12,7 +12,8 @@ namespace {
 constexpr double kOdometryLimitS = 2;
 constexpr std::string_view kBlindSince = "odometry_missing_since_s";
 constexpr std::string_view kPlace = "place";
-constexpr double kFlightJumpM = 1;  // a correction of a localisation is less
+constexpr std::string_view kFlew = "flew";  // it was in the air
+constexpr double kFlightJumpM = 1;          // a correction of a localisation is less
 constexpr double kFlightYawRadS = 2;
 
 }  // namespace
@@ -36,9 +37,22 @@ skill::Next FlightSkill::Step(skill::Tick& tick) {
   if (!now || !navigation::IsFinite(*now)) return WaitForOdometry(tick);
   const bool was_blind = tick.data.Find(kBlindSince) != nullptr;
   tick.data.Remove(kBlindSince);
+  if (const auto taken = WhyTaken(*now, tick)) return skill::Next::Fail(*taken);
   if (const auto lost = WhyLost(*now, was_blind, tick)) return skill::Next::Fail(*lost);
   last_ = now;
   return Fly(*now, tick);
+}
+
+std::optional<std::string> FlightSkill::WhyTaken(const navigation::Pose& now,
+                                                 skill::Tick& tick) const {
+  const bool flies = now.at.z_m >= kStandsBelowM;
+  const bool flew = tick.data.Get(kFlew, false);
+  if (flies && !flew) tick.data.Set(kFlew, true);
+  const bool goes_on = flew && !last_;
+  if (!goes_on || !KeepsItsPlace()) return std::nullopt;
+  if (!flies) return "it was in the air before, and stands on the ground now; take off first";
+  std::string why = robot_.WhyNotHeld();
+  return why.empty() ? std::nullopt : std::optional(std::move(why));
 }
 
 std::optional<std::string> FlightSkill::WhyLost(const navigation::Pose& now, bool was_blind,

@@ -9,6 +9,9 @@
 // where that place is now is not known, and it flies to none blindly. A skill that needs no place
 // takes a new one.
 //
+// One that was in the air, and stands on the ground or is in a hand after a pause or a restart of
+// the process, ends too, unless it lands: people do not expect it to fly off.
+//
 // Heights are absolute: metres above the zero of the map, never above the start.
 
 #include <optional>
@@ -26,7 +29,8 @@ std::string HeightText(double height_m);
 
 class FlightSkill : public skill::Skill {
  public:
-  static constexpr double kOffPlaceM = 1.5;  // horizontally, or in height
+  static constexpr double kOffPlaceM = 1.5;     // horizontally, or in height
+  static constexpr double kStandsBelowM = 0.1;  // above the zero of the map
 
   explicit FlightSkill(Robot& robot);
 
@@ -68,6 +72,8 @@ class FlightSkill : public skill::Skill {
   // `was_blind`: the last step had no odometry.
   std::optional<std::string> WhyLost(const navigation::Pose& now, bool was_blind,
                                      skill::Tick& tick);
+  // That it was put down or taken in a pause, or before this process; nullopt: it was not.
+  std::optional<std::string> WhyTaken(const navigation::Pose& now, skill::Tick& tick) const;
 
   Robot& robot_;
   PositionHold hold_;

@@ -108,6 +108,7 @@ Result<> GoalSkill::TakeRecoveries(const skill::Values& parameters) {
 
 Next GoalSkill::Step(Tick& tick) {
   if (tick.state == stopping_) return Stop(tick);
+  if (const Result<> may = CheckAfterPause(); !may) return Next::Fail(may.error().message);
   movers_.Note(robot_, tick.step);
   if (!taken_) {
     const Result<> taken = Take(tick);
@@ -140,6 +141,11 @@ Next GoalSkill::Plan(Tick& tick) {
   const TravelStep step = travel_.Plan(Goal(tick), started_ ? std::nullopt : Start(), tick.step);
   if (step.trouble) return AfterTrouble(tick, *step.trouble, Prefix(tick) + step.why);
   if (step.kind != Kind::kDone) return Decide(tick, step);
+  const auto pose = robot_.pose();
+  if (!started_ && pose) {  // its first drive, also in another process
+    const Result<> flies = CheckInTheAir(robot_, pose->at.z_m);
+    if (!flies) return Next::Fail(flies.error().message);
+  }
   started_ = true;
   travel_.Begin(travel_.planned());
   return Next::To(executing_);

@@ -8,7 +8,6 @@ namespace musher::skills {
 namespace {
 
 constexpr double kWithinM = 0.1;
-constexpr double kStandsBelowM = 0.1;
 constexpr double kSpareS = 30;
 constexpr double kBrakedMps = 0.15;
 constexpr double kLongestBrakingS = 1;  // a wind does not brake
@@ -88,8 +87,9 @@ skill::Next Hover::Hold(const navigation::Pose& now, skill::Tick& tick) {
 
 Result<> Hover::MayResume() {
   const auto now = robot().pose();
-  if (!now || now->at.z_m >= kStandsBelowM) return Ok();
-  return Error{kCodeStateInvalid, kOnTheGround};
+  if (now && now->at.z_m < kStandsBelowM) return Error{kCodeStateInvalid, kOnTheGround};
+  const std::string why = robot().WhyNotHeld();
+  return why.empty() ? Ok() : Result<>(Error{kCodeStateInvalid, why});
 }
 
 skill::Next Hover::Fly(const navigation::Pose& now, skill::Tick& tick) {

@@ -21,7 +21,7 @@ class Hover : public FlightSkill {
 
   void Declare(skill::Table& table) override;
   skill::Next OnLimit(skill::Tick& tick) override;
-  // The flyer has to be in the air.
+  // The flyer has to be in the air, and not in a hand.
   Result<> MayResume() override;
 
  private:

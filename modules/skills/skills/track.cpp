@@ -63,6 +63,7 @@ Next Track::Step(Tick& tick) {
     return Stop(tick, fmt::format("Tracked for {:.1f} s", tick.parameters.Number("duration")));
   }
   if (const auto why = WhyRefused(tick.parameters)) return Next::Fail(*why);
+  if (const Result<> may = CheckAfterPause(); !may) return Next::Fail(may.error().message);
   DoNotGiveWay();
   return tick.state == initializing_ ? Initialize(tick) : Execute(tick);
 }

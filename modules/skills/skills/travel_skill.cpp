@@ -105,13 +105,23 @@ void TravelSkill::OnEnd(const skill::Ended& ended) {
 }
 
 void TravelSkill::OnPause() {
+  was_paused_ = true;
   travel_.GiveUp();
   robot_.StopMotion();
 }
 
 Result<> TravelSkill::MayResume() {
   const auto pose = robot_.pose();
-  return pose ? CheckInTheAir(robot_, pose->at.z_m) : Ok();
+  if (!pose) return Ok();
+  if (Result<> flies = CheckInTheAir(robot_, pose->at.z_m); !flies) return flies;
+  const std::string why = robot_.WhyNotHeld();
+  return why.empty() ? Ok() : Result<>(Error{kCodeStateInvalid, why});
+}
+
+Result<> TravelSkill::CheckAfterPause() {
+  if (!was_paused_ || !robot_.pose()) return Ok();
+  was_paused_ = false;
+  return MayResume();
 }
 
 }  // namespace musher::skills

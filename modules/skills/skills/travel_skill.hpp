@@ -1,7 +1,8 @@
 #pragma once
 // What the skills have in common that move the robot from place to place: a state STOPPING, at the
 // end of the task and of a cancellation, until the robot stands; in a pause and at every end its
-// drive is cancelled and the robot stands.
+// drive is cancelled and the robot stands. A flyer that was put down or taken in a pause does not
+// go on after it.
 //
 // What it needs and lacks, a map, a planner, a controller, odometry or a scan, is waited for at a
 // stand in INITIALIZING, with an attempt every 2 s, up to the parameter `lost_limit`; then it fails
@@ -25,10 +26,12 @@ class TravelSkill : public skill::Skill {
   skill::Next Cancel(skill::Tick& tick) final;
   void OnEnd(const skill::Ended& ended) final;
   void OnPause() override;
-  // A flyer has to be in the air.
+  // A flyer has to be in the air, and not in a hand.
   Result<> MayResume() override;
 
  protected:
+  // In each step before it moves: fails where it may not go on after a pause, see MayResume().
+  Result<> CheckAfterPause();
   // The task is done: to STOPPING, which then succeeds.
   skill::Next Complete(skill::Tick& tick);
   // A step of STOPPING. `success`: the message, if the task was done.
@@ -56,6 +59,9 @@ class TravelSkill : public skill::Skill {
   Travel travel_;
   skill::StateId initializing_ = skill::kIdle;  // for Declare() to set
   skill::StateId stopping_ = skill::kIdle;      // for Declare() to set
+
+ private:
+  bool was_paused_ = false;  // and no step with a pose since then
 };
 
 }  // namespace musher::skills

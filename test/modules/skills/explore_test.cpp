@@ -571,6 +571,30 @@ TEST_F(Explore, KeepsTheHeightOfAFlyer) {
   EXPECT_EQ(feedback().message, "Invalid altitude: robot_0 is at 0.00 m; it has to take off first");
 }
 
+TEST_F(Explore, DoesNotGoOnWithAFlyerThatWasPutDown) {
+  robot.robot_kind = "cf2x";
+  for (const bool restarts : {false, true}) {
+    robot.at = {{1, 1, 1.5}, 0};
+    Go();
+    ASSERT_TRUE(RunToState("EXECUTING"));
+    Pause();
+    RunFor(3);
+    const auto saved = manager->Save();
+    ASSERT_TRUE(saved) << saved.error().message;
+    robot.at.at.z_m = 0;
+    if (restarts) {
+      manager = std::make_unique<skill::Manager>(registry.All());
+      ASSERT_THAT(manager->Restore(saved.value()), ::testing::IsEmpty());
+    }
+    const int drives = robot.drives;
+    Resume();
+    EXPECT_TRUE(RunToItsEnd(30));
+    EXPECT_EQ(feedback().message,
+              "Invalid altitude: robot_0 is at 0.00 m; it has to take off first");
+    EXPECT_EQ(robot.drives, drives);
+  }
+}
+
 TEST_F(Explore, RefusesWhatIsNoArea) {
   const std::string room = "[[0, 0], [16, 0], [16, 8], [0, 8]]";
   EXPECT_EQ(WhyRefused("[[0, 0], [1, 1]]"), "the boundary has 2 corners; expected at least 3");

@@ -37,6 +37,7 @@ class FakeRobot : public Robot {
   bool has_hand = true;
   double reach_m = 100;  // of the hand
   std::string held_by;   // what its gate stops it for; empty: nothing
+  std::string not_held;  // why a flyer is not held at its place; empty: it is
   bool slips = false;    // the hand takes the object and loses it
   std::vector<SeenObject> seen;
   std::vector<navigation::Point> scan;
@@ -72,6 +73,7 @@ class FakeRobot : public Robot {
     command = held_by.empty() ? velocity : navigation::Velocity{};
   }
   std::string HeldBy() const override { return held_by; }
+  std::string WhyNotHeld() const override { return not_held; }
   void StopMotion() override { command = {}; }
   bool HasPlanner() const override { return false; }
   bool HasController() const override { return false; }

@@ -522,4 +522,42 @@ TEST_F(Flight, APauseInEachStateHoversAndThenGoesOn) {
   }
 }
 
+// The pause of a state, after which no person has asked it to go on.
+TEST_F(Flight, DoesNotGoOnAfterAPauseInWhichItWasPutDownOrTaken) {
+  for (const std::string flight : {"take_off", "hover"}) {
+    for (const bool put_down : {false, true}) {
+      InTheAir(3);
+      bench_.robot.not_held.clear();
+      bench_.Start(flight, {{"altitude", 5.0}});
+      bench_.StepFor(1);
+      ASSERT_TRUE(bench_.run().running());
+      bench_.manager().Pause();
+      bench_.robot.motion = {};
+      if (put_down) {
+        InTheAir(0);
+      } else {
+        bench_.robot.not_held = "it came 0.50 m lower than its place against its commands";
+      }
+      const double height_m = bench_.robot.body.at.z_m;
+      EXPECT_EQ(bench_.RunOut().status, Status::kFailed) << flight << put_down;
+      EXPECT_THAT(bench_.feedback().message,
+                  HasSubstr(put_down ? "stands on the ground now" : "it came 0.50 m lower"));
+      ExpectZeroCommand();
+      EXPECT_LE(bench_.robot.body.at.z_m, height_m + 0.05);
+    }
+  }
+}
+
+TEST_F(Flight, DoesNotGoOnInAnotherProcessFromTheGround) {
+  InTheAir(3);
+  bench_.Start("hover", {{"altitude", 3.0}, {"duration", 60.0}});
+  bench_.StepFor(3);
+  bench_.Restore();
+  bench_.robot.command = {};
+  bench_.robot.motion = {};
+  InTheAir(0);
+  EXPECT_EQ(bench_.RunOut().status, Status::kFailed);
+  EXPECT_EQ(bench_.robot.body.at.z_m, 0);
+}
+
 }  // namespace musher::skills::flight_test

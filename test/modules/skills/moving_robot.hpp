@@ -58,7 +58,8 @@ class MovingRobot : public Robot {
   std::function<Result<navigation::Path>()> refuge;
   // Planner and controller, about a request to forget what they have seen; nullopt: no reply.
   std::optional<Result<bool>> clear_reply = Result<bool>(true);
-  std::string held_by;  // what its gate stops it for; empty: nothing
+  std::string held_by;   // what its gate stops it for; empty: nothing
+  std::string not_held;  // why a flyer is not held at its place; empty: it is
 
   // --- what a test reads ---
   int plans = 0;
@@ -141,6 +142,7 @@ class MovingRobot : public Robot {
   bool HasController() const override { return controller_up; }
   bool Drives() const override { return driving(); }
   void CancelEarlierDrives() override {
+  std::string WhyNotHeld() const override { return not_held; }
     earlier_ = drive_;
     CancelEarlier();
   }

@@ -305,6 +305,49 @@ TEST_F(NavigateTo, DoesNotCountAPauseAsALoss) {
   EXPECT_EQ(feedback().status, Status::kProcessing) << feedback().message;
 }
 
+TEST_F(NavigateTo, DoesNotGoOnAfterAPauseInWhichAFlyerWasPutDownOrTaken) {
+  robot.robot_kind = "cf2x";
+  for (const std::string state : {"PLANNING", "EXECUTING"}) {
+    for (const bool put_down : {false, true}) {
+      robot.at = {{0, 0, 1}, 0};
+      robot.not_held.clear();
+      ASSERT_TRUE(Start("nav_3d", {{"goal_pos", "[9, 0, 1]"}}));
+      ASSERT_TRUE(RunToState(state));
+      Pause();
+      RunFor(3);
+      if (put_down) {
+        robot.at.at.z_m = 0;
+      } else {
+        robot.not_held = "robot_0 is not held at its place any more: it came 0.50 m lower";
+      }
+      const int drives = robot.drives;
+      Resume();
+      EXPECT_TRUE(RunToItsEnd(30)) << state << put_down;
+      EXPECT_EQ(feedback().status, Status::kFailed);
+      EXPECT_THAT(message(), HasSubstr(put_down ? "it has to take off first" : "0.50 m lower"));
+      EXPECT_EQ(robot.drives, drives);
+    }
+  }
+}
+
+TEST_F(NavigateTo, DoesNotGoOnInAnotherProcessFromTheGround) {
+  robot.robot_kind = "cf2x";
+  robot.at = {{0, 0, 1}, 0};
+  ASSERT_TRUE(Start("nav_3d", {{"goal_pos", "[9, 0, 1]"}}));
+  ASSERT_TRUE(RunToState("EXECUTING"));
+  const auto saved = manager->Save();
+  ASSERT_TRUE(saved) << saved.error().message;
+  robot.CancelDrive();
+  robot.at.at.z_m = 0;
+  const int drives = robot.drives;
+  manager = std::make_unique<skill::Manager>(registry.All());
+  ASSERT_THAT(manager->Restore(saved.value()), ::testing::IsEmpty());
+  EXPECT_TRUE(RunToItsEnd(30));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_THAT(message(), HasSubstr("it has to take off first"));
+  EXPECT_EQ(robot.drives, drives);
+}
+
 TEST_F(NavigateTo, FailsWithTheReasonOfThePlanner) {
   robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
     return MakeError(navigation::Fault::kGoalBlocked, "the goal is in a wall");

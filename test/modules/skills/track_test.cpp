@@ -226,6 +226,21 @@ TEST_F(Track, KeepsTheHeightOfAFlyer) {
   EXPECT_NEAR(robot.at.at.x_m, 4.5, 0.35);
 }
 
+TEST_F(Track, DoesNotGoOnWithAFlyerThatWasPutDownInAPause) {
+  robot.robot_kind = "cf2x";
+  robot.at.at.z_m = 2;
+  Go();
+  RunFor(3);
+  Pause();
+  RunFor(3);
+  robot.at.at.z_m = 0;
+  const int drives = robot.drives;
+  Resume();
+  EXPECT_TRUE(RunToItsEnd(10));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_EQ(robot.drives, drives);
+}
+
 TEST_F(Track, RefusesParametersThatAreNone) {
   EXPECT_EQ(WhyRefused("track_period", "0"), "track_period is 0; expected 1 or more");
   EXPECT_EQ(WhyRefused("target_topic", "\"\""), "target_topic is empty; expected a topic");
