@@ -49,6 +49,7 @@ Result<> PlanServer::Admit(const msg::SkillPlan& plan) {
   for (const msg::TimestepSkills& step : plan.steps) {
     for (const msg::RobotSkill& robot : step.robots) robots.insert(robot.robot_id);
   }
+  for (const auto& [id, robot] : cancelling_) robots.insert(robot);
   std::erase_if(clients_, [&](const auto& client) { return !robots.contains(client.first); });
   for (const std::string& robot : robots) {
     std::unique_ptr<Client>& client = clients_[robot];
@@ -129,7 +130,11 @@ transport::GoalEvents<msg::SkillExecution> PlanServer::EventsOf(std::size_t robo
     if (!present) return;
     const bool success = outcome.end == transport::GoalEnd::kSucceeded && outcome.result.success;
     const std::string& message = outcome.reason.empty() ? outcome.result.message : outcome.reason;
-    present->sent.erase(robot);
+    const auto sent = present->sent.extract(robot);
+    // A robot that was out of reach, or hung, may go on with its skill.
+    if (outcome.end == transport::GoalEnd::kLost && sent) {
+      CancelUntilReply(present->run.present().robots[robot].robot_id, sent.mapped());
+    }
     present->run.OnEnd(robot, success, message);
     Advance();
   };
@@ -139,17 +144,16 @@ transport::GoalEvents<msg::SkillExecution> PlanServer::EventsOf(std::size_t robo
 void PlanServer::CancelGoal(std::size_t robot) {
   execution_->cancelled.insert(robot);
   const auto sent = execution_->sent.find(robot);
-  const msg::RobotSkill& asked = execution_->run.present().robots[robot];
-  const auto client = clients_.find(asked.robot_id);
-  if (sent == execution_->sent.end() || client == clients_.end()) return;
-  const std::weak_ptr<Execution> weak = execution_;
-  client->second->Cancel(sent->second, kCancelTime,
-                         [this, weak, robot, id = sent->second](const auto& reply) {
-                           const auto present = weak.lock();
-                           if (reply || !present) return;
-                           const auto open = present->sent.find(robot);
-                           if (open != present->sent.end() && open->second == id) CancelGoal(robot);
-                         });
+  if (sent == execution_->sent.end()) return;
+  CancelUntilReply(execution_->run.present().robots[robot].robot_id, sent->second);
+}
+
+void PlanServer::CancelUntilReply(const std::string& robot, const transport::GoalId& id) {
+  cancelling_[id] = robot;
+  clients_.at(robot)->Cancel(id, kCancelTime, [this, robot, id](const auto& reply) {
+    if (!reply) return CancelUntilReply(robot, id);
+    cancelling_.erase(id);
+  });
 }
 
 void PlanServer::End(const PlanEnd& end) {

@@ -57,8 +57,9 @@ class PlanServer {
   Result<> Admit(const msg::SkillPlan& plan);
   void Advance();
   void Send(std::size_t robot);
-  // Repeats it until its server replies or the goal has ended.
   void CancelGoal(std::size_t robot);
+  // Also after the end of its plan: a robot that was out of reach may go on with it.
+  void CancelUntilReply(const std::string& robot, const transport::GoalId& id);
   void End(const PlanEnd& end);
   // The events of a goal that was sent, as long as its step is executed.
   transport::GoalEvents<msg::SkillExecution> EventsOf(std::size_t robot);
@@ -70,6 +71,7 @@ class PlanServer {
   bool permitted_ = false;
   std::string not_permitted_ = "it is not in Active";
   std::map<std::string, std::unique_ptr<Client>> clients_;  // by robot
+  std::map<transport::GoalId, std::string> cancelling_;     // without a reply; its robot
   std::shared_ptr<Execution> execution_;                    // null: no plan is executed
   transport::LoopHandlePtr ticks_;                          // during an execution
 };

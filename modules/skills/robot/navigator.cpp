@@ -61,12 +61,13 @@ struct Navigator::EarlierDrives {
 };
 
 struct Navigator::DriveGoal {
-  Navigator* navigator = nullptr;  // null: it has ended, or the navigator is destroyed
+  Navigator* navigator = nullptr;  // null: nothing is left to do, or the navigator is destroyed
   transport::GoalId id{};
   skill::Source<bool> source;
   skill::Future<bool> end = source.future();
   std::optional<double> distance_m;
   bool accepted = false;
+  bool ended = false;
   bool cancelled = false;
   bool waits_for_reply = false;  // of the cancellation
 };
@@ -135,8 +136,12 @@ std::unique_ptr<Drive> Navigator::FollowPath(const navigation::Path& path) {
     goal->distance_m = feedback.distance_to_goal;
   };
   events.on_end = [goal](const auto& outcome) {
-    goal->navigator = nullptr;
+    goal->ended = true;
     goal->source.Set(ArrivalOf(outcome, goal->cancelled));
+    // A controller that was out of reach, or hung, may drive on.
+    const bool may_drive = outcome.end == GoalEnd::kLost && goal->accepted;
+    if (may_drive && goal->navigator != nullptr) return goal->navigator->CancelGoal(goal);
+    goal->navigator = nullptr;
   };
   goal->id = controller_->SendGoal(message, kAnswerTime, std::move(events));
   goal->navigator = this;
@@ -158,7 +163,8 @@ void Navigator::CancelGoal(const std::shared_ptr<DriveGoal>& goal) {
   goal->waits_for_reply = true;
   controller_->Cancel(goal->id, kCancelTime, [goal](const auto& reply) {
     goal->waits_for_reply = false;
-    if (!reply && goal->navigator != nullptr) goal->navigator->CancelGoal(goal);
+    if (!reply && goal->navigator != nullptr) return goal->navigator->CancelGoal(goal);
+    if (goal->ended) goal->navigator = nullptr;
   });
 }
 
@@ -183,7 +189,7 @@ void Navigator::Update() {
 
 bool Navigator::Drives() const {
   return std::any_of(drives_.begin(), drives_.end(),
-                     [](const auto& goal) { return goal->navigator != nullptr; });
+                     [](const auto& goal) { return goal->navigator != nullptr && !goal->ended; });
 }
 
 void Navigator::CancelEarlierDrives() {

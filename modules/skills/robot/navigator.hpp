@@ -3,7 +3,8 @@
 // their actions.
 //
 //   request  sent ──→ path or reason.        Its goal is cancelled when its future is dropped.
-//   drive    sent ──→ arrived, cancelled or failed.   Cancel() is repeated until it has ended.
+//   drive    sent ──→ arrived, cancelled or failed.   Cancel() is repeated until it has ended. One
+//                     whose controller was lost has failed, and is cancelled once that replies.
 //
 // Threads: the loop's.
 
@@ -68,7 +69,7 @@ class Navigator {
   const PlaceOfFrame in_map_;
   const std::shared_ptr<EarlierDrives> earlier_;
   std::vector<std::shared_ptr<Request>> requests_;  // not ended
-  std::vector<std::shared_ptr<DriveGoal>> drives_;  // not ended
+  std::vector<std::shared_ptr<DriveGoal>> drives_;  // not ended, or lost and not cancelled yet
 };
 
 }  // namespace musher::skills

@@ -174,6 +174,19 @@ TEST_F(APlanServer, RepeatsACancellationUntilItIsAnswered) {
   EXPECT_EQ(cancels, 3);
 }
 
+TEST_F(APlanServer, CancelsTheSkillOfARobotThatItHasLostOnceThatIsBack) {
+  const auto sent = Send(PlanOf({{"a", "b"}}));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  network_.Pause(*b_node_);
+  Run(60'000);
+  EXPECT_THAT(EndOf(*sent), HasSubstr("b wait: "));
+  const auto later = Send(PlanOf({{"a"}}));
+  network_.Resume(*b_node_);
+  Run(5000);
+  EXPECT_EQ(b_.cancels, 1);
+  EXPECT_EQ(EndOf(*later), "not ended");
+}
+
 TEST_F(APlanServer, FailsWhenARobotCrashes) {
   const auto sent = Send(PlanOf({{"a", "b"}}));
   network_.Crash(*b_node_);

@@ -908,6 +908,22 @@ TEST_F(ARosRobot, FailsADriveWhoseControllerHasCrashed) {
   EXPECT_FALSE(robot_.HasController());
 }
 
+TEST_F(ARosRobot, CancelsADriveThatItHasLostOnceItsControllerGoesOn) {
+  const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  Run(100);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  network_.Pause(*world_);
+  ASSERT_FALSE(ResultOf(drive->end()));
+  network_.Resume(*world_);
+  Run(3000);
+  EXPECT_EQ(peers_->cancels, 1);
+  const auto later = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  Run(2000);
+  ASSERT_THAT(peers_->drives, SizeIs(2));
+  EXPECT_EQ(peers_->drives[1].state(), transport::GoalState::kExecuting);
+  EXPECT_EQ(peers_->cancels, 1);
+}
+
 TEST_F(ARosRobot, CancelsTheDriveThatACrashedProcessHasLeft) {
   const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
   Run(100);
