@@ -32,8 +32,9 @@ Result<> ApplicationImpl::Run(const State& state) {
 
 void ApplicationImpl::OnEmergencyStop() {
   if (!open_) return;
-  StopAtOnce();
-  if (!pause_fault_.empty()) actuator_.ReportStopTrouble(pause_fault_);
+  const std::string moves = StopAtOnce();
+  const std::string& trouble = pause_fault_.empty() ? moves : pause_fault_;
+  if (!trouble.empty()) actuator_.ReportStopTrouble(trouble);
 }
 
 Result<> ApplicationImpl::Open(const std::function<void(transport::Endpoints&)>& open) {

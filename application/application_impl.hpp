@@ -40,7 +40,9 @@ class ApplicationImpl {
   // On the loop, when the callback of Active or of another state runs.
   virtual Result<> Activate() = 0;
   virtual void Leave(const State& state) = 0;
-  virtual void StopAtOnce() = 0;  // an emergency stop, once SetUp is done
+  // An emergency stop, once SetUp is done. Returns why something may still move; empty: nothing
+  // does.
+  virtual std::string StopAtOnce() = 0;
   virtual void Tick() = 0;
 
   // The end of SetUp: runs `open` on the loop, with the ticks' clock.

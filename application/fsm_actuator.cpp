@@ -121,7 +121,10 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
     }
     Publish();
   }
-  void StopAtOnce() override { Pause(); }
+  std::string StopAtOnce() override {
+    Pause();
+    return "";
+  }
 
   void Pause() {
     PauseMachine();

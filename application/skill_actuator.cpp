@@ -237,7 +237,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
       Pause(state);
     }
   }
-  void StopAtOnce() override { CancelAtOnce("emergency stop"); }
+  std::string StopAtOnce() override {
+    CancelAtOnce("emergency stop");
+    return "";
+  }
 
   void Pause(const State& state) {
     if (options_.cancels_when_paused) return CancelAtOnce("the robot goes to " + state);

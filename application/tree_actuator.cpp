@@ -128,7 +128,10 @@ class TreeActuator::Impl final : public ApplicationImpl {
     return begun;
   }
   void Leave(const State& /*state*/) override { Pause(); }
-  void StopAtOnce() override { Pause(); }
+  std::string StopAtOnce() override {
+    Pause();
+    return halt_fault_;
+  }
 
   Result<> Send(const std::string& command) {
     if (command != kStartCommand) {
@@ -265,7 +268,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
     return Ok();
   }
 
-  // What the node has not stopped may still move: nothing begins on top of it.
+  // What the node has not stopped may still move: nothing begins on top of it, until a command.
   Error RestFailed(const std::string& fault) {
     result_ = tree::Status::kFailure;
     resting_ = true;
@@ -286,6 +289,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   void HaltTree() {
     const Halted halted = HaltNodes();
     if (halted.rests) FinishHalt(*halted.rests || !halted.fault.empty());
+    if (!halted.fault.empty()) static_cast<void>(RestFailed(halted.fault));
   }
 
   struct Halted {
@@ -299,7 +303,10 @@ class TreeActuator::Impl final : public ApplicationImpl {
     in_tree_ = true;
     const Result<> halted = loaded_.tree->Halt(time_.last());
     in_tree_ = false;
-    if (!halted) Fault(halted.error().message);
+    if (!halted) {
+      halt_fault_ = halted.error().message;
+      Fault(halt_fault_);
+    }
     if (result_ == tree::Status::kRunning) result_ = tree::Status::kIdle;
     return {halted ? "" : halted.error().message, std::exchange(rests_later_, std::nullopt)};
   }
@@ -328,6 +335,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   }
 
   tree::Status TickTree(Time now) {
+    halt_fault_.clear();
     in_tree_ = true;
     const Result<tree::Status> ticked = loaded_.tree->TickOnce(now);
     in_tree_ = false;
@@ -376,11 +384,13 @@ class TreeActuator::Impl final : public ApplicationImpl {
   void ForgetFault() {
     if (!last_fault_.empty()) owner_.ReportFault({kCodeOk, kTreeFault + last_fault_});
     last_fault_.clear();
+    halt_fault_.clear();
   }
 
   void JumpBack(Time now) {
-    owner_.Log(LogLevel::kWarning, "the clock has jumped back: the tree begins at its root");
     HaltTree();
+    owner_.Log(LogLevel::kWarning, std::string("the clock has jumped back: the tree ") +
+                                       (resting_ ? "rests" : "begins at its root"));
     if (has_tree()) loaded_.tree->SetTime(now);
   }
 
@@ -428,6 +438,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   tree::Status result_ = tree::Status::kIdle;
   std::string last_fault_;
   std::string logged_fault_;
+  std::string halt_fault_;  // of a node in a halt, since the last tick: it may still move something
   std::optional<bool> rests_later_;  // after the present tick or halt: a Halt(), or a Restart()
   bool resting_ = false;
   bool halted_ = false;     // by Halt(), since then neither loaded nor commanded to begin

@@ -43,7 +43,9 @@
 //
 // A tick that throws: the nodes that run are halted, last_fault() is the reason with the place and
 // the path of the node, and that is an end with FAILURE. `musher status` shows the actuator as
-// degraded with it until Restart(), Load() or the next self-check. The process goes on, because the
+// degraded with it until Restart(), Load() or the next self-check. Where a node throws in its halt,
+// by a pause, a stop or a clock that jumps back, the tree rests then, and the emergency stop is not
+// confirmed: what the node has not stopped may still move. The process goes on, because the
 // next plan, another tree or a Restart() may be possible. So does an exception of BeforeTick() (the
 // tree is not ticked then) or AfterTick(). A node that blocks blocks the loop: with checkpoint_ms
 // in the config the actuator is then reported as hung.

@@ -16,6 +16,8 @@
 
 #include "musher/application/fsm_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -24,6 +26,7 @@
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing {
 
@@ -160,7 +163,10 @@ class Harness {
     });
   }
   ~Harness() {
-    node_->RunOnLoop([this] { world_.reset(); });
+    node_->RunOnLoop([this] {
+      world_.reset();
+      button_.reset();
+    });
   }
   Harness(const Harness&) = delete;
   Harness& operator=(const Harness&) = delete;
@@ -192,6 +198,36 @@ class Harness {
       return false;
     }));
   }
+  void PressEmergencyStop() {
+    node_->RunOnLoop([this] {
+      button_ = transport::MakePublisher<msg::EmergencyStop>(
+                    node_->node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                    .value();
+      static_cast<void>(button_->Publish({7, true, "a test", ""}));
+    });
+  }
+  // Whether a status with the stop says so: "" where it is confirmed.
+  bool AwaitStop(const std::string& trouble) {
+    msg::ActuatorStatus last;
+    std::unique_ptr<transport::Subscription> statuses;
+    node_->RunOnLoop([&] {
+      statuses = transport::MakeSubscription<msg::ActuatorStatus>(
+                     node_->node(), transport::ActuatorStatusTopic(""),
+                     [&](const msg::ActuatorStatus& status, const auto&) { last = status; },
+                     transport::kLatchedFromManyQos)
+                     .value();
+    });
+    const bool found = Until([&] {
+      bool says = false;
+      node_->RunOnLoop([&] {
+        const bool has = last.stop_trouble.find(trouble) != std::string::npos;
+        says = last.emergency_stop == 7 && has && trouble.empty() == last.stop_trouble.empty();
+      });
+      return says;
+    });
+    node_->RunOnLoop([&] { statuses.reset(); });
+    return found;
+  }
   // This many ticks of 20 ms.
   template <class Application>
   void Tick(Application& show, int count) {
@@ -202,6 +238,7 @@ class Harness {
   const TempFolder folder_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<transport::Publisher<msg::Clock>> world_;
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button_;
   Duration now_ = std::chrono::seconds(1'000);
   MachineController controller_;
 };

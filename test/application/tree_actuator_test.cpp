@@ -268,6 +268,42 @@ TEST_F(ATreeActuator, IsHaltedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRele
   harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
+TEST_F(ATreeActuator, DoesNotConfirmAnEmergencyStopAtWhichANodeHasThrownInItsHalt) {
+  ActuatorRunner<Course> course;
+  course.data().throws["first halted"] = "the leg is stuck";
+  Begin(course);
+  harness_.Tick(course, 2);
+  harness_.PressEmergencyStop();
+  EXPECT_TRUE(harness_.AwaitStop("the leg is stuck"));
+  EXPECT_EQ(course.Result(), Status::kFailure);
+}
+
+TEST_F(ATreeActuator, DoesNotConfirmAnEmergencyStopAfterAPauseInWhichANodeHasThrown) {
+  ActuatorRunner<Course> course;
+  course.data().throws["first halted"] = "the leg is stuck";
+  Begin(course);
+  harness_.Tick(course, 2);
+  static_cast<void>(Go("LowPower"));
+  harness_.PressEmergencyStop();
+  EXPECT_TRUE(harness_.AwaitStop("the leg is stuck"));
+}
+
+TEST_F(ATreeActuator, RestsAtTheNextActiveWhereANodeHasThrownInTheHaltOfThePause) {
+  ActuatorRunner<Course> course;
+  course.data().throws["first halted"] = "the leg is stuck";
+  Begin(course);
+  harness_.Tick(course, 2);
+  static_cast<void>(Go("LowPower"));
+  course.RunOnLoop([&] { course.data().throws.clear(); });
+  static_cast<void>(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre()) << "what moves below it is not known";
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+}
+
 TEST_F(ATreeActuator, EndsWithFailureWhenANodeOrAHookThrowsAndGoesOnAfterRestart) {
   for (const std::string at : {"second starts", "before", "after"}) {
     testing::Harness harness;
