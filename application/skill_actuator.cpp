@@ -75,7 +75,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
   void CancelAtOnce(const std::string& why) {
     StopTicks();
     if (!manager_) return;
+    std::vector<const skill::Run*> runs = manager_->Runs();
+    std::erase_if(runs, [](const skill::Run* run) { return !run->running(); });
     manager_->CancelAllNow(why);
+    if (!runs.empty()) NoteEndFaults(runs);
     AfterPause();
   }
 
@@ -227,6 +230,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
       manager_->CancelAllNow("it does not go on: " + over);
       ReportGoals();
     }
+    end_faults_.clear();
     StartTicks();
     return Ok();
   }
@@ -239,7 +243,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   }
   std::string StopAtOnce() override {
     CancelAtOnce("emergency stop");
-    return "";
+    return end_faults_;
   }
 
   void Pause(const State& state) {
@@ -248,6 +252,17 @@ class SkillActuator::Impl final : public ApplicationImpl {
     if (!manager_) return;
     manager_->Pause();
     AfterPause();
+  }
+
+  void NoteEndFaults(const std::vector<const skill::Run*>& runs) {
+    end_faults_.clear();
+    for (const skill::Run* run : runs) {
+      const std::string fault = run->EndFault();
+      if (!fault.empty()) end_faults_ += (end_faults_.empty() ? "" : "; ") + fault;
+    }
+    if (end_faults_.empty()) return;
+    end_faults_ += "; its outputs may not be neutral";
+    owner_.Log(LogLevel::kError, "fault: " + end_faults_);
   }
 
   void AfterPause() {
@@ -382,6 +397,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
   std::map<std::uint64_t, Watched> watched_;                // by the number of the run
   std::optional<SavedSkills> saved_;                        // nothing: they are not saved
+  std::string end_faults_;  // of the skills that were ended at once, until the next Active
 };
 
 SkillActuator::SkillActuator(const std::string& actuator_name, const Options& options)

@@ -100,6 +100,7 @@ class SkillActuator : public MachineActuator {
   // No skill is stepped from now on: the robot is not Active, or an emergency stop was engaged.
   // Skills are already paused or cancelled. Bring the outputs to neutral; must return at once and
   // be idempotent. An exception is logged, and shown in the status until a further pause succeeds.
+  // With it, or with one of a skill's OnEnd(), an emergency stop is not confirmed.
   virtual void OnPause() {}
 
   // Cancels all skills at once, for example because the process ends: OnPause() is called, their

@@ -211,6 +211,7 @@ void Run::End(Status status, Cause cause, std::string message) {
   const auto thrown = Thrown("OnEnd", [&] { skill_->OnEnd({status, from, message, paused_}); });
   in_step_ = false;
   if (thrown) {
+    end_fault_ = *thrown;
     if (status == Status::kCompleted) {
       status = Status::kFailed;
       cause = Cause::kFault;
@@ -228,6 +229,14 @@ void Run::End(Status status, Cause cause, std::string message) {
                       : status == Status::kFailed  ? kFailed
                                                    : kCancelled;
   Move(end, cause, message);
+}
+
+std::string Run::EndFault() const {
+  if (!end_fault_.empty()) return name_ + ": " + end_fault_;
+  for (const Run* run : inside_) {
+    if (std::string fault = run->EndFault(); !fault.empty()) return fault;
+  }
+  return "";
 }
 
 void Run::Note(const std::string& what) {

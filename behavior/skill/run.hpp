@@ -106,6 +106,10 @@ class Run {
   // The same, as a failure: the robot cannot go on with it, for example with its battery.
   void FailNow(const std::string& why);
 
+  // What OnEnd() has thrown, of this run or of one inside it: "grip: OnEnd: no reply". Its outputs
+  // may not be neutral. Empty: nothing.
+  std::string EndFault() const;
+
   bool running() const { return state_ != kIdle && !IsEnd(state_); }
   bool ended() const { return IsEnd(state_); }
   // Until Resume() or a cancellation. Such a run does not use its parts of the robot.
@@ -189,6 +193,7 @@ class Run {
   Feedback feedback_;
   Recent<Change> history_{kChangesKept};
   Recent<Failure> errors_{kErrorsKept};
+  std::string end_fault_;
 };
 
 }  // namespace musher::skill

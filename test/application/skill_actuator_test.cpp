@@ -414,6 +414,17 @@ TEST_F(ASkillActuator, CancelsItsSkillsAtOnceByAnEmergencyStop) {
   harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
+TEST_F(ASkillActuator, DoesNotConfirmAnEmergencyStopAtWhichTheEndOfASkillThrows) {
+  ActuatorRunner<Tasks> tasks;
+  tasks.grips = true;
+  Begin(tasks);
+  const auto sent = Send("grip");
+  AwaitAccepted(sent);
+  harness_.PressEmergencyStop();
+  EXPECT_TRUE(harness_.AwaitStop("grip: OnEnd: the hand does not reply"));
+  EXPECT_EQ(EndOf(sent), "aborted false cancelled: emergency stop (0%)");
+}
+
 TEST_F(ASkillActuator, CancelsItsSkillsWhenAHookThrows) {
   ActuatorRunner<Tasks> tasks;
   Begin(tasks);

@@ -19,6 +19,18 @@
 
 namespace musher::testing {
 
+// Throws at its end.
+class Grip : public skill::Skill {
+ public:
+  void Declare(skill::Table& table) override {
+    table.To(table.State("GRIPPING"), skill::kSucceeded, "");
+  }
+  skill::Next Step(skill::Tick& /*tick*/) override { return skill::Next::Stay(); }
+  void OnEnd(const skill::Ended& /*ended*/) override {
+    throw std::runtime_error("the hand does not reply");
+  }
+};
+
 // Has the name that the harness has a config for.
 class SkillTasks : public SkillActuator {
  public:
@@ -39,6 +51,7 @@ class SkillTasks : public SkillActuator {
   bool registers = true;
   int pauses = 0;
   bool throws_when_paused = false;
+  bool grips = false;  // has the skill `grip`
 
   using SkillActuator::manager;
   using SkillActuator::Now;
@@ -53,6 +66,8 @@ class SkillTasks : public SkillActuator {
           [](skill::Tick&) { return skill::Next::Fail("no path"); });
     };
     if (Result<> added = registry.Add("fail", fails); !added) return added;
+    const auto grip = [] { return std::make_unique<Grip>(); };
+    if (Result<> added = grips ? registry.Add("grip", grip) : Ok(); !added) return added;
     return registry.Add("wait", skill::Wait());
   }
   void BeforeTick(Time /*now*/) override {
