@@ -1,9 +1,11 @@
 #pragma once
 // The goals of one action server, as handles of robot.hpp. A goal that is begun while an earlier
 // one of this channel is being cancelled is sent after its end, or after kCancelTime; then the
-// earlier one, whose end never came, is dropped as lost, and delays no other goal.
+// earlier one, whose end never came, is dropped as lost, and delays no other goal. A server that
+// accepts one that was dropped, or was lost while it worked on one, has it cancelled once it
+// replies: nothing waits for that goal any more.
 //
-// Times here are real. Threads: the loop's.
+// Times are those of the loop. Threads: the loop's.
 
 #include <algorithm>
 #include <chrono>
@@ -27,7 +29,8 @@ struct GoalRecord {
   int final_state = 0;
   bool cancel = false;      // it is to be cancelled
   bool cancelling = false;  // a request is under way
-  std::chrono::steady_clock::time_point cancelled_at{};
+  bool accepted = false;    // by its server, also after its end here
+  Time cancelled_at{};
   transport::GoalId id{};
 };
 
@@ -75,9 +78,11 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
   static constexpr Duration kCancelTime = std::chrono::seconds(1);
   using ToText = std::function<std::string(const typename A::Feedback&)>;
 
-  // The client may be null: it could not be opened. It must outlive the use of the channel.
-  GoalChannel(transport::ActionClient<A>* client, Duration server_time, ToText to_text)
-      : client_(client), server_time_(server_time), to_text_(std::move(to_text)) {}
+  // The client may be null: it could not be opened. It must outlive the use of the channel, as the
+  // loop must.
+  GoalChannel(transport::ActionClient<A>* client, const transport::EventLoop& loop,
+              Duration server_time, ToText to_text)
+      : client_(client), loop_(loop), server_time_(server_time), to_text_(std::move(to_text)) {}
 
   GoalPtr Begin(const typename A::Goal& goal) {
     auto record = std::make_shared<GoalRecord>();
@@ -101,7 +106,7 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
   }
 
   void CancelOne(const std::shared_ptr<GoalRecord>& record) override {
-    if (!record->cancel) record->cancelled_at = std::chrono::steady_clock::now();
+    if (!record->cancel) record->cancelled_at = loop_.Now();
     record->cancel = true;
     for (const WaitingGoal& each : waiting_) {
       if (each.record == record) record->state = GoalState::kCancelled;
@@ -129,10 +134,11 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
 
   // A server that was to cancel a goal for so long will not say any more that it has.
   void DropSilent() {
-    const auto now = std::chrono::steady_clock::now();
+    const Time now = loop_.Now();
     for (const auto& record : open_) {
       if (!record->cancel || HasEnded(record->state)) continue;
       if (now - record->cancelled_at <= kCancelTime) continue;
+      if (record->accepted) CancelUntilReply(record->id);
       record->message = "its end never came after it was cancelled";
       record->state = GoalState::kLost;
     }
@@ -153,15 +159,24 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
     transport::GoalEvents<A> events;
     const std::weak_ptr<GoalChannel> weak = this->weak_from_this();
     events.on_accepted = [record, weak] {
-      if (HasEnded(record->state)) return;
-      record->state = GoalState::kAccepted;
+      record->accepted = true;
       const auto channel = weak.lock();
+      if (HasEnded(record->state)) {  // it was dropped
+        if (channel) channel->CancelUntilReply(record->id);
+        return;
+      }
+      record->state = GoalState::kAccepted;
       if (record->cancel && channel) channel->SendCancel(record);
     };
     events.on_feedback = [record, to_text = to_text_](const typename A::Feedback& feedback) {
       record->feedback = to_text(feedback);
     };
-    events.on_end = [record](const transport::GoalOutcome<A>& outcome) { End(*record, outcome); };
+    events.on_end = [record, weak](const transport::GoalOutcome<A>& outcome) {
+      const bool may_go_on = outcome.end == transport::GoalEnd::kLost && record->accepted;
+      const auto channel = weak.lock();
+      if (may_go_on && channel) channel->CancelUntilReply(record->id);
+      End(*record, outcome);
+    };
     record->id = client_->SendGoal(goal, server_time_, std::move(events));
     open_.push_back(record);
   }
@@ -200,7 +215,15 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
                     [record](const auto& /*reply*/) { record->cancelling = false; });
   }
 
+  void CancelUntilReply(const transport::GoalId& id) {
+    client_->Cancel(id, kCancelTime, [id, weak = this->weak_from_this()](const auto& reply) {
+      const auto channel = weak.lock();
+      if (!reply && channel) channel->CancelUntilReply(id);
+    });
+  }
+
   transport::ActionClient<A>* const client_;
+  const transport::EventLoop& loop_;
   const Duration server_time_;
   const ToText to_text_;
   std::vector<std::shared_ptr<GoalRecord>> open_;

@@ -78,7 +78,7 @@ struct RosRobot::Wire {
     std::shared_ptr<GoalChannel<A>>& channel = channels[server];
     if (channel == nullptr) {
       channel = std::make_shared<GoalChannel<A>>(
-          endpoints.OpenActionClient<A>(server), kServerTime,
+          endpoints.OpenActionClient<A>(server), endpoints.node().loop(), kServerTime,
           [](const typename A::Feedback& feedback) { return TextOf(feedback); });
     }
     return *channel;
