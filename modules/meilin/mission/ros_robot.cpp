@@ -12,6 +12,7 @@
 #include "musher/messages/r2_interfaces/arm_action.hpp"
 #include "musher/messages/r2_interfaces/spear_action.hpp"
 #include "musher/messages/r2_interfaces/suspension_control.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/multi_array.hpp"
 #include "musher/modules/meilin/mission/goal_channel.hpp"
@@ -125,6 +126,9 @@ void RosRobot::Subscribe(transport::Endpoints& endpoints) {
       "current_state", [this](const msg::Int32& state) { suspension_state_ = state.data; },
       transport::kLatchedQos);
   endpoints.Subscribe<msg::PoseStamped>(topics_.pose, [this, &clock](const msg::PoseStamped& pose) {
+    const Duration stamp = msg::FromStamp(pose.header.stamp);
+    const Duration last = std::exchange(pose_stamp_, stamp);
+    if (stamp == last && stamp != Duration{}) return;  // published again: not where it is now
     if (const auto fix = FixOf(pose, clock.Now())) pose_ = fix;
   });
   endpoints.Subscribe<msg::Bool>(

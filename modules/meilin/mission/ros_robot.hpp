@@ -7,8 +7,8 @@
 // under injected faults. A goal waits kServerTime (real time) for a server and its reply. While an
 // earlier goal of this robot at the same server is being cancelled, the next one waits for its end.
 //
-// Units and frames: those of robot.hpp. Poses in another frame than map, or that are not finite,
-// are ignored. Threads: the loop's.
+// Units and frames: those of robot.hpp. Poses in another frame than map, that are not finite, or
+// that are published again with the same stamp, are ignored. Threads: the loop's.
 
 #include <array>
 #include <functional>
@@ -63,6 +63,7 @@ class RosRobot final : public Robot {
   std::function<void(const std::string&)> warn_;
   std::weak_ptr<Wire> wire_;
   std::optional<PoseFix> pose_;
+  Duration pose_stamp_{};  // of the last message
   std::optional<Wheels> wheels_;
   int suspension_state_ = 0;
   Signal partner_ready_;

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 
 namespace musher::meilin::servers {
@@ -52,6 +53,9 @@ void MoveServer::OnPose(const msg::PoseStamped& pose) {
   if (q.x == 0 && q.y == 0 && q.z == 0 && q.w == 0) {
     return Warn("orientation", "a pose is ignored: its orientation is (0, 0, 0, 0)");
   }
+  const Duration stamp = msg::FromStamp(pose.header.stamp);
+  const Duration last = std::exchange(pose_stamp_, stamp);
+  if (stamp == last && stamp != Duration{}) return;  // published again: not where the body is now
   core_.OnPose({pose.pose.position.x, pose.pose.position.y, YawOf(q)}, Now());
 }
 

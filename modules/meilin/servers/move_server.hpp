@@ -51,6 +51,7 @@ class MoveServer final : public OneGoalServer<msg::MoveToPose> {
   const MoveConfig config_;
   MoveToPose core_;
   transport::Publisher<msg::Float32MultiArray>* command_ = nullptr;
+  Duration pose_stamp_{};  // of the last message
 };
 
 }  // namespace musher::meilin::servers

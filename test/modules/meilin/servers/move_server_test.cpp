@@ -37,6 +37,7 @@ class MoveServerTest : public testing::ServerRig<msg::MoveToPose> {
     if (silent_) return;
     msg::PoseStamped pose;
     pose.header.frame_id = frame_;
+    pose.header.stamp.sec = stamp_s_;
     pose.pose.position.x = x_;
     pose.pose.position.y = y_;
     pose.pose.orientation = {0, 0, std::sin(yaw_ / 2), std::cos(yaw_ / 2)};
@@ -54,6 +55,7 @@ class MoveServerTest : public testing::ServerRig<msg::MoveToPose> {
   double y_ = 0;
   double yaw_ = 0;
   bool silent_ = false;
+  int stamp_s_ = 0;  // of each pose; 0: none
   std::string frame_ = "map";
   std::vector<float> velocity_{0, 0, 0};
   int velocities_ = 0;
@@ -111,6 +113,15 @@ TEST_F(MoveServerTest, FailsWithoutAPoseAndWhenItIsLost) {
   const std::size_t goal = Send({3, 0, 0});
   Run(500);
   silent_ = true;
+  EXPECT_THAT(Await(goal).result.message, HasSubstr("Pose lost: no pose for 0."));
+  ExpectStanding();
+}
+
+TEST_F(MoveServerTest, TakesAPoseThatIsPublishedAgainForNone) {
+  Start(kFile);
+  const std::size_t goal = Send({3, 0, 0});
+  Run(500);
+  stamp_s_ = 7;  // from now on
   EXPECT_THAT(Await(goal).result.message, HasSubstr("Pose lost: no pose for 0."));
   ExpectStanding();
 }
