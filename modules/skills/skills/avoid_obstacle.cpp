@@ -20,7 +20,8 @@ constexpr double kArrivedM = 0.2;
 constexpr double kLookedM = 2;
 constexpr double kKeptM = 0.05;  // between the robot and an obstacle, at least
 constexpr Duration kProgressLimit = std::chrono::seconds(30);
-constexpr std::string_view kBeginPose = "begin";  // data: x, y, yaw
+constexpr std::string_view kBeginYaw = "begin_yaw_rad";  // data, in the frame of the odometry
+constexpr std::string_view kGone = "gone_m";             // data, in the direction of `heading`
 
 }  // namespace
 
@@ -82,22 +83,23 @@ Next AvoidObstacle::Step(Tick& tick) {
 Next AvoidObstacle::Initialize(Tick& tick) {
   tick.Report(5, "Waiting for the scan");
   if (Missing()) return Next::Stay();
-  const navigation::Pose pose = *robot_.pose();
-  tick.data.Set(kBeginPose, skill::Numbers{pose.at.x_m, pose.at.y_m, pose.yaw_rad});
+  tick.data.Set(kBeginYaw, robot_.odometry().value_or(*robot_.pose()).yaw_rad);
   return Next::To(executing_);
 }
 
-AvoidObstacle::Aim AvoidObstacle::AimOf(const Tick& tick, const navigation::Pose& pose) const {
+AvoidObstacle::Aim AvoidObstacle::AimOf(Tick& tick, const navigation::Pose& pose) {
   const auto goal = tick.parameters.Get<skill::Numbers>("goal_pos", {});
   if (!goal.empty()) {
     const double x = goal[0] - pose.at.x_m, y = goal[1] - pose.at.y_m;
     return {std::hypot(x, y) - kArrivedM, navigation::Wrapped(std::atan2(y, x) - pose.yaw_rad)};
   }
-  const auto begin = tick.data.Get<skill::Numbers>(kBeginPose, {0, 0, 0});
-  const double heading = begin[2] + tick.parameters.Number("heading");
+  const double heading = tick.data.Number(kBeginYaw) + tick.parameters.Number("heading");
+  const navigation::Point way = WaySince(last_, robot_);
   const double gone_m =
-      (pose.at.x_m - begin[0]) * std::cos(heading) + (pose.at.y_m - begin[1]) * std::sin(heading);
-  return {tick.parameters.Number("distance") - gone_m, navigation::Wrapped(heading - pose.yaw_rad)};
+      tick.data.Number(kGone) + way.x_m * std::cos(heading) + way.y_m * std::sin(heading);
+  tick.data.Set(kGone, gone_m);
+  const double yaw_rad = robot_.odometry().value_or(pose).yaw_rad;
+  return {tick.parameters.Number("distance") - gone_m, navigation::Wrapped(heading - yaw_rad)};
 }
 
 Next AvoidObstacle::Execute(Tick& tick) {

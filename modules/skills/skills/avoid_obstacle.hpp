@@ -41,13 +41,16 @@ class AvoidObstacle : public TravelSkill {
   std::optional<std::string> Missing() const;
   skill::Next Initialize(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
-  Aim AimOf(const skill::Tick& tick, const navigation::Pose& pose) const;
+  // Once in each step of EXECUTING. By `heading` the odometry counts, which no correction of the
+  // localisation moves.
+  Aim AimOf(skill::Tick& tick, const navigation::Pose& pose);
 
   double direction_rad_ = 0;
   Duration blind_{};
   Duration blocked_{};
   Duration without_progress_{};
-  std::optional<double> nearest_m_;  // to the goal, so far
+  std::optional<double> nearest_m_;        // to the goal, so far
+  std::optional<navigation::Point> last_;  // by the odometry
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };

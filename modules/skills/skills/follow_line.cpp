@@ -84,9 +84,8 @@ Next FollowLine::Step(Tick& tick) {
 
 double FollowLine::Followed(Tick& tick) {
   double followed_m = tick.data.Number(kFollowed);
-  const auto pose = robot_.pose();
-  if (pose && last_) followed_m += std::hypot(pose->at.x_m - last_->x_m, pose->at.y_m - last_->y_m);
-  if (pose) last_ = pose->at;
+  const navigation::Point way = WaySince(last_, robot_);
+  followed_m += std::hypot(way.x_m, way.y_m);
   tick.data.Set(kFollowed, followed_m);
   tick.Detail("followed", followed_m);
   return followed_m;

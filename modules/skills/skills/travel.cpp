@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "musher/navigation/navigation_fault.hpp"
 #include "musher/navigation/place_text.hpp"
@@ -135,6 +136,15 @@ double ApartFromLine(const Robot& robot, const navigation::Point& point,
 std::string LengthText(double length_m) {
   return std::abs(length_m) < 1e6 ? fmt::format("{:.1f}", length_m)
                                   : fmt::format("{:.3g}", length_m);
+}
+
+navigation::Point WaySince(std::optional<navigation::Point>& last, const Robot& robot) {
+  constexpr double kLongestStepM = 1;
+  const auto now = robot.odometry();
+  if (!now) return {};
+  const navigation::Point from = std::exchange(last, now->at).value_or(now->at);
+  if (navigation::Distance(from, now->at) > kLongestStepM) return {};
+  return {now->at.x_m - from.x_m, now->at.y_m - from.y_m, now->at.z_m - from.z_m};
 }
 
 std::vector<navigation::Point> SeenAround(const Robot& robot, const navigation::Pose& pose,

@@ -49,6 +49,10 @@ navigation::Path RestOf(const Robot& robot, const navigation::Path& path);
 double ApartFromLine(const Robot& robot, const navigation::Point& point,
                      const navigation::Point& from, const navigation::Point& to);
 
+// The way of a robot by its odometry since the last call with `last`, which it sets. A correction
+// of its localisation is none, and neither is a step of more than a metre: its odometry has jumped.
+navigation::Point WaySince(std::optional<navigation::Point>& last, const Robot& robot);
+
 // "4.2", or "1.41e+308": a request may have any number.
 std::string LengthText(double length_m);
 

@@ -59,6 +59,22 @@ TEST_F(AvoidObstacle, GoesStraightWhereNothingIs) {
   EXPECT_TRUE(robot.Rests());
 }
 
+TEST_F(AvoidObstacle, CountsNoJumpOfItsPoseAsWay) {
+  for (const bool by_odometry : {false, true}) {
+    robot.at = {};
+    robot.corrected = {};
+    robot.travelled_m = 0;
+    Go({{"distance", "3"}});
+    RunFor(3);
+    const double jump_m = by_odometry ? 2.5 : 0.8;
+    robot.at.at.x_m += jump_m;
+    if (!by_odometry) robot.corrected = {jump_m, 0, 0};
+    EXPECT_TRUE(RunToItsEnd(60));
+    EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+    EXPECT_NEAR(robot.travelled_m, 3, 0.3) << by_odometry;
+  }
+}
+
 TEST_F(AvoidObstacle, PassesAPillarOnItsWay) {
   AddPillar(robot, 2, 0.05, 0.3);
   Go({{"goal_pos", "[4, 0]"}});

@@ -65,6 +65,27 @@ TEST_F(FollowLine, StaysOnTheLineForItsDistance) {
   EXPECT_TRUE(robot.Rests());
 }
 
+TEST_F(FollowLine, CountsNoJumpOfItsPoseAsWay) {
+  for (const bool by_odometry : {false, true}) {
+    robot.at = {{kRadiusM, 0, 0}, M_PI / 2};
+    robot.corrected = {};
+    robot.travelled_m = 0;
+    Go({{"distance", "10"}});
+    RunFor(5);
+    const double turned_rad = by_odometry ? 1 : 0.2;  // along the circle, 4 m or 0.8 m
+    const navigation::Pose was = robot.at;
+    robot.at.at.x_m = std::cos(turned_rad) * was.at.x_m - std::sin(turned_rad) * was.at.y_m;
+    robot.at.at.y_m = std::sin(turned_rad) * was.at.x_m + std::cos(turned_rad) * was.at.y_m;
+    robot.at.yaw_rad = navigation::Wrapped(was.yaw_rad + turned_rad);
+    if (!by_odometry) {
+      robot.corrected = {robot.at.at.x_m - was.at.x_m, robot.at.at.y_m - was.at.y_m, 0};
+    }
+    EXPECT_TRUE(RunToItsEnd(150));
+    EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+    EXPECT_NEAR(robot.travelled_m, 10, 0.3) << by_odometry;
+  }
+}
+
 TEST_F(FollowLine, ComesToTheLineFromBesideIt) {
   for (const double offset_m : {-0.5, 0.5}) {
     robot.at = {{kRadiusM + offset_m, 0, 0}, M_PI / 2};

@@ -25,7 +25,8 @@ class MovingRobot : public Robot {
   // --- what a test sets ---
   std::string robot_kind = "jetbot";
   navigation::Pose at;
-  double pelvis_m = 0;  // the height of its pose above `at`
+  navigation::Point corrected;  // of `at`, what its odometry does not have
+  double pelvis_m = 0;          // the height of its pose above `at`
   std::optional<double> ceiling;
   double drive_speed_m_s = 1;
   bool drives_brake = true;  // else a cancelled drive goes on
@@ -126,6 +127,13 @@ class MovingRobot : public Robot {
     if (!odometry_up) return std::nullopt;
     return navigation::Pose{{at.at.x_m, at.at.y_m, at.at.z_m + pelvis_m}, at.yaw_rad};
   }
+  std::optional<navigation::Pose> odometry() const override {
+    auto odometry = pose();
+    if (!odometry) return odometry;
+    odometry->at.x_m -= corrected.x_m;
+    odometry->at.y_m -= corrected.y_m;
+    return odometry;
+  }
   navigation::Velocity velocity() const override { return velocity_; }
   navigation::Path travelled() const override { return travelled_.Back(); }
   void SetVelocity(const navigation::Velocity& command) override {
@@ -134,6 +142,7 @@ class MovingRobot : public Robot {
     if (command == navigation::Velocity{}) ++stops;
   }
   std::string HeldBy() const override { return held_by; }
+  std::string WhyNotHeld() const override { return not_held; }
   void StopMotion() override {
     command_.reset();
     ++stops;
@@ -142,7 +151,6 @@ class MovingRobot : public Robot {
   bool HasController() const override { return controller_up; }
   bool Drives() const override { return driving(); }
   void CancelEarlierDrives() override {
-  std::string WhyNotHeld() const override { return not_held; }
     earlier_ = drive_;
     CancelEarlier();
   }
