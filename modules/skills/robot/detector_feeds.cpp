@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
 
 namespace musher::skills {
@@ -16,7 +17,7 @@ DetectorFeeds::DetectorFeeds(transport::Node& node, transport::Clock& clock, std
                              const std::vector<DetectorView>& views, Body body)
     : node_(node), clock_(clock), name_space_(std::move(name_space)), body_(std::move(body)) {
   for (const DetectorView& view : views) {
-    feeds_.push_back(Feed{view, RecentValue<std::optional<SeenObject>>(kRecent), nullptr});
+    feeds_.push_back(Feed{view, RecentValue<std::optional<SeenObject>>(kRecent), nullptr, {}});
   }
 }
 
@@ -25,7 +26,11 @@ void DetectorFeeds::Subscribe(Feed& feed) {
       node_, transport::ResolveName(name_space_, feed.view.topic),
       [this, &feed](const msg::Sighting& sighting, const transport::SampleInfo&) {
         const auto body = body_();
-        if (body) feed.seen.Set(ToObject(sighting, feed.view, *body), clock_.Now());
+        const Duration stamp = msg::FromStamp(sighting.header.stamp);
+        const bool again = stamp == feed.stamp && stamp != Duration{};  // of a camera that stands
+        if (!body || again) return;
+        feed.stamp = stamp;
+        feed.seen.Set(ToObject(sighting, feed.view, *body), clock_.Now());
       });
   if (subscription) feed.subscription = std::move(subscription).value();
 }

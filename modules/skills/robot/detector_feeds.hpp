@@ -38,6 +38,7 @@ class DetectorFeeds {
     const DetectorView& view;
     RecentValue<std::optional<SeenObject>> seen;  // nullopt: it has looked, and seen nothing
     std::unique_ptr<transport::Subscription> subscription;
+    Duration stamp{};  // of the last picture
   };
 
   void Subscribe(Feed& feed);

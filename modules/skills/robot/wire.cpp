@@ -427,7 +427,10 @@ const navigation::Pose* RosRobot::Wire::PoseOf(const std::string& topic) {
         node, transport::ResolveName(name_space, topic),
         [this, &made](const msg::Odometry& odometry, const transport::SampleInfo&) {
           const auto pose = ToPose(odometry.pose.pose);
-          if (!pose) return;
+          const Duration stamp = msg::FromStamp(odometry.header.stamp);
+          const bool again = stamp == made.stamp && stamp != Duration{};  // it is not seen any more
+          if (!pose || again) return;
+          made.stamp = stamp;
           const auto frame = InMap(odometry.header.frame_id);
           if (!frame) return made.refused.Set(frame.error().message, Now());
           made.pose.Set(navigation::PlacedAt(frame.value(), *pose), Now());

@@ -94,6 +94,7 @@ struct RosRobot::Wire {
     RecentValue<navigation::Pose> pose;
     RecentValue<std::string> refused;  // why a pose has no place in the map
     std::uint64_t count = 0;           // of poses that have come
+    Duration stamp{};                  // of the last one
     Time asked{};                      // when a skill has last asked for it
     std::unique_ptr<transport::Subscription> subscription;
   };

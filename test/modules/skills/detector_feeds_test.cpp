@@ -49,6 +49,21 @@ TEST_F(ARosRobotWithDetectors, DetectsWhatTheyHaveSeenOnceAllHaveLooked) {
   EXPECT_FALSE(robot_.Detect());
 }
 
+TEST_F(ARosRobotWithDetectors, TakesAPictureThatIsPublishedAgainForNone) {
+  EXPECT_FALSE(robot_.Detect());
+  Run(500);
+  msg::Sighting sighting;
+  sighting.header.stamp.sec = 7;
+  for (int i = 0; i < 15; ++i) {
+    Stand(1, 0);
+    EXPECT_TRUE(qr_->Publish(sighting));
+    EXPECT_TRUE(arrow_->Publish({}));
+    Run(80);
+    if (i == 0) EXPECT_TRUE(robot_.Detect());
+  }
+  EXPECT_FALSE(robot_.Detect()) << "the camera stands";
+}
+
 TEST_F(ARosRobotWithDetectors, AsksThemToLookOnlyWhileASkillDetects) {
   EXPECT_EQ(qr_->MatchedReaders(), 0U);
   EXPECT_FALSE(robot_.Detect());

@@ -1042,6 +1042,10 @@ TEST_F(ARosRobot, SeesObstaclesObjectsTheLineAndWhatItTracks) {
   ASSERT_TRUE(robot_.PoseOf("/target_0/odom"));
   EXPECT_EQ(robot_.PoseOf("/target_0/odom")->at.x_m, 7);
   EXPECT_EQ(robot_.PosesOf("/target_0/odom"), 1U);
+  target.header.stamp = {7, 0};
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(peers_->target->Publish(target));
+  Run(50);
+  EXPECT_EQ(robot_.PosesOf("/target_0/odom"), 2U) << "what is published again is not seen";
   lines.contours = 0;
   EXPECT_TRUE(peers_->line->Publish(lines));
   Run(50);
