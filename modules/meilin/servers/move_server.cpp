@@ -59,6 +59,11 @@ void MoveServer::OnPose(const msg::PoseStamped& pose) {
   core_.OnPose({pose.pose.position.x, pose.pose.position.y, YawOf(q)}, Now());
 }
 
+// Also without a goal: a process before this one may have left the body driving.
+void MoveServer::OnPermit(bool permitted) {
+  if (!permitted) Send({});
+}
+
 std::string MoveServer::WhyMalformed(const msg::MoveToPose::Goal& goal) const {
   if (std::isfinite(goal.x) && std::isfinite(goal.y) && std::isfinite(goal.yaw_deg)) return "";
   return "x, y or yaw_deg is not a finite number";

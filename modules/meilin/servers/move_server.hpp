@@ -40,6 +40,7 @@ class MoveServer final : public OneGoalServer<msg::MoveToPose> {
   bool Tick() override;
   Duration Period() const override { return core_.UpdatePeriod(); }
   void Forget() override { core_.ForgetPose(); }
+  void OnPermit(bool permitted) override;
 
  private:
   MoveServer(const Dependencies& dependencies, MoveConfig config);
@@ -50,8 +51,8 @@ class MoveServer final : public OneGoalServer<msg::MoveToPose> {
 
   const MoveConfig config_;
   MoveToPose core_;
-  transport::Publisher<msg::Float32MultiArray>* command_ = nullptr;
   Duration pose_stamp_{};  // of the last message
+  transport::Publisher<msg::Float32MultiArray>* command_ = nullptr;
 };
 
 }  // namespace musher::meilin::servers

@@ -126,6 +126,13 @@ TEST_F(MoveServerTest, TakesAPoseThatIsPublishedAgainForNone) {
   ExpectStanding();
 }
 
+TEST_F(MoveServerTest, StopsTheBodyAtAStopAlsoWithoutAGoal) {
+  Start(kFile);
+  velocity_ = {1, 0, 0};  // as a process before this one has left it
+  server_->Permit(false, "an emergency stop holds it");
+  ExpectStanding();
+}
+
 TEST_F(MoveServerTest, IgnoresPosesOfOtherFrames) {
   frame_ = "odom";
   Start(kFile);
