@@ -329,8 +329,10 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
      "{own machine}: give one of them a `namespace` of its own in [controller], or another domain "
      "(--domain)"},
     {Refusal::kIdNotKnown, kCodePermissionDenied,
-     "{controller} leads a machine of this name, which may be another robot: the id of this machine "
-     "is in {folder}, which cannot be read; repair the folder, or give this machine a `name` of its "
+     "{controller} leads a machine of this name, which may be another robot: the id of this "
+     "machine "
+     "is in {folder}, which cannot be read; repair the folder, or give this machine a `name` of "
+     "its "
      "own in [controller]"},
 });
 

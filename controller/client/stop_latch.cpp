@@ -76,7 +76,8 @@ bool EstopReport::found() const {
 std::string EstopReport::WhyNotHeld() const {
   if (held || (controller && !controller_latched)) return "";
   if (earlier) {
-    return "this stop has not arrived; only an earlier one holds the machine, and its release would "
+    return "this stop has not arrived; only an earlier one holds the machine, and its release "
+           "would "
            "free it";
   }
   return controller ? "the controller has not received it yet" : "";

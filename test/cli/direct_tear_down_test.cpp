@@ -31,7 +31,8 @@ TEST(ADirectTearDown, OfAnotherHostIsNotBelievedWhereOnlyTheStatusIsLost) {
   running->OnlyOf({"dog", ""});
   ASSERT_EQ(running->Now().size(), 1U);
   const auto ending =
-      DirectTearDown::Begin(*desk, "direct_tear_down_test", *running, std::chrono::seconds(1)).value();
+      DirectTearDown::Begin(*desk, "direct_tear_down_test", *running, std::chrono::seconds(1))
+          .value();
   network.Partition("board", "desk");
   network.RunFor(std::chrono::minutes(1));
   ASSERT_FALSE(running->HasStatusOf("legs"));

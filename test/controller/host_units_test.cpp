@@ -75,9 +75,9 @@ class UnitOfAnotherHost : public ::testing::Test {
         [this] {
           return MachineIdentity{"robot", id_};
         },
-        BySsh(loop_),
-        HostUnits::Options{.start_within = start_within,
-                           .since_boot = [this] { return SinceBoot() + suspended_; }});
+        BySsh(loop_), HostUnits::Options{.start_within = start_within, .since_boot = [this] {
+                                           return SinceBoot() + suspended_;
+                                         }});
   }
   void Write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / (name + ".new")) << text;
@@ -531,7 +531,8 @@ TEST_F(UnitOfAnotherHost, EndedByItsLimitOfMemoryNamesThat) {
   Write("unit", std::string("failed 41 ") + kOurs + " oom-kill\n");
   Write("changed", "");
   Await([this] { return !ended_.empty(); });
-  EXPECT_EQ(exit_, "out of memory: its limit (memory_max_mb = 64) or the memory of its host is used up");
+  EXPECT_EQ(exit_,
+            "out of memory: its limit (memory_max_mb = 64) or the memory of its host is used up");
 }
 
 }  // namespace musher::host_units_test
