@@ -59,7 +59,9 @@ TEST_F(ARosRobotWithDetectors, TakesAPictureThatIsPublishedAgainForNone) {
     EXPECT_TRUE(qr_->Publish(sighting));
     EXPECT_TRUE(arrow_->Publish({}));
     Run(80);
-    if (i == 0) EXPECT_TRUE(robot_.Detect());
+    if (i == 0) {
+      EXPECT_TRUE(robot_.Detect());
+    }
   }
   EXPECT_FALSE(robot_.Detect()) << "the camera stands";
 }
