@@ -22,8 +22,9 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// `legs` are critical; the states of `lamp` and more of its keys.
-std::string Robot(const std::string& states_of_lamp, const std::string& of_lamp) {
+// `legs` are critical; the states of `lamp` and more of its keys, and of legs.
+std::string Robot(const std::string& states_of_lamp, const std::string& of_lamp,
+                  const std::string& of_legs = "") {
   return R"([controller]
 actuators = ["legs", "lamp"]
 states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive"]
@@ -35,7 +36,8 @@ states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive"]
 times = [1000, 1000, 1000, 1000, 1000, 1000]
 command = ["legs"]
 critical = true
-
+)" + of_legs +
+         R"(
 [actuator.lamp]
 states = [)" +
          states_of_lamp + "]\ncommand = [\"lamp\"]\n" + of_lamp;
@@ -54,10 +56,11 @@ class Proving : public ::testing::Test {
   std::string Valid() const {
     return Config(Robot(kAllStates, std::string(kSixTimes) + "on_lost = \"Active\"\n"));
   }
-  // Where legs are lost, lamp cannot follow to Protected.
+  // Where legs are lost, which are not restarted, lamp cannot follow to Protected.
   std::string WithoutFallback() const {
     return Config(Robot(R"("SetUp", "TearDown", "SelfCheck", "Active", "DeActive")",
-                        "times = [1000, 1000, 1000, 1000, 1000]\non_lost = \"Active\"\n"));
+                        "times = [1000, 1000, 1000, 1000, 1000]\non_lost = \"Active\"\n",
+                        "restart = \"no\"\n"));
   }
 
   TempFolder folder_;

@@ -395,7 +395,7 @@ TEST_F(Stop, BesideAnEarlierOneIsNotConfirmedBeforeItHasArrivedItself) {
   EXPECT_THAT(report.Missing(), IsEmpty());
   EXPECT_FALSE(report.settled());
   EXPECT_FALSE(report.complete());
-  EXPECT_THAT(EstopError(report), HasSubstr("an earlier stop holds the machine"));
+  EXPECT_THAT(EstopError(report), HasSubstr("only an earlier one holds the machine"));
   controller.stop_ids.emplace_back("0000000000000007");
   EXPECT_TRUE(AfterASecond(controller).settled());
   EXPECT_TRUE(AfterASecond(controller).complete());

@@ -177,11 +177,11 @@ TEST_F(APlanServer, RepeatsACancellationUntilItIsAnswered) {
 TEST_F(APlanServer, CancelsTheSkillOfARobotThatItHasLostOnceThatIsBack) {
   const auto sent = Send(PlanOf({{"a", "b"}}));
   ASSERT_THAT(b_.goals, SizeIs(1));
-  network_.Pause(*b_node_);
+  network_.Partition("robot", "b");
   Run(60'000);
   EXPECT_THAT(EndOf(*sent), HasSubstr("b wait: "));
   const auto later = Send(PlanOf({{"a"}}));
-  network_.Resume(*b_node_);
+  network_.Heal("robot", "b");
   Run(5000);
   EXPECT_EQ(b_.cancels, 1);
   EXPECT_EQ(EndOf(*later), "not ended");

@@ -912,9 +912,9 @@ TEST_F(ARosRobot, CancelsADriveThatItHasLostOnceItsControllerGoesOn) {
   const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
   Run(100);
   ASSERT_THAT(peers_->drives, SizeIs(1));
-  network_.Pause(*world_);
+  network_.Partition("robot", "world");
   ASSERT_FALSE(ResultOf(drive->end()));
-  network_.Resume(*world_);
+  network_.Heal("robot", "world");
   Run(3000);
   EXPECT_EQ(peers_->cancels, 1);
   const auto later = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});

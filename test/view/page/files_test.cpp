@@ -52,11 +52,11 @@ TEST(PageFilesTest, EveryModuleIsImportedAndEveryImportIsEmbedded) {
   }
 }
 
-TEST(PageFilesTest, TheWholePageIsBelow180Kilobytes) {
+TEST(PageFilesTest, TheWholePageIsBelow181Kilobytes) {
   std::size_t bytes = 0;
   for (const http::Asset& file : PageFiles()) bytes += file.content.size();
   EXPECT_GT(bytes, 50'000u);
-  EXPECT_LT(bytes, 180'000u);
+  EXPECT_LT(bytes, 181'000u);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ class AGoalChannel : public ::testing::Test {
 
   transport::sim::Network network_{1};
   std::unique_ptr<transport::Node> server_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> mission_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> mission_ = network_.MakeNode("mission");
   std::vector<transport::ServerGoal<Action>> goals_;
   std::vector<transport::GoalId> cancelled_;
   transport::Endpoints served_{*server_, ""};
@@ -63,10 +63,10 @@ TEST_F(AGoalChannel, CancelsAGoalWhoseServerItHasLostOnceThatGoesOn) {
   const GoalPtr climb = channel_->Begin({});
   Run(200);
   ASSERT_EQ(climb->state(), GoalState::kAccepted);
-  network_.Pause(*server_);
+  network_.Partition("robot", "mission");
   Run(60'000);
   EXPECT_EQ(climb->state(), GoalState::kLost);
-  network_.Resume(*server_);
+  network_.Heal("robot", "mission");
   Run(3000);
   EXPECT_THAT(cancelled_, SizeIs(1));
 }
