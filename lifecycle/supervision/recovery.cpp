@@ -7,6 +7,10 @@
 namespace musher {
 namespace {
 
+// For so long a start awaits a critical actuator whose host boots: later it would be no start that
+// a person still expects.
+constexpr Duration kHostBoots = Milliseconds(180'000);
+
 void EndLaunch(KnownActuator& known) {
   const Launch launch = known.process.launch;
   if (launch == Launch::kUnderWay || launch == Launch::kAwaitsHost) {
@@ -198,7 +202,10 @@ void Recovery::AwaitHost(ActuatorIndex i, bool again) {
   known.process.launch = Launch::kAwaitsHost;
   known.process.termination.reset();
   known.restart.requested = false;
-  if (!again) FallBack(i);
+  if (again) return;
+  const bool starts = machine_.phase == Phase::kStarting && !machine_.start_up.finishing;
+  if (starts && Critical(i)) known.set_up_by = now_ + kHostBoots;
+  FallBack(i);
 }
 
 void Recovery::On(const event::ProcessEnded& ended) {

@@ -121,13 +121,15 @@ bool StartUp::Advance() {
 }
 
 // Whether a critical actuator is on a host that has not been reached yet: a board that boots later
-// than this one would end the start at each power-on. What an earlier controller has left running
+// than this one would end the start at each power-on. Until `set_up_by`: what is plugged in hours
+// later moves no robot. What an earlier controller has left running
 // is led on at once.
 bool StartUp::AwaitsHost() const {
   if (machine_.start_up.finishing || Adoption(config_, machine_).LowestFound()) return false;
   return std::ranges::any_of(machine_.actuators.Indices(), [this](ActuatorIndex i) {
     return Critical(i) && IsAwaitedIn(i, machine_.start_up.stage) &&
-           Of(i).process.launch == Launch::kAwaitsHost && Of(i).presence == Presence::kAbsent;
+           Of(i).process.launch == Launch::kAwaitsHost && Of(i).presence == Presence::kAbsent &&
+           Of(i).set_up_by;
   });
 }
 

@@ -90,6 +90,24 @@ TEST_F(HostProcess, ThatIsCriticalIsAwaitedByTheStartUntilItsHostIsReached) {
   EXPECT_EQ(machine_.state, kActive);
 }
 
+// A board that is plugged in hours later would have led the robot to Active by itself.
+TEST_F(HostProcess, ThatIsCriticalIsAwaitedByTheStartForThreeMinutes) {
+  config_.actuators[1].critical = true;
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Come(0);
+  Do(event::ProcessNotStarted{1, "no route to 10.0.0.2", true});
+  Pass(std::chrono::minutes(3));
+  if (Of(0).command) Obey(0);
+  EXPECT_EQ(machine_.phase, Phase::kFailed);
+  Do(event::ProcessStarted{1, kPid, "there"});
+  ComeB();
+  ObeyBoth();
+  Pass(std::chrono::minutes(1));
+  EXPECT_NE(machine_.state, kActive);
+  EXPECT_EQ(machine_.phase, Phase::kFailed);
+}
+
 TEST_F(HostProcess, ThatIsCriticalIsNotAwaitedWhereItCannotBeStarted) {
   config_.actuators[1].critical = true;
   config_.actuators[1].restart.policy = RestartPolicy::kNo;
