@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/health/health_monitor.hpp"
 #include "musher/lifecycle/refusal.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -193,9 +194,20 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
   if (machine_.id.empty() && from != 0 && core_.controller == from) machine_.id = theirs.id;
 }
 
-void ActuatorShell::OnManager(const State& target, OnManagerAnswered answered) {
+std::optional<Error> ActuatorShell::MayBeLate(const State& target, transport::LoopBreaks& breaks) {
+  const auto could_not_run = breaks.Recent();
+  const State& from = core_.report.state;
+  const bool raises = Rises(config_, from, target) || SwitchesOnAgain(config_, from, target);
+  if (!could_not_run || !raises) return std::nullopt;
+  return Refused<Refusal::kActuatorMayBeLate>(actuator_.name,
+                                              ToMilliseconds(*could_not_run) / 1000);
+}
+
+void ActuatorShell::OnManager(const State& target, transport::LoopBreaks& breaks,
+                              OnManagerAnswered answered) {
   const RequestToken token = next_token_++;
   replies_[token] = std::move(answered);
+  if (const auto late = MayBeLate(target, breaks)) return Refuse(token, *late);
   Handle(actuator_event::ManagerCommand{token, State(target.name().substr(0, kLongestName))});
 }
 
@@ -223,6 +235,7 @@ void ActuatorShell::OfferManagedNode() {
   };
   hooks.log = hooks_.on_remark;
   hooks.parameters = transport::ParametersOf(config_);
+  managed_node_breaks_.emplace(node_.loop());
   const std::string instance = actuator_.name + "-" + ToString(core_.report.incarnation);
   auto made = transport::ManagedNodeEndpoints::Make(node_, config_.name_space, actuator_.name,
                                                     instance, std::move(hooks));
@@ -241,10 +254,12 @@ void ActuatorShell::ChangeManagedNode(const Ros2Transition& transition,
     return done(Refused<Refusal::kNoStateForTransition>(actuator_.name));
   }
   if (target->empty()) return done(Ok());
-  OnManager(*target, [done = std::move(done)](const actuator_action::Answer& answer) {
-    if (answer.verdict == Verdict::kDone) return done(Ok());
-    done(Error{answer.code, answer.message.empty() ? "its callback failed" : answer.message});
-  });
+  OnManager(
+      *target, *managed_node_breaks_,
+      [done = std::move(done)](const actuator_action::Answer& answer) {
+        if (answer.verdict == Verdict::kDone) return done(Ok());
+        done(Error{answer.code, answer.message.empty() ? "its callback failed" : answer.message});
+      });
 }
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
@@ -264,7 +279,9 @@ void ActuatorShell::Handle(const ActuatorEvent& event) {
 // the callback has ended. Nothing of this begins one.
 bool ActuatorShell::CountsWhenClosed(const ActuatorEvent& event) {
   const bool ended = std::holds_alternative<actuator_event::CallbackEnded>(event);
-  if (ended && core_.stopped_meanwhile) Do(actuator_action::RunEmergencyStop{});
+  if (ended && std::exchange(core_.stopped_meanwhile, false)) {
+    Do(actuator_action::RunEmergencyStop{});
+  }
   if (ended || !core_.report.busy()) return false;
   return std::holds_alternative<actuator_event::EmergencyStopReceived>(event) ||
          std::holds_alternative<actuator_event::PermitReceived>(event) ||
@@ -343,7 +360,7 @@ void ActuatorShell::Do(const actuator_action::RunCallback& action) {
 
 void ActuatorShell::CompareStopTrouble() {
   node_.loop().Post([this, alive = std::weak_ptr<bool>(alive_)] {
-    if (!alive.expired() && hooks_.stop_trouble() != stop_trouble_) Publish();
+    if (!alive.expired() && StopTrouble() != stop_trouble_) Publish();
   });
 }
 
@@ -372,7 +389,9 @@ void ActuatorShell::Do(const actuator_action::PublishStatus&) {
 // A failed publish is harmless: every reply carries the status.
 void ActuatorShell::Publish() {
   publish_later_ = nullptr;
-  static_cast<void>(status_->Publish(Status()));
+  const msg::ActuatorStatus status = Status();
+  stop_trouble_ = status.stop_trouble;
+  static_cast<void>(status_->Publish(status));
 }
 
 void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
@@ -382,12 +401,14 @@ void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
              transport::ParticipantId sender) { OnRequest(request, std::move(reply), sender); });
   if (!server) return hooks_.on_finished(server.error());
   server_ = std::move(server).value();
+  fs_machine_breaks_.emplace(node_.loop());
   auto fs_machine = FsMachine::Make(
       node_, config_.name_space, actuator_.name,
       [this](const State& target, FsMachine::Reply reply) {
-        OnManager(target, [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
-          reply(core_.report.state, answer.code);
-        });
+        OnManager(target, *fs_machine_breaks_,
+                  [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
+                    reply(core_.report.state, answer.code);
+                  });
       });
   if (!fs_machine) return hooks_.on_finished(fs_machine.error());
   fs_machine_ = std::move(fs_machine).value();
@@ -423,9 +444,19 @@ msg::ActuatorStatus ActuatorShell::Status() {
   status.machine = machine_.name;
   status.machine_id = machine_.id;
   status.participant = node_.participant().value();
-  stop_trouble_ = hooks_.stop_trouble ? hooks_.stop_trouble() : "";
-  if (report.emergency_stop != 0) status.stop_trouble = stop_trouble_;
+  status.stop_trouble = StopTrouble();
   return status;
+}
+
+// A callback on the way up may switch on again after the stop action, which runs once more at its
+// end: until then the actuator is not stopped.
+std::string ActuatorShell::StopTrouble() const {
+  if (core_.report.emergency_stop == 0) return "";
+  std::string trouble = hooks_.stop_trouble ? hooks_.stop_trouble() : "";
+  if (!trouble.empty()) return trouble;
+  const State running = StillSwitchingOn(config_, core_);
+  return running.empty() ? ""
+                         : "its callback for " + running + " still runs and may switch on again";
 }
 
 }  // namespace musher

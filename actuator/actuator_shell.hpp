@@ -19,6 +19,7 @@
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/transport/loop_breaks.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/battery_watch.hpp"
@@ -100,8 +101,12 @@ class ActuatorShell {
   Result<> WatchPermits();
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
                  transport::ParticipantId sender);
+  // Why a manager's command that has just arrived does not switch on: it has no age, and may be as
+  // old as a break in which this process could not run. `breaks`: since its service exists. What
+  // ended before, such as a stall at boot, has delayed no command.
+  std::optional<Error> MayBeLate(const State& target, transport::LoopBreaks& breaks);
   using OnManagerAnswered = std::function<void(const actuator_action::Answer&)>;
-  void OnManager(const State& target, OnManagerAnswered answered);
+  void OnManager(const State& target, transport::LoopBreaks& breaks, OnManagerAnswered answered);
   void OfferToRos2At(Time when);
   void OfferToRos2();
   void OfferManagedNode();
@@ -125,6 +130,8 @@ class ActuatorShell {
   void CheckWork();
   void Heartbeat(const Checkpoints::Look& look);
   msg::ActuatorStatus Status();
+  // What an engaged emergency stop has not done yet, or could not do; "": all is done.
+  std::string StopTrouble() const;
 
   transport::Node& node_;
   Worker& worker_;
@@ -153,8 +160,10 @@ class ActuatorShell {
   std::unique_ptr<transport::BatteryWatch> battery_;
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
+  std::optional<transport::LoopBreaks> fs_machine_breaks_;
   std::unique_ptr<FsMachine> fs_machine_;
   std::optional<transport::NodeServices> services_;  // of a node that is not managed
+  std::optional<transport::LoopBreaks> managed_node_breaks_;
   std::unique_ptr<transport::ManagedNodeEndpoints> managed_node_;
   transport::LoopHandlePtr offer_later_;
   transport::LoopHandlePtr finish_later_;

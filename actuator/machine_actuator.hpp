@@ -106,8 +106,8 @@ class MachineActuator {
   // Stops without TearDown: waits for a running callback, then leaves the machine. Idempotent.
   void Shutdown();
 
-  // Inside a long callback: whether the controller no longer waits for it. The callback should then
-  // return at the next safe point.
+  // Inside a long callback: whether the controller no longer waits for it, or an emergency stop was
+  // engaged while it leads up. The callback should then return at the next safe point.
   bool StopRequested() const;
 
   // Reports that the calling thread makes progress; its next checkpoint must follow within
@@ -195,7 +195,8 @@ class MachineActuator {
   // beside a running state callback; it must return at once (set a flag, write a zero) and must not
   // block. Exceptions are caught. Until a person releases the stop, this actuator does not switch
   // to a more active state. Called for each stop, and again at the end of a callback that was
-  // running: must be idempotent.
+  // running: must be idempotent. A callback on the way up is requested to stop; until it has ended
+  // the stop counts as not confirmed.
   virtual void OnEmergencyStop() {}
 
  private:

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/application/refusal.hpp"
+#include "musher/base/break_watch.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 
@@ -47,12 +48,30 @@ Result<> ApplicationImpl::Open(const std::function<void(transport::Endpoints&)>&
 }
 
 void ApplicationImpl::ServeCommands(transport::Endpoints& topics,
-                                    std::function<Result<>(const std::string& command)> send) {
+                                    std::function<Result<>(const std::string& command)> send,
+                                    std::function<bool(const std::string& command)> is_urgent) {
   topics.Serve<msg::SendCommand>(actuator_.name() + "/send_command",
-                                 [send = std::move(send)](const auto& request, auto reply) {
-                                   const Result<> sent = send(request.command);
+                                 [this, send = std::move(send), is_urgent = std::move(is_urgent)](
+                                     const auto& request, auto reply) {
+                                   Result<> sent =
+                                       is_urgent(request.command) ? Ok() : CheckNotLate();
+                                   if (sent) sent = send(request.command);
                                    reply({sent.ok(), sent ? "" : sent.error().message});
                                  });
+}
+
+Result<> ApplicationImpl::CheckNotLate() const {
+  const auto could_not_run = ticks_.RecentBreak();
+  if (!could_not_run) return Ok();
+  return Refused<ApplicationRefusal::kMayBeLate>(actuator_.name(),
+                                                 ToMilliseconds(*could_not_run) / 1000);
+}
+
+std::optional<std::string> ApplicationImpl::TakeLongBreak() {
+  const auto could_not_run = ticks_.TakeBreak();
+  if (!could_not_run || *could_not_run <= BreakWatch::kLong) return std::nullopt;
+  return "its process could not run for " + std::to_string(ToMilliseconds(*could_not_run) / 1000) +
+         " s";
 }
 
 Result<> ApplicationImpl::CheckNoStop() const {

@@ -9,6 +9,7 @@
 // loop, on which all other calls are.
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "musher/application/ticks.hpp"
@@ -47,9 +48,17 @@ class ApplicationImpl {
 
   // The end of SetUp: runs `open` on the loop, with the ticks' clock.
   Result<> Open(const std::function<void(transport::Endpoints&)>& open);
-  // Service `<actuator>/send_command`.
+  // Service `<actuator>/send_command`. A command that is not urgent, as a stop is, is refused where
+  // it may be late, see CheckNotLate().
   void ServeCommands(transport::Endpoints& topics,
-                     std::function<Result<>(const std::string& command)> send);
+                     std::function<Result<>(const std::string& command)> send,
+                     std::function<bool(const std::string& command)> is_urgent);
+  // Fails if a request that has just arrived may be as old as a break in which this process could
+  // not run: what begins or goes on by it is refused.
+  Result<> CheckNotLate() const;
+  // "its process could not run for 70 s": since the last call, and for so long that what ran does
+  // not go on by itself.
+  std::optional<std::string> TakeLongBreak();
   // Fails if an emergency stop was engaged since Active was commanded.
   Result<> CheckNoStop() const;
   bool open() const { return open_; }

@@ -27,6 +27,8 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
     }
   }
 
+  using ApplicationImpl::CheckNotLate;
+
   Result<> Send(std::string_view command) {
     if (waits_) {
       if (command == kStartCommand) {
@@ -99,7 +101,9 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
                                        report.held_by_stop = owner_.HeldByStop();
                                        reply(report);
                                      });
-      ServeCommands(topics, [this](const std::string& command) { return Send(command); });
+      ServeCommands(
+          topics, [this](const std::string& command) { return Send(command); },
+          [this](const std::string& command) { return machine_->IsUrgent(command); });
       published_.reset();
       Publish();
       owner_.OpenTopics(topics);
@@ -134,6 +138,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   Result<> StartOrResume() {
     if (Result<> checked = CheckNoStop(); !checked) return checked;
     if (ticking()) return Ok();
+    EndAfterBreak();
     ended_ |= started_ && !machine_->running();  // it was stopped in a pause
     waits_ = Waits();
     if (waits_) {
@@ -161,6 +166,7 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
 
   // A START that fails was not given.
   Result<> BeginByCommand() {
+    static_cast<void>(EndAfterBreak());  // one of before START
     const bool commanded = std::exchange(commanded_, true);
     const bool ended = std::exchange(ended_, false);
     started_ = false;
@@ -176,7 +182,30 @@ class FsmActuator::Impl final : public ApplicationImpl, private fsm::Listener {
   // For START.
   bool Waits() const { return ended_ || (options_.begin == Begin::kOnCommand && !commanded_); }
 
+  // What ran long ago does not go on by itself: the machine begins as after a restart of its
+  // process. Whether it was ended.
+  bool EndAfterBreak() {
+    if (!options_.ends_after_break) return false;
+    const auto could_not_run = TakeLongBreak();
+    if (!could_not_run) return false;
+    commanded_ = false;
+    if (!machine_->running()) return false;
+    owner_.Log(LogLevel::kWarning, "the machine is ended: " + *could_not_run);
+    End();
+    started_ = false;
+    return true;
+  }
+  void BeginAfterBreak() {
+    if (Result<> begun = StartOrResume(); !begun) {
+      Pause();  // an incomplete start is not left running
+      ended_ = waits_ = true;
+      owner_.Log(LogLevel::kError, "waits for START: " + begun.error().message);
+    }
+    Publish();
+  }
+
   void Tick() override {
+    if (EndAfterBreak()) return BeginAfterBreak();
     const Time now = Now();
     in_tick_ = true;
     const bool well = GuardTick("BeforeTick", before_fault_, [&] { owner_.BeforeTick(now); });
@@ -294,6 +323,9 @@ Time FsmActuator::Now() const {
 }
 msg::Stamp FsmActuator::Stamp() const {
   return impl_->OnLoop().Stamp();
+}
+Result<> FsmActuator::CheckNotLate() const {
+  return impl_->OnLoop().CheckNotLate();
 }
 
 void FsmActuator::OnEmergencyStop() {

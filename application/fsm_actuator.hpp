@@ -13,7 +13,10 @@
 //       return machine.Build("IDLE");
 //     }
 //     void OpenTopics(transport::Endpoints& topics) override {
-//       topics.Subscribe<msg::String>("show/command", [this](const msg::String& word) { ... });
+//       topics.Subscribe<msg::String>("show/command", [this](const msg::String& word) {
+//         if (const Result<> timely = CheckNotLate(); !timely) return Log(timely.error());
+//         ...
+//       });
 //     }
 //     void AfterTick(Time now) override { ... publish what the states have put into data_ ... }
 //     void OnPause() override { ... bring the outputs to neutral ... }
@@ -37,6 +40,8 @@
 //   an emergency stop: OnPause() at once, and it is paused until the stop is released and Active is
 //                  set again, also where the robot is still in Active
 //                  (during SetUp nothing moves yet: there is nothing to pause)
+//   its process could not run for more than a minute: is stopped, OnPause(), and begins as after a
+//                  restart of its process (with Begin::kOnCommand, by START)
 // clang-format on
 //
 // A machine that its application stops, by Machine::Stop(), has ended: it begins again by START,
@@ -60,6 +65,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -82,6 +88,9 @@ class FsmActuator : public MachineActuator {
     Begin begin = Begin::kAtActive;  // its start state stands, and waits for a command
     Resume resume = Resume::kWhereItWas;
     fsm::Machine::Options machine{};  // a default name is replaced by the actuator's
+    // After more than a minute in which its process could not run. False: the application finds
+    // that out itself (transport/loop_breaks.hpp).
+    bool ends_after_break = true;
   };
 
   explicit FsmActuator(const std::string& actuator_name) : FsmActuator(actuator_name, Options{}) {}
@@ -132,6 +141,10 @@ class FsmActuator : public MachineActuator {
   Time Now() const;
   // The same as a stamp of messages, see transport::Clock; zero without a transport.
   msg::Stamp Stamp() const;
+  // Fails where this process could not run just now (base/break_watch.hpp): a command that has just
+  // arrived may be as old. For commands that move the robot by topics of the application;
+  // <actuator>/send_command has it. On the loop only.
+  Result<> CheckNotLate() const;
   void OnEmergencyStop() override;
 
  private:

@@ -27,6 +27,8 @@ enum class ApplicationRefusal : std::uint8_t {
   kInsideOwnTree,
   kNotOneSkill,
   kOtherRobot,
+  kMayBeLate,
+  kUnderWay,
 };
 
 struct ApplicationRefusalForm {
@@ -54,6 +56,11 @@ inline constexpr auto kApplicationRefusals = std::to_array<ApplicationRefusalFor
      "expected one skill in skill_list, found {count}"},
     {ApplicationRefusal::kOtherRobot, kCodeParametersInvalid,
      "the skill is for the robot '{robot}', and this is {own robot}"},
+    {ApplicationRefusal::kMayBeLate, kCodeStateInvalid,
+     "{actuator} could not run for {seconds} s, and the request may be as old: look at the robot, "
+     "then repeat it"},
+    {ApplicationRefusal::kUnderWay, kCodeStateInvalid,
+     "{actuator} is under way already; START begins what rests"},
 });
 
 constexpr const ApplicationRefusalForm& FormOf(ApplicationRefusal why) {

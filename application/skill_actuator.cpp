@@ -71,6 +71,10 @@ class SkillActuator::Impl final : public ApplicationImpl {
     if (ticking()) return Ok();
     return Refused<ApplicationRefusal::kRunsNoSkills>(owner_.name(), Whereabouts());
   }
+  Result<> CheckMayStart() const {
+    Result<> may = CheckTicking();
+    return may ? CheckNotLate() : may;
+  }
 
   void CancelAtOnce(const std::string& why) {
     StopTicks();
@@ -211,7 +215,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   }
 
   Result<std::string> ResumeOne(const std::string& skill) {
-    Result<> resumed = CheckTicking();
+    Result<> resumed = CheckMayStart();
     if (resumed) resumed = manager_->Resume(skill);
     if (!resumed) {
       owner_.Log(LogLevel::kWarning, "resume refused: " + resumed.error().message);
@@ -230,6 +234,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
       manager_->CancelAllNow("it does not go on: " + over);
       ReportGoals();
     }
+    EndAfterBreak();
     end_faults_.clear();
     StartTicks();
     return Ok();
@@ -273,7 +278,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   void Start(const Goal& goal) {
     const Result<Request> request = RequestOf(goal);
     Result<> started = request ? CheckRobot(goal) : Result<>(request.error());
-    if (started) started = CheckTicking();
+    if (started) started = CheckMayStart();
     Goal own = goal;
     const std::string by = transport::NameOf(*node_, goal.caller());
     if (started) {
@@ -314,7 +319,14 @@ class SkillActuator::Impl final : public ApplicationImpl {
     own.Canceled({false, "cancelled: before it was started"});
   }
 
+  // As after a restart: what ran long ago does not go on by itself.
+  void EndAfterBreak() {
+    const auto could_not_run = TakeLongBreak();
+    if (manager_ && could_not_run) manager_->CancelAllNow("it does not go on: " + *could_not_run);
+  }
+
   void Tick() override {
+    EndAfterBreak();
     const Time now = Now();
     const auto before = Thrown("BeforeTick", [&] { owner_.BeforeTick(now); });
     if (!before) manager_->RunOnce(now);
@@ -420,6 +432,9 @@ bool SkillActuator::ticking() const {
 }
 Result<> SkillActuator::CheckTicking() const {
   return impl_->OnLoop().CheckTicking();
+}
+Result<> SkillActuator::CheckMayStart() const {
+  return impl_->OnLoop().CheckMayStart();
 }
 Time SkillActuator::Now() const {
   return impl_->OnLoop().Now();

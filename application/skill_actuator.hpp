@@ -114,6 +114,9 @@ class SkillActuator : public MachineActuator {
   // Why no skill can be started now: the state, or a stop that holds the actuator. On the loop
   // only.
   Result<> CheckTicking() const;
+  // The same, or that a request which has just arrived may be old, because this process could not
+  // run: for skills that a request of the application's own starts. On the loop only.
+  Result<> CheckMayStart() const;
   // The time of the machine's clock. On the loop only.
   Time Now() const;
 

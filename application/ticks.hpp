@@ -11,6 +11,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/loop_breaks.hpp"
 
 namespace musher {
 
@@ -32,8 +33,7 @@ std::optional<std::string> Thrown(const char* name, const Hook& hook) {
 class Ticks {
  public:
   void Open(transport::Endpoints& topics) {
-    const auto wire = std::make_shared<Wire>();
-    wire->loop = &topics.node().loop();
+    const auto wire = std::make_shared<Wire>(topics.node().loop());
     wire->clock = &topics.clock();
     topics.Keep(wire);
     wire_ = wire;
@@ -68,6 +68,16 @@ class Ticks {
     const auto wire = wire_.lock();
     return wire ? wire->loop->Now() : Time{};
   }
+  // How long this process could not run just now, see BreakWatch.
+  std::optional<Duration> RecentBreak() const {
+    const auto wire = wire_.lock();
+    return wire ? wire->breaks.Recent() : std::nullopt;
+  }
+  // The longest such break since the last call, whenever it was; for what runs.
+  std::optional<Duration> TakeBreak() const {
+    const auto wire = wire_.lock();
+    return wire ? wire->breaks.Take() : std::nullopt;
+  }
   // Runs `work` after the present handler, unless the endpoints are closed by then.
   void Post(std::function<void()> work) const {
     const auto wire = wire_.lock();
@@ -79,9 +89,12 @@ class Ticks {
 
  private:
   struct Wire {
-    transport::EventLoop* loop = nullptr;
+    explicit Wire(transport::EventLoop& own) : loop(&own), breaks(own) {}
+
+    transport::EventLoop* loop;
     transport::Clock* clock = nullptr;
     transport::LoopHandlePtr ticks;
+    transport::LoopBreaks breaks;
   };
 
   std::weak_ptr<Wire> wire_;  // the endpoints keep it

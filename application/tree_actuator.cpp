@@ -42,6 +42,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
     const Halted halted = HaltNodes();
     if (!halted.fault.empty()) return RestFailed(halted.fault);
     const bool rests = halted.rests.value_or(false);
+    static_cast<void>(TakeLongBreak());  // one of before this command
     commanded_ = true;
     Use(std::move(loaded));
     halted_ = rests;
@@ -51,7 +52,14 @@ class TreeActuator::Impl final : public ApplicationImpl {
     return Ok();
   }
 
+  using ApplicationImpl::CheckNotLate;
+
   Result<> Restart() { return Stop(false); }
+  // For START, which begins what rests.
+  Result<> BeginByCommand() {
+    if (under_way()) return Refused<ApplicationRefusal::kUnderWay>(owner_.name());
+    return Restart();
+  }
   void Halt() { static_cast<void>(Stop(true)); }
 
   Impl& OnLoop() { return CheckThread(), *this; }  // for calls that are on the loop only
@@ -115,7 +123,9 @@ class TreeActuator::Impl final : public ApplicationImpl {
       topics.Serve<msg::GetTree>(
           owner_.name() + "/get_tree",
           [this](const auto& request, auto reply) { reply(ReportTree(View(), request)); });
-      ServeCommands(topics, [this](const std::string& command) { return Send(command); });
+      ServeCommands(
+          topics, [this](const std::string& command) { return Send(command); },
+          [](const std::string&) { return false; });
       Report(true);
       owner_.OpenTopics(topics);
     });
@@ -220,11 +230,13 @@ class TreeActuator::Impl final : public ApplicationImpl {
     reported_changes_ = 0;
   }
 
+  bool under_way() const { return has_tree() && !resting_; }
   bool MayBegin() const { return commanded_ || options_.begin == Begin::kAtActive; }
 
   Result<> Continue() {
     if (Result<> checked = CheckNoStop(); !checked) return checked;
     if (ticking()) return Ok();
+    RestAfterBreak();
     if (options_.resume == Resume::kNewBlackboard && has_tree()) {
       Loaded fresh{loaded_.document, loaded_.entries, loaded_.main, nullptr};
       if (Result<> built = Build(fresh, *factory_); !built) return built;
@@ -246,6 +258,24 @@ class TreeActuator::Impl final : public ApplicationImpl {
     return Ok();
   }
 
+  // What ran long ago does not go on by itself: the tree begins as after a restart of its process.
+  void RestAfterBreak() {
+    const auto could_not_run = TakeLongBreak();
+    if (!could_not_run) return;
+    const bool under_way = this->under_way();
+    HaltTree();
+    commanded_ = false;
+    resting_ = resting_ || !MayBegin();
+    time_.Pause();
+    CallOnPause([&] { owner_.OnBreak(); });
+    if (under_way) {
+      owner_.Log(LogLevel::kWarning, std::string("the tree ") +
+                                         (resting_ ? "rests" : "begins at its root") + ": " +
+                                         *could_not_run);
+    }
+    Report(true);
+  }
+
   void Pause() {
     StopTicks();
     HaltTree();
@@ -261,7 +291,10 @@ class TreeActuator::Impl final : public ApplicationImpl {
       rests_later_ = rests;
       return Ok();
     }
-    if (!rests) ForgetFault();
+    if (!rests) {
+      static_cast<void>(TakeLongBreak());  // one of before this command
+      ForgetFault();
+    }
     const Halted halted = HaltNodes();
     if (!rests && !halted.fault.empty()) return RestFailed(halted.fault);
     FinishHalt(rests || halted.rests.value_or(false));
@@ -312,6 +345,7 @@ class TreeActuator::Impl final : public ApplicationImpl {
   }
 
   void Tick() override {
+    RestAfterBreak();
     const Time now = Now();
     if (now < time_.last()) JumpBack(now);
     time_.Continue(now);
@@ -479,7 +513,7 @@ void TreeActuator::Restart() {
   static_cast<void>(impl_->OnLoop().Restart());  // a fault is reported
 }
 Result<> TreeActuator::OnStartCommand() {
-  return impl_->OnLoop().Restart();
+  return impl_->OnLoop().BeginByCommand();
 }
 void TreeActuator::Halt() {
   impl_->OnLoop().Halt();
@@ -492,6 +526,9 @@ tree::Status TreeActuator::result() const {
 }
 const std::string& TreeActuator::last_fault() const {
   return impl_->OnLoop().last_fault();
+}
+Result<> TreeActuator::CheckNotLate() const {
+  return impl_->OnLoop().CheckNotLate();
 }
 Time TreeActuator::Now() const {
   return impl_->OnLoop().Now();

@@ -27,6 +27,8 @@
 //   an emergency stop: the same at once, until the stop is released and Active is set again, also
 //                  where the robot is still in Active
 //                  (during SetUp nothing runs yet: there is nothing to halt)
+//   its process could not run for more than a minute: its running nodes are halted; OnBreak(). It
+//                  rests until a command to begin (with Begin::kAtActive: begins at its root)
 // clang-format on
 //
 // A node may ask for a tick at once, by its WakeUp, when what it awaits has come; the ticks of the
@@ -34,7 +36,8 @@
 //
 // Without a command to begin since the process began, the tree rests in Active: a restarted process
 // moves nothing (begin.hpp). The command is START on the service `<actuator>/send_command`
-// (`musher behavior NAME --tree --send START`), Load() or Restart().
+// (`musher behavior NAME --tree --send START`), Load() or Restart(). A tree that is under way
+// refuses START: one that is sent twice does not send the robot back to the beginning.
 //
 // The end of the tree: after SUCCESS, FAILURE or SKIPPED it rests until Restart(), Load() or Halt()
 // (or begins again with the next tick: Options::restart_after_end). It also rests over a pause: a
@@ -137,7 +140,12 @@ class TreeActuator : public MachineActuator {
   // The robot goes to Active; called before the first tick. An exception fails the switch to Active
   // with its text, after OnPause().
   virtual void OnResume() {}
-  // START was sent, in Active. An error refuses it. This one is Restart().
+  // The process could not run for more than a minute: what ran does not go on by itself. The nodes
+  // are already halted, and the tree rests, except with Begin::kAtActive. As OnPause(), which this
+  // one calls.
+  virtual void OnBreak() { OnPause(); }
+  // START was sent, in Active. An error refuses it. This one is Restart(), unless the tree is under
+  // way.
   virtual Result<> OnStartCommand();
 
   // All of these on the loop only, from SetUp on.
@@ -164,6 +172,10 @@ class TreeActuator : public MachineActuator {
   // IDLE: there is none, it was halted, or it has not been ticked yet; RUNNING; or how it ended.
   tree::Status result() const;
   const std::string& last_fault() const;  // since Load() or Restart(); "" for none
+  // Fails where this process could not run just now, see BreakWatch: a request that has just
+  // arrived may be as old. For requests of the application's own that begin motion;
+  // <actuator>/send_command has it.
+  Result<> CheckNotLate() const;
   // The time of the machine's clock.
   Time Now() const;
   // The same as a stamp of messages, see transport::Clock; zero without a transport.

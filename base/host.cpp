@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -161,6 +162,16 @@ std::uint64_t NewIncarnation() {
   clock_gettime(CLOCK_BOOTTIME, &now);
   return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U +
          static_cast<std::uint64_t>(now.tv_nsec);
+}
+
+Duration TimeSuspendedHere() {
+  const auto now = [](clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+  };
+  const auto monotonic = now(CLOCK_MONOTONIC);  // first, so that the result is never below 0
+  return now(CLOCK_BOOTTIME) - monotonic;
 }
 
 Result<UniqueFd> OpenPidfd(pid_t pid) {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/base/unique_fd.hpp"
 
 namespace musher {
@@ -40,6 +41,10 @@ std::string UserAtHost();
 // Nanoseconds since the host was booted: an id for a process that starts now, higher than that of
 // any process that started earlier, independent of the wall clock.
 std::uint64_t NewIncarnation();
+
+// How long this computer was suspended since its boot: CLOCK_BOOTTIME counts that, steady time does
+// not.
+Duration TimeSuspendedHere();
 
 // A descriptor of the process, readable once the process has exited; it never refers to another
 // process that reuses the pid. Fails if no such process is alive.

@@ -15,20 +15,22 @@ namespace musher {
 template <class T>
 class Recent {
  public:
-  explicit Recent(std::size_t capacity) : capacity_(capacity), ring_(capacity) {}
+  explicit Recent(std::size_t capacity)
+      : capacity_(capacity), ring_(std::max<std::size_t>(1, capacity)) {}
 
   void Add(const T& entry) {
     if (capacity_ == 0) return;
     ring_[next_] = entry;
     Advance();
   }
-  // The same of its fields, in its place: to make it elsewhere and copy it takes much longer.
+  // The same of its fields, in its place: to make it elsewhere and copy it takes much longer. The
+  // entry stays there until the next one; also with a capacity of 0, which has a place for it.
   template <class... Fields>
   requires std::is_trivially_destructible_v<T>
-  void Emplace(Fields... fields) {
-    if (capacity_ == 0) return;
-    ::new (static_cast<void*>(&ring_[next_])) T{fields...};
+  const T& Emplace(Fields... fields) {
+    const T& entry = *::new (static_cast<void*>(&ring_[next_])) T{fields...};
     Advance();
+    return entry;
   }
   void Clear() { next_ = added_ = 0; }
 
@@ -44,7 +46,7 @@ class Recent {
 
  private:
   void Advance() {
-    next_ = next_ + 1 == capacity_ ? 0 : next_ + 1;
+    next_ = next_ + 1 < capacity_ ? next_ + 1 : 0;
     ++added_;
   }
 

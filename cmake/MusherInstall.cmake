@@ -41,18 +41,18 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/robot DESTINATION ${CMAKE_INSTA
         COMPONENT core)
 install(FILES ${PROJECT_SOURCE_DIR}/examples/robot.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples
         COMPONENT core)
-# The templates of `musher new`: those in Python come with the Python package, which runs them.
+# The templates of `musher new`. What is in Python comes with the Python package, which runs it.
 file(GLOB templates CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/examples/new_*)
-set(python_templates ${templates})
-list(FILTER python_templates INCLUDE REGEX "/new_python_[a-z]+$")
 list(FILTER templates EXCLUDE REGEX "/new_python_[a-z]+$")
+file(GLOB python_projects CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/examples/new_python_*
+     ${PROJECT_SOURCE_DIR}/examples/python_*)
 install(DIRECTORY ${templates} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples COMPONENT core
         USE_SOURCE_PERMISSIONS)
-install(DIRECTORY ${python_templates} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples COMPONENT python
+install(DIRECTORY ${python_projects} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples COMPONENT python
         USE_SOURCE_PERMISSIONS PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE PATTERN "examples/new_*" EXCLUDE
-        PATTERN "examples/robot" EXCLUDE PATTERN "examples/robot.toml" EXCLUDE)
+        PATTERN "examples/python_*" EXCLUDE PATTERN "__pycache__" EXCLUDE PATTERN "examples/robot" EXCLUDE PATTERN "examples/robot.toml" EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT license)
 
 # The unit names the installed program, wherever that is by then.

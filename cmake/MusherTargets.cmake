@@ -162,17 +162,18 @@ function(musher_man_page name)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endfunction()
 
-# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s] [ALONE regex] [EACH] [NIGHTLY]
-# [NIGHTLY_TESTS regex]) makes a
+# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s] [ALONE regex] [EACH] [COMPUTES]
+# [NIGHTLY] [NIGHTLY_TESTS regex]) makes a
 # GoogleTest program and gives its suites to ctest, which starts those of high cost first. A start takes 0.05
 # to 0.5 s of a CPU and most tests take less: a process for each test doubled the time of all. ALONE: only the suites
 # whose names match have a process each, and the others, which leave nothing behind, one for all; OpenCV's programs
 # need 0.3 s to start. EACH: one for
-# each test, of suites with tests of many seconds, which can run beside each other. NIGHTLY: only
+# each test, of suites with tests of many seconds, which can run beside each other. COMPUTES: they use a CPU and
+# hundreds of MB all the time, where other tests wait; ctest runs few of them at a time. NIGHTLY: only
 # MUSHER_NIGHTLY builds the program with `all` and gives its tests to ctest; NIGHTLY_TESTS: only the tests
 # (without EACH, suites) whose names match.
 function(musher_test name)
-  cmake_parse_arguments(ARG "EACH;NIGHTLY" "TIMEOUT;COST;ALONE;NIGHTLY_TESTS" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "EACH;COMPUTES;NIGHTLY" "TIMEOUT;COST;ALONE;NIGHTLY_TESTS" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   musher_target(${name})
   target_include_directories(${name} PRIVATE ${MUSHER_INCLUDE_DIR})
@@ -188,7 +189,7 @@ function(musher_test name)
     set(ARG_NIGHTLY_TESTS "^$")
   endif()
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 300)
+    set(ARG_TIMEOUT 900)  # far beyond need: a busy computer is no failure
     if(MUSHER_NIGHTLY)  # more cases, and perhaps beside a build
       set(ARG_TIMEOUT 1800)
     endif()
@@ -199,7 +200,7 @@ function(musher_test name)
   set(tests ${CMAKE_CURRENT_BINARY_DIR}/${name}_tests.cmake)
   add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${tests}
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> "-DEMULATOR=${MUSHER_EMULATOR}" -DOUTPUT=${tests} -DEACH=${ARG_EACH} "-DALONE=${ARG_ALONE}"
-            -DNIGHTLY=${MUSHER_NIGHTLY}
+            -DNIGHTLY=${MUSHER_NIGHTLY} -DCOMPUTES=${ARG_COMPUTES}
             -DTIMEOUT=${ARG_TIMEOUT} -DCOST=${ARG_COST} "-DLABELS=${ARG_LABELS}"
             "-DLEFT_OUT=${ARG_NIGHTLY_TESTS}"
             -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverTests.cmake)

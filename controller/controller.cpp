@@ -321,6 +321,7 @@ Result<> Controller::OpenShell() {
     dependencies.links.insert(extension.links.begin(), extension.links.end());
   }
   dependencies.wall_ns = WallNanoseconds;
+  dependencies.rules = Rules();
   dependencies.config_text = TextOf(config_);
   dependencies.host = HostId();
   dependencies.host_name = HostName();
@@ -514,6 +515,12 @@ std::vector<std::string> Controller::OtherFolders() const {
 StoredStops Controller::LoadStops() {
   const std::string& own = config_.state_dir;
   StoredStops stops = store_ ? store_->LoadEmergencyStops() : OpenStopsIn(own);
+  if (stops.led_elsewhere && options_.supervised) {
+    Trouble(
+        "a controller of another host has led this machine since this one: whether it has engaged "
+        "an emergency stop is not known here, so a start at boot or after a crash waits for a "
+        "request");
+  }
   const MachineOrigin machine = Origin();
   std::vector<std::string> folders = OtherFolders();
   for (const StopsElsewhere& other : FindStopsElsewhere(own, machine, folders, stops)) {
@@ -528,8 +535,8 @@ StoredStops Controller::LoadStops() {
   stops.unread = FindUnreadFolders(store_ ? own : "", machine, folders, stops.unread);
   for (const UnreadFolder& unread : stops.unread) {
     if (unread.answered) continue;
-    Trouble("whether an emergency stop is engaged, or the battery was low, in " + unread.folder +
-            ", where this machine may have its files, is not known: " + WhyUnread(unread));
+    Trouble("an emergency stop or a low battery may be recorded in " + unread.folder +
+            ", where this machine may have its files: " + WhyUnread(unread));
   }
   return stops;
 }
@@ -628,6 +635,14 @@ Epoch Controller::LoadEpoch() {
   if (epoch) return epoch.value();
   Trouble(epoch.error().message);
   return 0;
+}
+
+// The robot runs without rules that cannot be read: they only report.
+UserRules Controller::Rules() {
+  UserRulesReading read = ReadRulesOf(config_);
+  if (read.diagnostics.empty()) return std::move(read.rules);
+  Trouble("the rules of [safety] are not checked: " + FormatDiagnostic(read.diagnostics.front()));
+  return {};
 }
 
 void Controller::Trouble(const std::string& message) {

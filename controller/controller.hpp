@@ -116,6 +116,7 @@ class Controller {
   void TakeIdentity();
   void OpenLogs();
   void WatchNetwork();
+  UserRules Rules();
   void Trouble(const std::string& message);
 
   transport::Node& node_;

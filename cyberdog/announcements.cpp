@@ -58,7 +58,7 @@ void Announcements::FollowSwitch(const action::Record& record) {
   }
 }
 
-void Announcements::PublishEnd(const Pending& ended, std::int32_t code) {
+void Announcements::PublishEnd(const PendingSwitch& ended, std::int32_t code) {
   published_state_ = machine_.state;
   if (machine_.state != ended.target) {
     publish_state_({msg::StateSwitchStatus::kError, code});

@@ -26,7 +26,7 @@ class Announcements {
   void OnRecord(const action::Record& record);
 
  private:
-  struct Pending {  // a switch under way
+  struct PendingSwitch {  // a switch under way
     CommandNumber number = 0;
     State target;
     bool published = false;
@@ -34,13 +34,13 @@ class Announcements {
 
   bool Leads() const;
   void FollowSwitch(const action::Record& record);
-  void PublishEnd(const Pending& ended, std::int32_t code);
+  void PublishEnd(const PendingSwitch& ended, std::int32_t code);
   void PublishReady();
 
   transport::EventLoop& loop_;
   const MachineConfig& config_;
   const Machine& machine_;
-  std::optional<Pending> pending_;
+  std::optional<PendingSwitch> pending_;
   State published_state_;
   int ready_times_ = 0;
   std::function<void(const msg::StateSwitchStatus&)> publish_state_;

@@ -35,13 +35,13 @@ void Requests::ServeStates(transport::Endpoints& endpoints) {
   endpoints.SubscribeWithInfo<msg::UInt8>(
       kMachineStateSwitch,
       [this](const msg::UInt8& wanted, const transport::SampleInfo& info) {
-        OnSwitch(wanted.data, NameOf(info.participant));
+        OnSwitch(wanted.data, info.participant);
       },
       {});
   endpoints.Serve<msg::MachineState>(
       kMachineStateSwitchKeep,
       [this](const auto& request, const KeepReply& reply, transport::ParticipantId caller) {
-        OnKeep(request, reply, NameOf(caller));
+        OnKeep(request, reply, caller);
       });
   endpoints.Serve<msg::Trigger>(kMachineStateValget, [this](const auto&, const auto& reply) {
     reply({true, std::string(TextOf(shell_.machine().state))});
@@ -56,7 +56,7 @@ void Requests::ServeSetBool(transport::Endpoints& endpoints, const char* name, P
         requested.what = what;
         requested.enable = request.data;
         requested.by = NameOf(caller);
-        Request(requested, [reply](const Result<>& result) {
+        Request(requested, caller, [reply](const Result<>& result) {
           reply(ReplyFrom<msg::SetBool::Response>(result));
         });
       });
@@ -69,7 +69,7 @@ void Requests::ServePower(transport::Endpoints& endpoints) {
           event::PolicyRequested requested;
           requested.what = what;
           requested.by = NameOf(caller);
-          Request(requested, [reply](const Result<>& result) {
+          Request(requested, caller, [reply](const Result<>& result) {
             reply(ReplyFrom<msg::Trigger::Response>(result));
           });
         });
@@ -83,18 +83,33 @@ void Requests::ServePower(transport::Endpoints& endpoints) {
     const bool on = shell_.machine().policy.low_power;
     reply({on, on ? "on" : "off"});
   });
-  endpoints.Subscribe<msg::Bool>(kDogWakeup, [this](const msg::Bool&) { OnWakeWord(); });
+  endpoints.SubscribeWithInfo<msg::Bool>(
+      kDogWakeup,
+      [this](const msg::Bool&, const transport::SampleInfo& info) { OnWakeWord(info.participant); },
+      {});
 }
 
-void Requests::Request(const event::PolicyRequested& requested,
+void Requests::Request(const event::PolicyRequested& requested, transport::ParticipantId caller,
                        const ControllerShell::OnAnswer& done) {
+  if (const auto other = shell_.MeantForAnother(caller)) {
+    shell_.Remark(other->code, (requested.by.empty() ? "" : requested.by + ": ") + other->message);
+    return done(*other);
+  }
   const bool to_a_state =
       requested.what == PolicyRequest::kSwitch || requested.what == PolicyRequest::kKeep;
   const bool urgent = requested.state == kTearDown || requested.state == kError;
-  const bool cancels = requested.what == PolicyRequest::kKeep && requested.ticks == 0;
+  // Without a stay that it ends, a keep of no time is a switch.
+  const bool cancels = requested.what == PolicyRequest::kKeep && requested.ticks == 0 &&
+                       shell_.machine().policy.keep.has_value();
   const bool leads_out = requested.what == PolicyRequest::kWakeUp ||
                          requested.what == PolicyRequest::kOta ||
                          (to_a_state && requested.state != kLowPower && !urgent && !cancels);
+  const auto late =
+      to_a_state ? shell_.MayBeLate(requested.state, std::nullopt) : shell_.MayBeLate();
+  if (late && (leads_out || WakesUp(requested.what, requested.enable))) {
+    shell_.RecordLate(requested, *late);
+    return done(*late);
+  }
   const PolicyState& policy = shell_.machine().policy;
   const bool refused = policy.keep || policy.level >= BatteryLevel::kLowPower;  // by the policy
   if (shell_.machine().state != kLowPower || !leads_out || refused) {
@@ -112,7 +127,7 @@ void Requests::Request(const event::PolicyRequested& requested,
   });
 }
 
-void Requests::OnSwitch(std::uint8_t number, const std::string& by) {
+void Requests::OnSwitch(std::uint8_t number, transport::ParticipantId caller) {
   const auto state = StateOfNumber(number);
   if (!state) {
     return shell_.Remark(kCodeParametersInvalid,
@@ -121,12 +136,12 @@ void Requests::OnSwitch(std::uint8_t number, const std::string& by) {
   event::PolicyRequested requested;
   requested.what = PolicyRequest::kSwitch;
   requested.state = *state;
-  requested.by = by;
-  Request(requested, [](const Result<>&) {});  // a refusal is in the journal
+  requested.by = NameOf(caller);
+  Request(requested, caller, [](const Result<>&) {});  // a refusal is in the journal
 }
 
 void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply& reply,
-                      const std::string& by) {
+                      transport::ParticipantId caller) {
   const bool kept = shell_.machine().policy.keep.has_value();
   const bool cancels = kept && request.ticks == 0;  // in whichever state
   const auto state = StateOfNumber(request.state);
@@ -139,8 +154,8 @@ void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply
   requested.what = PolicyRequest::kKeep;
   requested.state = state.value_or(shell_.machine().state);
   requested.ticks = request.ticks;
-  requested.by = by;
-  Request(requested, [reply, kept](const Result<>& result) {
+  requested.by = NameOf(caller);
+  Request(requested, caller, [reply, kept](const Result<>& result) {
     if (result) return reply({true, kCodeOk});
     if (kept) return reply({true, kKeptAlready});
     reply({false, result.error().code});
@@ -148,13 +163,13 @@ void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply
 }
 
 // Received all day long; only a resting robot wakes up by it.
-void Requests::OnWakeWord() {
+void Requests::OnWakeWord(transport::ParticipantId caller) {
   const State& state = shell_.machine().state;
   if (state == kActive || state == kProtected || power_saving_.leaving()) return;
   event::PolicyRequested requested;
   requested.what = PolicyRequest::kWakeUp;
   requested.by = "the wake word";
-  Request(requested, [](const Result<>&) {});  // a refusal is in the journal
+  Request(requested, caller, [](const Result<>&) {});  // a refusal is in the journal
 }
 
 }  // namespace musher::cyberdog

@@ -26,12 +26,14 @@ class Requests {
   void ServePower(transport::Endpoints& endpoints);
   void ServeSetBool(transport::Endpoints& endpoints, const char* name, PolicyRequest what);
   // Sends a request to the policy; if it leads out of LowPower, once the board has left low power.
-  // TearDown and Error do not wait for the board, and a refused request does not wake it.
-  void Request(const event::PolicyRequested& requested, const ControllerShell::OnAnswer& done);
-  void OnSwitch(std::uint8_t number, const std::string& by);
+  // TearDown and Error do not wait for the board, and a refused request does not wake it. A request
+  // of an actuator of another robot, such as by its power key, is refused.
+  void Request(const event::PolicyRequested& requested, transport::ParticipantId caller,
+               const ControllerShell::OnAnswer& done);
+  void OnSwitch(std::uint8_t number, transport::ParticipantId caller);
   void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply,
-              const std::string& by);
-  void OnWakeWord();
+              transport::ParticipantId caller);
+  void OnWakeWord(transport::ParticipantId caller);
   // Of the participant that requests; empty: it has none.
   std::string NameOf(transport::ParticipantId participant) const {
     return node_.RosNodeOf(participant);

@@ -43,6 +43,8 @@ enum class EventName {
   kControllerRemark,
   kReleaseUnconfirmed,
   kStateNotWritable,
+  kRuleViolated,
+  kRequestRefused,
   // A switch.
   kSwitchRequested,
   kSwitchWaiting,
@@ -162,6 +164,8 @@ inline constexpr auto kEventNames = std::to_array<std::string_view>({
     "controller_remark",
     "release_unconfirmed",
     "state_not_writable",
+    "rule_violated",
+    "request_refused",
     "switch_requested",
     "switch_waiting",
     "switch_started",

@@ -105,6 +105,7 @@ enum class Refusal : std::uint8_t {
   kCommandBeforeSafeState,
   kNoStateToSwitchTo,
   kControlled,
+  kActuatorMayBeLate,
   // A capability.
   kNotDeclared,
   kStopForbidsCapability,
@@ -125,6 +126,7 @@ enum class Refusal : std::uint8_t {
   kNameTooLong,
   kUnknownRequest,
   kRequestOfOtherMachine,
+  kMayBeLate,
   kMachineStopped,
   kRivalTakesOver,
   // The start of a controller.
@@ -202,8 +204,8 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
      "no state was requested since the last emergency stop, and a manager does not switch on after "
      "it: run `musher set {target}`"},
     {Refusal::kStopsUnread, kCodeStateInvalid,
-     "whether an emergency stop is engaged in {folder} is not known: {why}; a manager cannot "
-     "decide that: check the robot, then run `musher set {target}`"},
+     "an emergency stop may be engaged in {folder}: {why}; a manager cannot decide that: check the "
+     "robot, then run `musher set {target}`"},
 
     {Refusal::kNoPolicy, kCodeUnSupport, "the config has no [policy]"},
     {Refusal::kNoLowPowerPolicy, kCodeUnSupport, "the config has no [policy.low_power]"},
@@ -278,6 +280,9 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
     {Refusal::kNoStateToSwitchTo, kCodeUnSupport,
      "{actuator} has no state '{state}' to be switched to"},
     {Refusal::kControlled, kCodePermissionDenied, "a controller has control, epoch {epoch}"},
+    {Refusal::kActuatorMayBeLate, kCodeStateInvalid,
+     "{actuator} could not run for {seconds} s, and the command may be as old: look at the robot, "
+     "then repeat it"},
 
     {Refusal::kNotDeclared, kCodeStateInvalid, "{capability} is not declared for {actuator}"},
     {Refusal::kStopForbidsCapability, kCodeStateInvalid,
@@ -309,6 +314,9 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
     {Refusal::kUnknownRequest, kCodeParametersInvalid, "unknown request '{request}'"},
     {Refusal::kRequestOfOtherMachine, kCodePermissionDenied,
      "the request is meant for another machine, {machine}; this one is {own machine}"},
+    {Refusal::kMayBeLate, kCodeStateInvalid,
+     "this controller could not run for {seconds} s, and the request may be as old: look at the "
+     "robot, then repeat it"},
     {Refusal::kMachineStopped, kCodeStateInvalid,
      "the machine is stopped; only a new start brings it back"},
     {Refusal::kRivalTakesOver, kCodePermissionDenied,

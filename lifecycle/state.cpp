@@ -24,6 +24,12 @@ std::optional<Rank> BuiltInRank(std::string_view state) {
   return static_cast<Rank>(found - std::begin(kByRank));
 }
 
+bool RaisesNothing(std::optional<Rank> from, Rank to) {
+  if (from && to < *from) return true;
+  const Rank at_rest = *BuiltInRank(kDeActive);
+  return to <= at_rest && to <= from.value_or(at_rest);
+}
+
 std::uint8_t MachineStateNumber(std::string_view state) {
   const auto& states = BuiltInStates();
   return static_cast<std::uint8_t>(std::find(states.begin(), states.end(), state) - states.begin());

@@ -97,6 +97,11 @@ class State {
 using Rank = int;
 std::optional<Rank> BuiltInRank(std::string_view state);
 
+// Whether the callback of a state of rank `to` raises nothing and switches nothing on of what is in
+// a state of rank `from`: it leads down, or no higher than both `from` and DeActive, such as that
+// of LowPower once more. nullopt is a step of a start, which counts as DeActive.
+bool RaisesNothing(std::optional<Rank> from, Rank to);
+
 // All built-in states in CyberDog's numbering, Uninitialized first.
 const std::vector<BuiltInState>& BuiltInStates();
 bool IsBuiltInState(std::string_view state);

@@ -135,7 +135,7 @@ Result<> Root::Change(const std::function<Result<SlotState>(const SlotState&)>& 
   if (!state) return state.error();
   const auto next = change(state.value());
   if (!next) return next.error();
-  return SaveState(next.value());
+  return SaveOrPutBack(state.value(), next.value());
 }
 
 Result<Boot> Root::Boot(std::optional<Slot> running, bool takes_trial) const {
@@ -149,7 +149,8 @@ Result<Boot> Root::Boot(std::optional<Slot> running, bool takes_trial) const {
   if (!boot) return boot.error();
   ReportUnfinished(boot.value());
   if (state != boot.value().next) {
-    const auto saved = SaveState(boot.value().next);
+    const auto saved =
+        state ? SaveOrPutBack(*state, boot.value().next) : SaveState(boot.value().next);
     if (!saved && boot.value().on_trial_boot) {
       SlotState untried = *state;
       untried.on_trial_boot = false;
@@ -214,6 +215,26 @@ std::optional<Slot> Root::CurrentSlot() const {
 
 Result<> Root::SaveState(const SlotState& state) const {
   return Replace(*disk_, StateFile(), FormatState(state), 0644);
+}
+
+// A save may fail once the file has its new content, by an error of the folder's sync. A version
+// whose change was reported as failed must not be started by it then. A trial boot that is given up
+// or postponed stays so.
+Result<> Root::SaveOrPutBack(const SlotState& former, const SlotState& next) const {
+  const Result<> saved = SaveState(next);
+  const bool gives_up = former.on_trial_boot && next.confirmed == former.confirmed &&
+                        (!next.on_trial_boot || !next.started);
+  const auto is_due = [this](const SlotState& state) {
+    const auto now = LoadState();
+    return now && now->confirmed == state.confirmed && now->on_trial_boot == state.on_trial_boot &&
+           now->started == state.started;
+  };
+  if (saved || gives_up || is_due(former) || !is_due(next)) return saved;
+  [[maybe_unused]] const auto put_back = SaveState(former);
+  if (!is_due(next)) return saved;
+  return Error{saved.error().code, saved.error().message +
+                                       "; the change cannot be put back either: the next start "
+                                       "acts as if it had succeeded"};
 }
 
 Result<> Root::PointTo(Slot slot) const {

@@ -65,7 +65,8 @@ class Root {
   std::optional<SlotState> LoadState() const;
   // The state on disk, or a reconstructed one if it is lost.
   Result<SlotState> State() const;
-  // Replaces the state by the result of `change`, under the lock.
+  // Replaces the state by the result of `change`, under the lock. After an Error no version is due
+  // that was not due before, as far as the disk permits that.
   Result<> Change(const std::function<Result<SlotState>(const SlotState&)>& change) const;
 
   // Chooses which slot is started now, and saves that. Does not begin a trial boot that cannot be
@@ -88,6 +89,7 @@ class Root {
   std::string CurrentLink() const { return path_ + "/current"; }
   std::optional<Slot> CurrentSlot() const;
   Result<> SaveState(const SlotState& state) const;
+  Result<> SaveOrPutBack(const SlotState& former, const SlotState& next) const;
   Result<> PointTo(Slot slot) const;
   Result<std::unique_ptr<Disk::Lock>> LockState() const;
 

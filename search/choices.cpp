@@ -90,6 +90,7 @@ class ChoiceList {
     if (world_.disk.stop_intent && !world_.stopped) Fault(ChoiceKind::kStartByPerson);
   }
 
+  // Not between two commands of one step, where ListSending() alone counts.
   void ListOtherMachine() {
     for (const ActuatorIndex i : world_.actuators.Indices()) {
       const SimActuator& actuator = world_.actuators[i];

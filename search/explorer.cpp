@@ -105,7 +105,9 @@ class Explorer {
 class DepthFirstExplorer {
  public:
   DepthFirstExplorer(const Model& model, const World& root, SearchLimits& limits)
-      : model_(model), root_(root), limits_(limits) {}
+      : model_(model), root_(root), limits_(limits) {
+    searched_.rule_coverage.resize(model.stable_rules.size());
+  }
 
   Searched Run() && {
     Visit(root_, 0);
@@ -148,6 +150,7 @@ class DepthFirstExplorer {
       ++searched_.figures.leaves;
       node.settles = true;
       Notes notes;
+      notes.rule_coverage = &searched_.rule_coverage;
       CheckRest(model_, node.world, notes);
       if (!notes.violations.empty()) return ReportFault(std::move(notes));
     }

@@ -38,6 +38,8 @@ struct Searched {
   Figures figures;
   std::optional<Fault> fault;
   bool finished = true;  // false: a limit has ended it
+  // Depth first alone: of each rule of the user, in the nodes in which nothing is left to happen.
+  std::vector<RuleCoverage> rule_coverage = {};
 };
 
 // What other threads set while a search runs.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <new>
@@ -111,7 +112,9 @@ class Roots {
 class Prover {
  public:
   Prover(const MachineConfig& config, const ProofOptions& options)
-      : config_(config), options_(options), roots_(config) {}
+      : config_(config), options_(options), roots_(config) {
+    proof_.rule_coverage.resize(options.stable_rules.size());
+  }
 
   Proof Run() && {
     roots_.Find([this] { return Ends({}); });
@@ -123,7 +126,7 @@ class Prover {
       if (!SearchAllWith(faults)) break;
       if (!proof_.counter_example) proof_.proved_faults = faults;
     }
-    for (const ProvedTask& task : proof_.tasks) proof_.figures += task.figures;
+    AddUpFigures();
     if (proof_.counter_example) {
       proof_.end = ProofEnd::kViolated;
       Replay(*proof_.counter_example);
@@ -175,6 +178,15 @@ class Prover {
     }
   }
 
+  void AddUpFigures() {
+    for (const ProvedTask& task : proof_.tasks) {
+      proof_.figures += task.figures;
+      for (std::size_t i = 0; i < task.rule_coverage.size(); ++i) {
+        proof_.rule_coverage[i] += task.rule_coverage[i];
+      }
+    }
+  }
+
   // To search for: then nothing would be proved.
   std::string WhyThereIsNothing() const {
     if (options_.from && !roots_.Has(*options_.from)) return NothingLeadsTo(*options_.from);
@@ -207,6 +219,7 @@ class Prover {
   Model ModelOf(const ProofTask& task) const {
     Model model(config_, task.to, options_.rules);
     model.stable_rules = options_.stable_rules;
+    model.other_machine = options_.other_machine;
     const auto alike = model.kinds;
     for (const ActuatorIndex i : model.kinds.Indices()) {
       model.kinds[i] = i;
@@ -234,7 +247,7 @@ class Prover {
   // Returns whether all searches with so many faults have ended by themselves. The first violation
   // ends all; then its shortest scenario is searched for.
   bool SearchAllWith(int faults) {
-    const std::vector<ProofTask> tasks = TasksWith(faults);
+    const std::vector<ProofTask> tasks = WithoutEarlier(TasksWith(faults));
     ForEach(tasks, [this](const ProofTask& task) { Search(task); });
     if (!proof_.counter_example) return !limits_.stop;
     if (!proof_.why.empty()) return true;
@@ -244,9 +257,28 @@ class Prover {
     return true;
   }
 
+  // Takes over what an earlier run has finished of them; returns the others.
+  std::vector<ProofTask> WithoutEarlier(const std::vector<ProofTask>& tasks) {
+    std::vector<ProofTask> left;
+    for (const ProofTask& task : tasks) {
+      const auto earlier = std::ranges::find_if(options_.earlier, [&](const ProvedTask& one) {
+        return one.finished && one.task == task;
+      });
+      if (earlier == options_.earlier.end()) {
+        left.push_back(task);
+        continue;
+      }
+      proof_.tasks.push_back(*earlier);
+      proof_.tasks.back().earlier = true;
+      limits_.nodes += earlier->figures.nodes;
+    }
+    return left;
+  }
+
   // Calls `search` with each task, in several threads.
   void ForEach(const std::vector<ProofTask>& tasks,
                const std::function<void(const ProofTask&)>& search) {
+    if (tasks.empty()) return;
     std::vector<std::size_t> work_of;
     work_of.reserve(tasks.size());
     for (const ProofTask& task : tasks) work_of.push_back(WorkOf(task));
@@ -272,8 +304,10 @@ class Prover {
     for (std::size_t left = threads.size(); left > 0;) {
       if (ended.try_acquire_for(kProgressPeriod)) --left;
       const double share = static_cast<double>(work_done) / static_cast<double>(all_work);
-      const int faults = tasks.empty() ? 0 : tasks.front().faults;
-      if (Ends({faults, done, tasks.size(), limits_.nodes, share})) limits_.stop = true;
+      if (Ends({tasks.front().faults, done, tasks.size(), limits_.nodes, share})) {
+        limits_.stop = true;
+      }
+      ReportFinished();
     }
     if (out_of_memory_ && proof_.why.empty()) proof_.why = "there is no more memory";
   }
@@ -283,12 +317,25 @@ class Prover {
     return !proof_.why.empty();
   }
 
+  void ReportFinished() {
+    if (!options_.on_finished) return;
+    std::vector<ProvedTask> finished;
+    {
+      const std::lock_guard lock(mutex_);
+      if (proof_.tasks.size() == reported_) return;
+      reported_ = proof_.tasks.size();
+      std::ranges::copy_if(proof_.tasks, std::back_inserter(finished), &ProvedTask::finished);
+    }
+    options_.on_finished(finished);
+  }
+
   void Search(const ProofTask& task) {
     const Model model = ModelOf(task);
     const World root = RootOf(model, task);
     const Searched searched = SearchDepthFirst(model, root, limits_);
     const std::lock_guard lock(mutex_);
-    proof_.tasks.push_back({task, searched.figures, searched.finished && !searched.fault});
+    const bool finished = searched.finished && !searched.fault;
+    proof_.tasks.push_back({task, searched.figures, finished, false, searched.rule_coverage});
     if (searched.fault) limits_.stop = true;
     KeepIfShorter(task, root, searched);
   }
@@ -345,8 +392,9 @@ class Prover {
   Roots roots_;
   SearchLimits limits_;
   std::atomic<bool> out_of_memory_ = false;
-  std::mutex mutex_;  // guards proof_.tasks and proof_.counter_example while threads run
+  std::mutex mutex_;  // guards what threads add to proof_
   Proof proof_;
+  std::size_t reported_ = 0;  // of its tasks, to on_finished
 };
 
 }  // namespace

@@ -32,7 +32,10 @@ struct ProofTask {
 struct ProvedTask {
   ProofTask task;
   Figures figures;
-  bool finished = false;
+  bool finished = false;  // all was searched, without a violation
+  bool earlier = false;   // by an earlier run
+  // Of each rule of the user, in the stable states of this search.
+  std::vector<RuleCoverage> rule_coverage = {};
 };
 
 // A scenario that violates a rule: of the fewest faults, and with these of the fewest choices, if
@@ -64,9 +67,19 @@ struct ProofOptions {
   // Of states that differ by alike actuators, search one. Off: it is not exact where one step sends
   // to two of them, and the controller is killed between the two.
   bool symmetry = false;
+  // Whether faults are also what another machine sends an actuator (a command to Active with a
+  // higher epoch, a release of the stop), and a heartbeat with a lower epoch, of a controller that
+  // was replaced. None arrives between two commands of one step.
+  bool other_machine = false;
   // Called in the calling thread a few times a second. A text ends the proof, which is then not
   // finished because of it.
-  std::function<std::string(const ProofProgress&)> on_progress;
+  std::function<std::string(const ProofProgress&)> on_progress = {};
+  // Searches that an earlier run has finished, with the same config, rules, `other_machine`,
+  // `symmetry` and decision code: they are not made again.
+  std::vector<ProvedTask> earlier = {};
+  // Called in the calling thread where searches have ended, with all that are finished by then,
+  // those of an earlier run too. One that is interrupted is never among them.
+  std::function<void(const std::vector<ProvedTask>&)> on_finished = {};
 };
 
 enum class ProofEnd : std::uint8_t { kProved, kViolated, kNotFinished };
@@ -78,8 +91,11 @@ struct Proof {
   std::vector<State> reached;  // states, in the config's order
   // States that no sequence of requests without a fault leads to; but TearDown, its end.
   std::vector<State> not_reached;
-  std::vector<ProvedTask> tasks;  // that were begun
+  std::vector<ProvedTask> tasks;  // that were begun, and those of an earlier run
   Figures figures;                // of all
+  // Of each rule of the user, in the stable states of all searches: one that several searches reach
+  // counts in each.
+  std::vector<RuleCoverage> rule_coverage;
   std::optional<CounterExample> counter_example;
 };
 

@@ -310,8 +310,12 @@ void CheckStableRules(const Model& model, const World& world, Notes& notes) {
     const SimActuator& one = world.actuators[*actuator];
     return one.alive ? one.core.report.state : State();
   };
-  for (const StableRule& rule : model.stable_rules) {
-    if (rule.IsViolated(state_of)) notes.violations.push_back("your rule: " + rule.text);
+  for (std::size_t i = 0; i < model.stable_rules.size(); ++i) {
+    const StableRule& rule = model.stable_rules[i];
+    const bool violated = notes.rule_coverage == nullptr
+                              ? rule.IsViolated(state_of)
+                              : rule.IsViolated(state_of, (*notes.rule_coverage)[i]);
+    if (violated) notes.violations.push_back("your rule: " + rule.text);
   }
 }
 

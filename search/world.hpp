@@ -41,7 +41,7 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/config/stable_rule.hpp"
+#include "musher/lifecycle/config/user_rules.hpp"
 #include "musher/lifecycle/per_actuator.hpp"
 #include "musher/search/fake_robot.hpp"
 
@@ -196,6 +196,8 @@ struct Notes {
   bool log = false;                     // whether to fill `scenario`
   std::vector<std::string> scenario;    // in sentences
   std::vector<std::string> violations;  // of the rules
+  // Of each rule of the user, where these are to be counted.
+  std::vector<RuleCoverage>* rule_coverage = nullptr;
 };
 
 // All choices in this state. Faults only while some are left.

@@ -46,20 +46,21 @@ void AuthorityChecker::NoteFound(const SimulatedController& controller) {
 }
 
 // Nothing of a machine rises because its controller was restarted: it goes on from the least active
-// state that it finds, whatever the stage of the actuator is.
+// state that it finds, whatever the stage of the actuator is. A command of the controller before it
+// that an actuator has accepted and begins later is part of what it finds.
 void AuthorityChecker::CheckRise(std::uint64_t controller, const std::string& name,
                                  std::size_t host, const ActuatorReport& report) {
-  const auto of_controller = found_.find(controller);
-  if (of_controller == found_.end()) return;
-  const auto found = of_controller->second.find({name, host});
-  const bool same =
-      found != of_controller->second.end() && found->second.incarnation == report.incarnation;
-  if (!same || !Rises(config_, found->second.most, report.target)) return;
-  ReportViolation(Invariant::kNoUnrequestedActivation, name + " was found in " +
-                                                           found->second.most +
-                                                           " by a controller that begins "
-                                                           "nothing, which leads it to " +
-                                                           report.target);
+  for (auto& [serial, actuators] : found_) {
+    const auto found = actuators.find({name, host});
+    if (found == actuators.end() || found->second.incarnation != report.incarnation) continue;
+    State& most = found->second.most;
+    if (!Rises(config_, most, report.target)) continue;
+    if (controller < serial) most = report.target;
+    if (controller != serial) continue;
+    ReportViolation(Invariant::kNoUnrequestedActivation,
+                    name + " was found in " + most +
+                        " by a controller that begins nothing, which leads it to " + report.target);
+  }
 }
 
 void AuthorityChecker::CheckRaised(const SimulatedController& controller, Seen& seen,

@@ -95,6 +95,7 @@ void Checker::AfterEvent() {
   stops_.CheckPower();
   stops_.CheckPermits();
   switches_.CheckClients();
+  user_rules_.AfterEvent();
   if (!dirty_) return;
   dirty_ = false;
   for (std::size_t which = 0; which < 2; ++which) {
@@ -247,7 +248,7 @@ void Checker::CheckRest(bool provided) {
     rest_.CheckPlace(machine, i);
     rest_.CheckLoss(machine, i, provided);
   }
-  rest_.CheckStableRules(machine, stable_rules);
+  user_rules_.CheckAtRest(machine);
 }
 
 }  // namespace musher::simulation

@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "musher/lifecycle/config/stable_rule.hpp"
 #include "musher/simulation/authority_checker.hpp"
 #include "musher/simulation/command_checker.hpp"
 #include "musher/simulation/invariant.hpp"
@@ -26,6 +25,7 @@
 #include "musher/simulation/stop_checker.hpp"
 #include "musher/simulation/switch_checker.hpp"
 #include "musher/simulation/tear_down_checker.hpp"
+#include "musher/simulation/user_rule_checker.hpp"
 
 namespace musher::simulation {
 
@@ -96,8 +96,9 @@ class Checker {
   bool AtRest() const { return PendingActivity().empty(); }
   // What is under way; empty: nothing.
   std::string PendingActivity() const { return rest_.PendingActivity(); }
-  // The user's own, which CheckRest() checks as well.
-  std::vector<StableRule> stable_rules;
+  // The rules of the user, which are checked as well. Call before the first event.
+  void SetUserRules(const UserRules& rules) { user_rules_.SetRules(rules); }
+  UserRulesCoverage user_rules_coverage() const { return user_rules_.coverage(); }
   // Checks what must hold in a stable state. `provided`: also that the config's on_lost covers
   // every lost actuator.
   void CheckRest(bool provided);
@@ -128,6 +129,7 @@ class Checker {
   PolicyChecker policy_{context_};
   PolicyTimeChecker policy_time_{context_};
   RestChecker rest_{context_};
+  UserRuleChecker user_rules_{context_};
   SwitchChecker switches_{context_, commands_, tear_down_, policy_, rest_};
 };
 

@@ -81,7 +81,7 @@ constexpr std::array<Row, kInvariants> kTexts = {{
      "on_lost names the machine's state for every actuator that is lost permanently"},
     {Invariant::kRecoverable, "an operator can recover the machine from every stable state"},
     {Invariant::kAllAvailableAfterRecovery, "after that recovery all actuators are available"},
-    {Invariant::kStableRules, "your own rules hold in every stable state"},
+    {Invariant::kUserRules, "your own rules hold"},
 }};
 
 constexpr bool IsComplete() {

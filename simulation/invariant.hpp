@@ -57,9 +57,9 @@ enum class Invariant : std::uint8_t {
   kOnLostCoversLoss,           // on_lost says what follows when an actuator is lost permanently
   kRecoverable,                // an operator can recover the machine from every stable state
   kAllAvailableAfterRecovery,  // and then all actuators are available
-  kStableRules,                // the user's own rules hold in every stable state
+  kUserRules,                  // the user's own rules hold
 };
-inline constexpr std::size_t kInvariants = static_cast<std::size_t>(Invariant::kStableRules) + 1;
+inline constexpr std::size_t kInvariants = static_cast<std::size_t>(Invariant::kUserRules) + 1;
 
 std::string_view InvariantText(Invariant invariant);  // a sentence without its full stop
 // Whether the config, rather than the middleware, can be the reason for a violation.

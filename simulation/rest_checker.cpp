@@ -1,28 +1,10 @@
 #include "musher/simulation/rest_checker.hpp"
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/machine/under_way.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
 
 namespace musher::simulation {
-
-// What an actuator will do by itself; empty: nothing.
-std::string RestChecker::PendingActivity(const Machine& machine, ActuatorIndex i) const {
-  const KnownActuator& r = machine.actuators[i];
-  const bool alive = robot_.IsAlive(config_.actuators[i].name);
-  if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
-  const bool unit = !config_.actuators[i].host.empty();
-  if (unit && r.process.launch == Launch::kUnderWay) return "is being started on another host";
-  if (r.fault && !r.command && !r.restart.at && !r.process.termination && !r.restart.requested)
-    return {};
-  if (r.command) return "has a command to " + r.command->target;
-  if (r.restart.at || r.restart.requested) return "is to be restarted";
-  if (r.process.termination) return "is to be killed";
-  if (r.free_by) return "is busy with the callback that it was found in";
-  if (r.control.again && r.presence == Presence::kStarting && alive) return "is being attached";
-  const bool waits = machine.emergency.stop || r.held || machine.phase != Phase::kRunning ||
-                     r.presence != Presence::kPresent;
-  return r.due && !waits ? "is to be switched to the machine's state" : "";
-}
 
 std::string RestChecker::PendingActivity() const {
   const SimulatedController* controller = robot_.leader();
@@ -30,7 +12,9 @@ std::string RestChecker::PendingActivity() const {
   if (robot_.leaders() > 1) return "two controllers lead the machine";
   const Machine& machine = controller->shell().machine();
   if (machine.phase == Phase::kStopped) return {};
-  if (machine.current) return "a switch to " + machine.current->target + " is under way";
+  const std::string under_way = UnderWay(
+      config_, machine, [&](ActuatorIndex i) { return robot_.IsAlive(config_.actuators[i].name); });
+  if (!under_way.empty()) return under_way;
   if (machine.policy.keep) return "an application keeps it in " + machine.policy.keep->state;
   if (machine.policy.power) return "the robot is being powered off";
   const PolicyState& policy = machine.policy;
@@ -39,15 +23,6 @@ std::string RestChecker::PendingActivity() const {
   const bool unknown = !policy.battery && policy.level != BatteryLevel::kFree;
   if (unknown && !policy.battery_silent) return "the battery may be silent";
   if (machine.policy.still_since) return "it is about to go to LowPower";
-  if (machine.emergency.release) return "the release of an emergency stop is being confirmed";
-  if (machine.fallback.target) return "it is about to fall back to " + *machine.fallback.target;
-  if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) {
-    return "the machine is " + std::string(PhaseName(machine.phase));
-  }
-  for (const ActuatorIndex i : machine.actuators.Indices()) {
-    const std::string activity = PendingActivity(machine, i);
-    if (!activity.empty()) return config_.actuators[i].name + " " + activity;
-  }
   return {};
 }
 
@@ -61,20 +36,6 @@ void RestChecker::NotePresence(const SimulatedController& controller) {
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = seen.lost_at[i] = robot_.age();
-  }
-}
-
-// What an actuator that publishes a false state is in, is not known.
-void RestChecker::CheckStableRules(const Machine& machine,
-                                   const std::vector<StableRule>& stable_rules) {
-  if (machine.phase == Phase::kStopped || !context_.false_reporters.empty()) return;
-  const auto state_of = [&](std::optional<ActuatorIndex> actuator) {
-    if (!actuator) return machine.state;
-    const ActuatorReport* report = robot_.ReportOf(*actuator, machine.actuators[*actuator].report);
-    return report == nullptr ? State() : report->state;
-  };
-  for (const StableRule& rule : stable_rules) {
-    if (rule.IsViolated(state_of)) ReportViolation(Invariant::kStableRules, rule.text);
   }
 }
 

@@ -2,14 +2,13 @@
 // Says what is under way, and checks the places of the actuators in a stable state.
 //
 // Invariants: kStatesAgree, kEmergencyStopHolds (in a stable state), kSafeWithoutCritical,
-// kOnLostCoversLoss, kStableRules.
+// kOnLostCoversLoss.
 
 #include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config/stable_rule.hpp"
 #include "musher/simulation/subject_checker.hpp"
 
 namespace musher::simulation {
@@ -31,7 +30,6 @@ class RestChecker : public SubjectChecker {
   void CheckPlace(const Machine& machine, ActuatorIndex i);
   void CheckPlaceInStart(const Machine& machine, ActuatorIndex i);
   void CheckLoss(const Machine& machine, ActuatorIndex i, bool provided);
-  void CheckStableRules(const Machine& machine, const std::vector<StableRule>& stable_rules);
 
  private:
   // As for all controllers below: those of before its start, then its own.
@@ -39,8 +37,6 @@ class RestChecker : public SubjectChecker {
     PerActuator<Duration> lost_at;
     Duration requested_state_at{};
   };
-
-  std::string PendingActivity(const Machine& machine, ActuatorIndex i) const;
 
   std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller
   PerActuator<Duration> lost_at_;       // when each actuator was available for the last time

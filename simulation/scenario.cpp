@@ -115,7 +115,10 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
           [this](const std::string& name, const State& state) { return SampleAct(name, state); },
           LayoutOf(config, seed, options.shared_processes, injections_)),
       checker_(robot_) {
-  checker_.stable_rules = options.stable_rules;
+  checker_.SetUserRules(options.rules);
+  for (const std::size_t controller : {0U, 1U}) {
+    robot_.disk(controller).rules = options.rules;
+  }
   for (const ActuatorIndex i : config.actuators.Indices()) {
     for (const State& state : config.actuators[i].states) {
       phase_timeout_ = std::max(phase_timeout_, config.TimeFor(i, state) + Milliseconds(500));
@@ -162,6 +165,7 @@ ScenarioEnd Scenario::Run() {
     ending_.violation->what = "the other machine: " + ending_.violation->what;
   }
   ending_.checks = checker_.checks();
+  ending_.rule_coverage = checker_.user_rules_coverage();
   ending_.steps = robot_.network().steps();
   ending_.simulated = robot_.age();
   return ending_;

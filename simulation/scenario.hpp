@@ -28,7 +28,7 @@ struct ScenarioOptions {
   bool provided = true;           // the config's on_lost must cover every lost actuator
   bool shared_processes = false;  // some actuators run in the process of another
   bool bridges = false;           // some networks have a bridge that repeats old samples
-  std::vector<StableRule> stable_rules = {};  // of the user
+  UserRules rules = {};           // of the user
 };
 
 // The default options for a config. The bound is a minute plus the longest chain of `after`, with
@@ -50,6 +50,7 @@ struct ScenarioEnd {
   Duration simulated{};            // how long the run was, in virtual time
   std::optional<Duration> rested;  // how long after the last fault the machine was stable
   std::uint64_t fingerprint = 0;   // of all records and replies
+  UserRulesCoverage rule_coverage;
 };
 
 class Scenario {

@@ -51,6 +51,7 @@ void Summary::Add(std::uint64_t seed, const ScenarioEnd& ending) {
   checks += ending.checks;
   steps += ending.steps;
   simulated += ending.simulated;
+  rule_coverage += ending.rule_coverage;
   if (ending.rested) rests.push_back(*ending.rested);
   if (ending.violation) {
     bad[static_cast<std::size_t>(ending.violation->invariant)].push_back(seed);

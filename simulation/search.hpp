@@ -28,6 +28,7 @@ struct Summary {
   Duration simulated{};
   std::vector<Duration> rests;                              // ScenarioEnd::rested, ascending
   std::array<std::vector<std::uint64_t>, kInvariants> bad;  // seeds, ascending, by invariant
+  UserRulesCoverage rule_coverage;
 
   bool good() const;
   void Add(std::uint64_t seed, const ScenarioEnd& ending);

@@ -50,6 +50,21 @@ SimulatedController::SimulatedController(transport::sim::Network& network,
   }
   dependencies.hosts = units_.get();
   dependencies.journal = this;
+  SetSaves(dependencies);
+  dependencies.output = [](const std::string&) { return nullptr; };
+  dependencies.wall_ns = [this] {
+    return (network_.now().time_since_epoch() + wall_offset).count();
+  };
+  dependencies.rules = disk_.rules;
+  dependencies.host = hosts.Id(host);
+  dependencies.pid = pid_;
+  dependencies.machine_id = machine_id;
+  dependencies.incarnation = hosts.NewIncarnation(host);
+  auto shell = ControllerShell::Make(std::move(dependencies), config_, ShellHooks());
+  shell_ = std::move(shell).value();
+}
+
+void SimulatedController::SetSaves(ControllerShell::Dependencies& dependencies) {
   dependencies.save_epoch = [this](Epoch epoch, const auto& done) {
     Save(disk_.epoch, epoch, done);
   };
@@ -70,36 +85,30 @@ SimulatedController::SimulatedController(transport::sim::Network& network,
     for (const ChildProcess& child : children) disk_.children[child.actuator] = child;
     done(Ok());
   };
-  dependencies.output = [](const std::string&) { return nullptr; };
-  dependencies.wall_ns = [this] {
-    return (network_.now().time_since_epoch() + wall_offset).count();
-  };
-  dependencies.host = hosts.Id(host);
-  dependencies.pid = pid_;
-  dependencies.machine_id = machine_id;
-  dependencies.incarnation = hosts.NewIncarnation(host);
-  ControllerShell::Hooks shell_hooks;
-  shell_hooks.on_record = [this](const action::Record& record) {
+}
+
+ControllerShell::Hooks SimulatedController::ShellHooks() {
+  ControllerShell::Hooks hooks;
+  hooks.on_record = [this](const action::Record& record) {
     if (manager_) manager_->OnRecord(record);
     if (hooks_.on_record) hooks_.on_record(record);
   };
-  shell_hooks.on_send = [this](const action::SendSwitch& command) {
+  hooks.on_send = [this](const action::SendSwitch& command) {
     if (hooks_.on_send) hooks_.on_send(shell_->machine(), command);
   };
-  shell_hooks.on_power = [this](bool) {
+  hooks.on_power = [this](bool) {
     if (hooks_.on_power) hooks_.on_power();
   };
-  shell_hooks.on_stopped = hooks_.on_over;
-  shell_hooks.on_fenced = [this](const std::string&) {
+  hooks.on_stopped = hooks_.on_over;
+  hooks.on_fenced = [this](const std::string&) {
     if (hooks_.on_over) hooks_.on_over();
   };
-  shell_hooks.open_services = [this] { return OpenServices(); };
-  shell_hooks.close_services = [this] {
+  hooks.open_services = [this] { return OpenServices(); };
+  hooks.close_services = [this] {
     manager_ = nullptr;
     services_ = nullptr;
   };
-  auto shell = ControllerShell::Make(std::move(dependencies), config_, std::move(shell_hooks));
-  shell_ = std::move(shell).value();
+  return hooks;
 }
 
 Result<> SimulatedController::OpenServices() {

@@ -41,6 +41,7 @@ struct Disk {
   // Processes by actuator; also those that could not be saved, which are found by their mark.
   std::map<std::string, ChildProcess> children;
   std::map<std::string, std::string> files;  // small text files, by name
+  UserRules rules;                           // of the user
   FolderOpens opens = FolderOpens::kYes;     // at the next start
   // The state folder of another user, who has started the machine before or does so next; the
   // journal and the other values are shared.
@@ -122,6 +123,10 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   Duration wall_offset{};      // how far its wall clock is ahead
 
  private:
+  // The functions by which the shell saves to the disk.
+  void SetSaves(ControllerShell::Dependencies& dependencies);
+  ControllerShell::Hooks ShellHooks();
+
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
   Result<> Watch(pid_t pid, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override {

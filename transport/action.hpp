@@ -209,9 +209,11 @@ class ActionClient {
   }
 
   // Cancels goals, also those of other clients. The reply has a return code and the goals that are
-  // canceling (action_msgs/cancel_goal.idl).
-  void Cancel(const GoalId& id, Duration timeout, OnCancelReply on_reply) {
-    raw_->Cancel({{id}, {}}, timeout, std::move(on_reply));
+  // canceling (action_msgs/cancel_goal.idl). A server that does not know the goal replies so, also
+  // where another one runs it: `counts` chooses the reply, see Client::CallAll().
+  void Cancel(const GoalId& id, Duration timeout, OnCancelReply on_reply,
+              RawActionClient::CancelCounts counts = {}) {
+    raw_->Cancel({{id}, {}}, timeout, std::move(on_reply), std::move(counts));
   }
   void CancelAll(Duration timeout, OnCancelReply on_reply) {
     raw_->Cancel({}, timeout, std::move(on_reply));

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "musher/base/decimal.hpp"
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/transport/clock_reached.hpp"
@@ -36,13 +37,29 @@ constexpr Duration kOvertaken = std::chrono::seconds(1);
 // A longer step between two samples is a recording that was skipped, or another world: nothing was
 // seen of that time. The second such step in a row counts: the clock has long steps.
 constexpr Duration kLongestStep = std::chrono::seconds(10);
+// Two writers whose samples come so shortly one after the other publish beside each other: a world
+// that is restarted needs longer. By the steady time.
+constexpr Duration kBeside = std::chrono::seconds(1);
 constexpr std::uint32_t kNanosecondsInSecond = 1'000'000'000;
+
+// `publishers`: the number of those that publish beside each other; 1: the jump is of another
+// cause.
+std::string TextOfJump(Duration step, int publishers) {
+  const bool back = step < Duration::zero();
+  const std::string by =
+      Decimal(std::chrono::duration<double>(back ? -step : step).count(), 2) + " s";
+  const std::string what = back ? "went back by " + by : "skipped " + by;
+  if (publishers < 2) return "the time of /clock " + what;
+  return std::to_string(publishers) + " programs publish /clock, and its time " + what +
+         "; stop all but one";
+}
 
 class TopicClock : public Clock {
  public:
   explicit TopicClock(std::function<void()> on_jump) : on_jump_(std::move(on_jump)) {}
 
   Result<> Subscribe(Node& node) {
+    loop_ = &node.loop();
     auto subscription = MakeSubscription<msg::Clock>(
         node, kClockTopic,
         [this](const msg::Clock& message, const SampleInfo& info) { OnSample(message, info); },
@@ -57,6 +74,7 @@ class TopicClock : public Clock {
 
   Time Now() const override { return now_; }
   msg::Stamp Stamp() const override { return msg::ToStamp(now_.time_since_epoch()); }
+  std::string JumpText() const override { return jump_; }
   LoopHandlePtr At(Time when, std::function<void()> callback) override {
     return timers_.Add(when, Duration::zero(), std::move(callback));
   }
@@ -69,11 +87,14 @@ class TopicClock : public Clock {
     const msg::Stamp& stamp = message.clock;
     if (stamp.sec < 0 || stamp.nanosec >= kNanosecondsInSecond) return;  // invalid
     const Time time = Time{} + msg::FromStamp(stamp);
+    const Time before = std::exchange(received_at_, loop_->Now());
     if (writer_ == info.writer && time <= now_ && now_ - time < kOvertaken) return Report();
     const bool first = !writer_.has_value();
     const bool skipped = time - now_ > kLongestStep && step_ <= kLongestStep;
     const bool jump = !first && (time < now_ || skipped);
     step_ = first ? Duration::zero() : time - now_;
+    const bool beside = writer_ != info.writer && received_at_ - before < kBeside;
+    if (jump) jump_ = TextOfJump(step_, beside ? subscription_->MatchedWriters() : 1);
     writer_ = info.writer;
     if (first || jump) timers_.Shift(time - now_);
     now_ = time;
@@ -89,7 +110,10 @@ class TopicClock : public Clock {
     static_cast<void>(reached_->Publish({Stamp()}));
   }
 
+  EventLoop* loop_ = nullptr;
   std::function<void()> on_jump_;
+  std::string jump_;
+  Time received_at_{};  // the last sample, by the loop's time
   Time now_{};
   Duration step_{};                   // from the sample before the last one to the last one
   std::optional<EndpointId> writer_;  // of the last sample

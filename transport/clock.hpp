@@ -14,6 +14,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "musher/base/network_profile.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
@@ -43,6 +44,10 @@ class Clock {
   // Now, for the stamps of messages: the time of /clock, else the time of day. Not for measuring:
   // the time of day may be set.
   virtual msg::Stamp Stamp() const = 0;
+
+  // Why the time has jumped the last time, for people: "the time of /clock went back by 60.00 s",
+  // or that several programs publish it. Empty: it has not, or this clock does not say.
+  virtual std::string JumpText() const { return ""; }
 
   // Runs `callback` once, at `when` or as soon as possible after it.
   virtual LoopHandlePtr At(Time when, std::function<void()> callback) = 0;

@@ -33,6 +33,10 @@ class EventLoop {
 
   virtual Time Now() const = 0;
 
+  // How long this computer was suspended since its boot: Now() and the timers do not count it. 0:
+  // the loop does not know.
+  virtual Duration TimeSuspended() const { return {}; }
+
   // Runs `work` on the loop as soon as possible. From any thread.
   virtual void Post(std::function<void()> work) = 0;
 

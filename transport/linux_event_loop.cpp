@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "musher/base/check.hpp"
+#include "musher/base/host.hpp"
 
 namespace musher::transport {
 
@@ -59,6 +60,10 @@ LinuxEventLoop::LinuxEventLoop()
   // Edge-triggered: each wake-up and each expiry counts once and need not be read back.
   AddToEpoll(epoll_.get(), wake_.get(), EPOLLIN | EPOLLET, kWakeKey);
   AddToEpoll(epoll_.get(), timer_.get(), EPOLLIN | EPOLLET, kTimerKey);
+}
+
+Duration LinuxEventLoop::TimeSuspended() const {
+  return TimeSuspendedHere();
 }
 
 // Wakes the loop without holding the lock, which the loop takes at once.

@@ -29,6 +29,7 @@ class LinuxEventLoop : public EventLoop {
   LinuxEventLoop& operator=(const LinuxEventLoop&) = delete;
 
   Time Now() const override { return std::chrono::steady_clock::now(); }
+  Duration TimeSuspended() const override;
   void Post(std::function<void()> work) override;
   LoopHandlePtr At(Time when, std::function<void()> callback) override;
   LoopHandlePtr Every(Duration period, std::function<void()> callback) override;

@@ -112,6 +112,7 @@ class Subscription {
       : malformed_(std::move(malformed)), reader_(std::move(reader)) {}
 
   int MatchedWriters() const { return reader_->MatchedWriters(); }
+  bool HasWriterOf(ParticipantId participant) const { return reader_->HasWriterOf(participant); }
   std::uint64_t malformed() const { return *malformed_; }
 
  private:

@@ -133,8 +133,10 @@ void RawActionClient::GetResult(const GoalId& id, Duration timeout, RawClient::O
                     std::move(on_reply));
 }
 
-void RawActionClient::Cancel(const msg::GoalInfo& goals, Duration timeout, OnCancelReply on_reply) {
-  cancel_goal_->Call({goals}, timeout, std::move(on_reply));
+void RawActionClient::Cancel(const msg::GoalInfo& goals, Duration timeout, OnCancelReply on_reply,
+                             CancelCounts counts) {
+  if (!counts) return cancel_goal_->Call({goals}, timeout, std::move(on_reply));
+  cancel_goal_->CallAll({goals}, timeout, std::move(counts), std::move(on_reply));
 }
 
 void RawActionClient::OnSendReply(const GoalId& id,

@@ -56,6 +56,7 @@ class RawActionClient {
     std::function<void(GoalEnd, std::span<const std::byte>, const std::string& reason)> on_end;
   };
   using OnCancelReply = Client<msg::CancelGoal>::OnReply;
+  using CancelCounts = Client<msg::CancelGoal>::Counts;
 
   static Result<std::unique_ptr<RawActionClient>> Make(Node& node, const std::string& action,
                                                        const ActionTypes& types,
@@ -74,7 +75,8 @@ class RawActionClient {
 
   void SendGoal(const msg::RequestId& id, msg::Bytes request, Duration timeout, Events events);
   void GetResult(const GoalId& id, Duration timeout, RawClient::OnReply on_reply);
-  void Cancel(const msg::GoalInfo& goals, Duration timeout, OnCancelReply on_reply);
+  void Cancel(const msg::GoalInfo& goals, Duration timeout, OnCancelReply on_reply,
+              CancelCounts counts = {});
 
  private:
   struct Goal {

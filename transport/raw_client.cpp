@@ -45,18 +45,24 @@ msg::RequestId RawClient::NextId() {
 }
 
 void RawClient::Call(const msg::RequestId& id, msg::Bytes request, Duration timeout,
-                     OnReply on_reply, ParticipantId server) {
+                     OnReply on_reply, ParticipantId server, Counts counts) {
   const std::int64_t sequence = id.sequence;
-  Pending& call = calls_[sequence];
-  call.unsent = std::move(request);
-  call.on_reply = std::move(on_reply);
-  call.server = server;
-  call.end = loop_.At(loop_.Now() + timeout, [this, sequence] {
+  const Deadline deadline(loop_, timeout);
+  PendingCall& call =
+      calls_
+          .insert_or_assign(
+              sequence, PendingCall{std::move(request), std::move(on_reply), server,
+                                    std::move(counts), deadline, EndAt(deadline.at(), sequence)})
+          .first->second;
+  if (Reaches(server)) Send(sequence, call);
+}
+
+LoopHandlePtr RawClient::EndAt(Time when, std::int64_t sequence) {
+  return loop_.At(when, [this, sequence] {
     const bool sent = calls_.at(sequence).unsent.empty();
     End(sequence, Error{kCodeTimeout, service_ + (sent ? ": no reply in time"
                                                        : ": no server available in time")});
   });
-  if (Reaches(server)) Send(sequence, call);
 }
 
 bool RawClient::Reaches(ParticipantId server) const {
@@ -66,12 +72,37 @@ bool RawClient::Reaches(ParticipantId server) const {
 
 void RawClient::OnMatchChanged() {
   for (auto& [sequence, call] : calls_) {
-    if (!call.unsent.empty() && Reaches(call.server)) Send(sequence, call);
+    if (!Reaches(call.server)) continue;
+    if (call.unsent.empty()) {
+      SendToNewServers(call);
+    } else if (call.deadline.IsOver()) {
+      call.end = EndAt(loop_.Now(), sequence);
+    } else {
+      Send(sequence, call);
+    }
   }
   if (on_match_changed_) on_match_changed_();
 }
 
-void RawClient::Send(std::int64_t sequence, Pending& call) {
+// A server that has it already gets the request with the same id once more.
+void RawClient::SendToNewServers(PendingCall& call) {
+  if (call.for_all.empty() || call.deadline.IsOver()) return;
+  const std::vector<ParticipantId> servers = Servers();
+  const bool all = std::ranges::all_of(servers, [&call](ParticipantId server) {
+    return std::ranges::count(call.sent_to, server) != 0;
+  });
+  if (!all && !requests_->Write(call.for_all)) {  // with the next change it is tried again
+    std::erase_if(call.sent_to, [&servers](ParticipantId server) {
+      return std::ranges::count(servers, server) == 0;
+    });
+    return;
+  }
+  call.sent_to = servers;
+}
+
+void RawClient::Send(std::int64_t sequence, PendingCall& call) {
+  if (call.counts) call.for_all = call.unsent;
+  call.sent_to = Servers();
   const Result<> written = requests_->Write(std::exchange(call.unsent, {}));
   if (written) return;
   call.end =
@@ -86,7 +117,8 @@ void RawClient::TakeReply(std::span<const std::byte> bytes, ParticipantId server
   const auto call = calls_.find(id.sequence);
   if (call == calls_.end()) return;
   const bool of_another = call->second.server != 0 && server != 0 && call->second.server != server;
-  if (!of_another) End(id.sequence, bytes);
+  if (of_another || (call->second.counts && !call->second.counts(server, bytes))) return;
+  End(id.sequence, bytes);
 }
 
 void RawClient::End(std::int64_t sequence, const Result<std::span<const std::byte>>& outcome) {

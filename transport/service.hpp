@@ -50,6 +50,7 @@ class Client {
   using Request = typename S::Request;
   using Response = typename S::Response;
   using OnReply = std::function<void(Result<Response>)>;
+  using Counts = std::function<bool(ParticipantId server, const Response& reply)>;
 
   explicit Client(std::unique_ptr<RawClient> raw) : raw_(std::move(raw)) {}
 
@@ -60,28 +61,44 @@ class Client {
   // successor is another participant.
   std::vector<ParticipantId> Servers() const { return raw_->Servers(); }
 
-  // Sends the request at once if a server is matched, else as soon as one is. `on_reply` runs
-  // exactly once on the loop: with the reply, with kCodeTimeout after `timeout`, or with the reason
-  // why the request could not be sent. It never runs inside Call(). Dropping the client drops its
-  // pending calls: their `on_reply` does not run.
-  // A service may have several servers, and each receives the request. With `server`, it is sent
-  // once that participant's is matched, and only a reply of that one counts. 0: any.
+  // Sends the request at once if a server is matched, else as soon as one is, but not later than
+  // `timeout` from now, in which the time counts for which this computer is suspended. `on_reply`
+  // runs exactly once on the loop: with the reply, with kCodeTimeout after `timeout`, or with the
+  // reason why the request could not be sent. It never runs inside Call(). Dropping the client
+  // drops its pending calls: their `on_reply` does not run. A service may have several servers, and
+  // each receives the request. With `server`, it is sent once that participant's is matched, and
+  // only a reply of that one counts. 0: any.
   void Call(const Request& request, Duration timeout, OnReply on_reply, ParticipantId server = 0) {
     const msg::RequestId id = raw_->NextId();
-    raw_->Call(
-        id, internal::EncodeEnvelope(id, request), timeout,
-        [on_reply = std::move(on_reply)](Result<std::span<const std::byte>> reply) {
-          if (!reply) return on_reply(reply.error());
-          Response response{};
-          if (!internal::DecodeEnvelope(reply.value(), response)) {
-            return on_reply(Error{kCodeNetError, "the reply is malformed"});
-          }
-          on_reply(std::move(response));
-        },
-        server);
+    raw_->Call(id, internal::EncodeEnvelope(id, request), timeout, Decoded(std::move(on_reply)),
+               server);
+  }
+  // The same to every server, also to one that is matched later: it ends with the first reply of
+  // which `counts` returns true. `counts` runs on the loop, with each reply until then, and the
+  // participant that has sent it.
+  void CallAll(const Request& request, Duration timeout, Counts counts, OnReply on_reply) {
+    const msg::RequestId id = raw_->NextId();
+    RawClient::Counts decoded = [counts = std::move(counts)](ParticipantId server,
+                                                             std::span<const std::byte> reply) {
+      Response response{};
+      return internal::DecodeEnvelope(reply, response) && counts(server, response);
+    };
+    raw_->Call(id, internal::EncodeEnvelope(id, request), timeout, Decoded(std::move(on_reply)),
+               /*server=*/0, std::move(decoded));
   }
 
  private:
+  static RawClient::OnReply Decoded(OnReply on_reply) {
+    return [on_reply = std::move(on_reply)](Result<std::span<const std::byte>> reply) {
+      if (!reply) return on_reply(reply.error());
+      Response response{};
+      if (!internal::DecodeEnvelope(reply.value(), response)) {
+        return on_reply(Error{kCodeNetError, "the reply is malformed"});
+      }
+      on_reply(std::move(response));
+    };
+  }
+
   std::unique_ptr<RawClient> raw_;
 };
 

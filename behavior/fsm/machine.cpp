@@ -98,8 +98,7 @@ class Machine::Declaration : public Transitions {
     }
     const StateId found = route->to;
     machine_.chart_.transitions.push_back({state_, found, std::string(when)});
-    machine_.declared_[Index(state_) * machine_.row_ + Index(found) / 64] |= std::uint64_t{1}
-                                                                             << (Index(found) % 64);
+    machine_.declared_[Index(state_) * machine_.nodes_.size() + Index(found)] = 1;
     return found;
   }
   EventId On(std::string_view event) override {
@@ -206,8 +205,7 @@ void Machine::AddData(std::string name, std::function<void(Archive&)> persist) {
 }
 
 void Machine::DeclareStates() {
-  row_ = (nodes_.size() + 63) / 64;
-  declared_.assign(nodes_.size() * row_, 0);
+  declared_.assign(nodes_.size() * nodes_.size(), 0);
   routes_.clear();
   first_route_ = nodes_.size();
   chart_ = {.name = options_.name, .states = {}, .transitions = {}, .start = kNoState};
@@ -342,7 +340,7 @@ bool Machine::Declared(StateId from, StateId to) const {
     const Route* const route = RouteOf(to);
     return route != nullptr && route->from == from;
   }
-  return (declared_[Index(from) * row_ + Index(to) / 64] >> (Index(to) % 64) & 1) != 0;
+  return declared_[Index(from) * first_route_ + Index(to)] != 0;
 }
 
 Result<EventId> Machine::EventOf(std::string_view event) const {
@@ -395,6 +393,11 @@ std::optional<StateId> Machine::FindState(std::string_view name) const {
 
 std::optional<EventId> Machine::FindEvent(std::string_view name) const {
   return Find<EventId>(events_, name);
+}
+
+bool Machine::IsUrgent(std::string_view event) const {
+  const auto found = FindEvent(event);
+  return found && events_[Index(*found)].urgency == Urgency::kUrgent;
 }
 
 std::optional<std::size_t> Machine::FindCheck(std::string_view name) const {
@@ -556,44 +559,72 @@ void Machine::DropNormalCommands() {
 }
 
 // [[unlikely]] moves rare code out of the path of the common tick: the state decides to stay, and
-// runs.
+// runs. What ends a tick otherwise is called last, and has its own InTick: an InTick and a frame
+// here would cost each tick.
 void Machine::RunOnce(Time now) {
   if (ticking_ != TickKind::kNoPlainNext) [[unlikely]] {
     return RunAny(now);
   }
-  const InTick guard(*this, TickKind::kPlain);
+  ticking_ = TickKind::kPlain;
   Advance(std::exchange(*last_tick_, now), now);
   Next next = Next::Stay();
-  if (Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) [[likely]] {
-    if (!next.stays() || ticking_ != TickKind::kPlain) [[unlikely]] {
-      return Finish(next);
-    }
-    if (Guard(Phase::kRun, [&] { present_->Run(tick_); }) && ticking_ == TickKind::kPlain)
-        [[likely]] {
-      ticking_ = TickKind::kNoPlainNext;
-      return;
-    }
+  try {
+    next = present_->CheckTransition(tick_);
+  } catch (...) {
+    return FinishFailed(Phase::kCheck);
+  }
+  if (ticking_ != TickKind::kPlain) [[unlikely]] {
+    return FinishAny(next);
+  }
+  if (!next.stays()) [[unlikely]] {
+    return Finish(next);
+  }
+  try {
+    present_->Run(tick_);
+  } catch (...) {
+    return FinishFailed(Phase::kRun);
+  }
+  if (ticking_ != TickKind::kPlain) [[unlikely]] {
+    return FinishRun();
+  }
+  ticking_ = TickKind::kNoPlainNext;
+}
+
+// The rest of a plain tick, where the state goes elsewhere. There is no command, and no safety
+// check. All of it is in line here: the frames of its functions would take as long as the work in
+// them.
+[[gnu::flatten]] void Machine::Finish(Next next) {
+  const InTick guard(*this, TickKind::kPlain);
+  Begin(next);
+  if (ticking_ == TickKind::kPlain) [[likely]] {
+    ticking_ = TickKind::kNoPlainNext;
+    return;
   }
   use_ = Use::kDone;
   EndTick();
 }
 
-// The rest of a plain tick, where the state goes elsewhere or has sent something. All of it is in
-// line here: the frames of its functions would take as long as the work in them.
-[[gnu::flatten]] void Machine::Finish(Next next) {
+// The same where the check of the state has sent something.
+void Machine::FinishAny(Next next) {
+  const InTick guard(*this);
   use_ = Use::kDone;
-  stays_ = false;
-  if (ticking_ == TickKind::kPlain) [[likely]] {
-    Begin(next);  // there is no command, and no safety check
-    if (ticking_ == TickKind::kPlain && running_ && mode_ != Mode::kTransitioning) [[likely]] {
-      ticking_ = TickKind::kNoPlainNext;
-      return;
-    }
-  } else {
-    stays_ = Conclude(next);
-    if (stays_) Run();
-  }
+  stays_ = Conclude(next);
+  if (stays_) Run();
   EndTick();
+}
+
+// The same where the state has run, and has sent something.
+void Machine::FinishRun() {
+  const InTick guard(*this);
+  use_ = Use::kDone;
+  EndTick();
+}
+
+// The same where the state failed with the exception that is being handled.
+void Machine::FinishFailed(Phase phase) {
+  const InTick guard(*this);
+  FailByException(phase);
+  FinishRun();
 }
 
 // A tick that may have checks, commands or a transition under way.
@@ -782,9 +813,10 @@ void Machine::Proceed() {
   if (!Guard(Phase::kTransition, [&] { done = present_->Transition(tick_); })) return;
   if (done) {
     GoTo(tick_.target);
-  } else if (tick_.transition_elapsed > options_.longest_transition) {
-    FailEndless();
+    return;
   }
+  EndPlain();
+  if (tick_.transition_elapsed > options_.longest_transition) FailEndless();
 }
 
 // The transition of the current state is complete.
@@ -848,26 +880,39 @@ void Machine::StopInside() {
   for (const auto& inside : nodes_[Index(current_)].inside) static_cast<void>(inside->Stop());
 }
 
-// `node`: of the state; null: there is none.
-void Machine::SetPresent(StateId state, const Node* node) {
+void Machine::SetPresent(StateId state) {
+  const Node& node = nodes_[Index(state)];
   current_ = state;
-  present_ = node == nullptr ? nullptr : node->state.get();
-  holds_machines_ = node != nullptr && !node->inside.empty();
+  present_ = node.state.get();
+  holds_machines_ = !node.inside.empty();
+}
+
+void Machine::SetAbsent() {
+  current_ = kNoState;
+  present_ = nullptr;
+  holds_machines_ = false;
 }
 
 // The current state has been left, or there was none.
 void Machine::Enter(StateId target, Cause cause, EventId command, const Entry& entry) {
   EndPresent(command);
-  const Change change{tick_.now, ticks_, current_, target, command, cause};
-  const Node& node = nodes_[Index(target)];
-  SetPresent(target, &node);
+  const Change& change = Remember(target, command, cause);
+  SetPresent(target);
   tick_ = {.now = tick_.now, .step = tick_.step};
   mode_ = target == safe_ ? Mode::kSafeStop : Mode::kNormal;
   if (mode_ == Mode::kNormal) unsafe_ = kNoCheck;
-  Remember(change);
-  if (holds_machines_) SetEntries(entry);
+  NotifyChange(change);
+  if (holds_machines_) [[unlikely]] {
+    return EnterInside(entry);
+  }
   Guard(Phase::kEnter, [&] { present_->OnEnter(tick_); });
-  if (node.inside.empty()) return;
+}
+
+// Enters the current state, which starts the machines in it.
+void Machine::EnterInside(const Entry& entry) {
+  const Node& node = nodes_[Index(current_)];
+  SetEntries(entry);
+  Guard(Phase::kEnter, [&] { present_->OnEnter(tick_); });
   for (const auto& inside : node.inside) inside->entry_ = {};  // OnEnter may have failed before it
 }
 
@@ -914,11 +959,12 @@ void Machine::LeaveFailed(Phase phase) {
 void Machine::Halt(Cause cause) {
   EndPresent(kNoEvent);
   DropCommands();
-  const Change change{tick_.now, ticks_, current_, kNoState, kNoEvent, cause};
+  const Change& change = Remember(kNoState, kNoEvent, cause);
   running_ = false;
+  EndPlain();
   mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
-  SetPresent(kNoState, nullptr);
-  Remember(change);
+  SetAbsent();
+  NotifyChange(change);
 }
 
 Result<> Machine::Stop() {
@@ -1050,10 +1096,20 @@ void Machine::Unhandled(EventId command) {
   NotifyAll(listeners_, [&](Listener& each) { each.OnUnhandled(*this, command, current_); });
 }
 
-void Machine::Remember(const Change& change) {
+// The change from the current state. It stays where it is until the next one is remembered.
+const Change& Machine::Remember(StateId to, EventId command, Cause cause) {
   ++counts_.changes;
-  history_.Emplace(change.at, change.tick, change.from, change.to, change.command, change.cause);
+  return history_.Emplace(tick_.now, ticks_, current_, to, command, cause);
+}
+
+void Machine::NotifyChange(const Change& change) {
   NotifyAll(listeners_, [&](Listener& each) { each.OnChange(*this, change); });
+  if (around_ != nullptr) [[unlikely]] {
+    NotifyAround(change);
+  }
+}
+
+void Machine::NotifyAround(const Change& change) {
   for (Machine* outer = around_; outer != nullptr; outer = outer->around_) {
     outer->NotifyAll(outer->listeners_,
                      [&](Listener& each) { each.OnChangeInside(*outer, *this, change); });

@@ -185,6 +185,8 @@ class Machine {
   std::string_view Name(EventId event) const;
   std::optional<StateId> FindState(std::string_view name) const;
   std::optional<EventId> FindEvent(std::string_view name) const;
+  // Whether there is an event of that name, and it was registered as urgent.
+  bool IsUrgent(std::string_view event) const;
   // "SHOW/PHOTO" where a state holds a machine, "SHOW/(WAVE|SMILE)" where it holds two.
   std::string Path() const;
   // Of a machine inside: the path of the state that holds it; else "".
@@ -272,7 +274,8 @@ class Machine {
   inline void GoTo(StateId target);
   [[gnu::noinline]] void Follow();
   [[gnu::noinline]] void StopInside();
-  [[gnu::noinline]] void SetEntries(const Entry& entry);
+  [[gnu::noinline]] void EnterInside(const Entry& entry);
+  void SetEntries(const Entry& entry);
   [[gnu::noinline]] void CancelRequest();
   void CheckAll(std::string_view start);
   std::optional<std::size_t> FindCheck(std::string_view name) const;
@@ -292,7 +295,10 @@ class Machine {
     EndPlain();
   }
   void RunAny(Time now);
-  void Finish(Next next);
+  [[gnu::noinline]] void Finish(Next next);
+  [[gnu::noinline]] void FinishAny(Next next);
+  [[gnu::noinline]] void FinishRun();
+  [[gnu::noinline]] void FinishFailed(Phase phase);
   inline void Advance(Time last, Time now);
   bool BeginTick(Time now);
   void EndTick();
@@ -310,7 +316,8 @@ class Machine {
   EventId InsideOf(EventId outer) const;
   inline void Begin(Next next);
   void Proceed();
-  void SetPresent(StateId state, const Node* node);
+  void SetPresent(StateId state);
+  void SetAbsent();
   void Enter(StateId target, Cause cause, EventId command, const Entry& entry);
   void Switch(StateId target, Cause cause, EventId command, const Entry& entry);
   [[gnu::noinline]] bool PassesChecks();
@@ -340,11 +347,31 @@ class Machine {
   [[gnu::noinline]] void GiveBack(EventId command);
   [[gnu::noinline]] void Unhandled(EventId command);
   void NotifyInput(const Input& input);
-  inline void Remember(const Change& change);
+  inline const Change& Remember(StateId to, EventId command, Cause cause);
+  inline void NotifyChange(const Change& change);
+  [[gnu::noinline]] void NotifyAround(const Change& change);
   template <class Call>
   bool Guard(Phase phase, Call&& call);
   template <class Interface, class Call>
   void NotifyAll(const std::vector<Interface*>& listeners, Call&& call);
+
+  // The data that every tick reads, side by side; `tick_` first, so that its address is that of the
+  // machine and takes no register of its own.
+  Tick tick_;                 // the argument of the states; with the transition under way
+  State* present_ = nullptr;  // the current state, ready to be called
+  StateId current_ = kNoState;
+  bool holds_machines_ = false;
+  bool running_ = false;
+  TickKind ticking_ = TickKind::kNo;
+  Mode mode_ = Mode::kNormal;
+  std::optional<Time> last_tick_;
+  std::uint64_t ticks_ = 0;
+  // A state inside goes along it, to be followed at the end of this step by the machine `at`.
+  const Route* requested_ = nullptr;
+  std::size_t waiting_ = 0;
+  std::vector<Listener*> listeners_;  // null: removed during a notification
+  std::vector<InputListener*> input_listeners_;
+  std::vector<SafetyCheck> checks_;
 
   const Options options_;
   std::vector<Node> nodes_;
@@ -354,33 +381,15 @@ class Machine {
   std::vector<std::string> warnings_;
   Chart chart_;
   std::vector<Route> routes_;
-  std::size_t first_route_ = 0;          // its id: they follow those of the states
-  Machine* around_ = nullptr;            // null: this is the outermost machine
-  StateId around_state_ = kNoState;      // the state of it that holds this machine
-  Entry entry_;                          // for the next start, by the machine around this one
-  std::vector<EventId> by_outer_;        // the events by those of the machine around, of this name
-  bool defers_any_ = false;              // a state here or inside declares Defer()
-  std::vector<std::uint64_t> declared_;  // a bit for each pair of states
-  std::size_t row_ = 0;                  // words of one state in it
+  std::size_t first_route_ = 0;         // its id: they follow those of the states
+  Machine* around_ = nullptr;           // null: this is the outermost machine
+  StateId around_state_ = kNoState;     // the state of it that holds this machine
+  Entry entry_;                         // for the next start, by the machine around this one
+  std::vector<EventId> by_outer_;       // the events by those of the machine around, of this name
+  bool defers_any_ = false;             // a state here or inside declares Defer()
+  std::vector<std::uint8_t> declared_;  // of each pair of states: 1, its transition is declared
   StateId safe_ = kNoState;
   bool built_ = false;
-
-  // The data that every tick reads, side by side.
-  bool running_ = false;
-  TickKind ticking_ = TickKind::kNo;
-  Mode mode_ = Mode::kNormal;
-  StateId current_ = kNoState;
-  State* present_ = nullptr;  // the same, ready to be called
-  bool holds_machines_ = false;
-  // A state inside goes along it, to be followed at the end of this step by the machine `at`.
-  const Route* requested_ = nullptr;
-  Tick tick_;  // the argument of the states; with the transition under way
-  std::optional<Time> last_tick_;
-  std::uint64_t ticks_ = 0;
-  std::size_t waiting_ = 0;
-  std::vector<Listener*> listeners_;  // null: removed during a notification
-  std::vector<InputListener*> input_listeners_;
-  std::vector<SafetyCheck> checks_;
 
   std::shared_ptr<EventData> event_data_;  // of the command of the tick
   EventId offered_ = kNoEvent;     // of the machine around, which gets it back if it is unused

@@ -335,8 +335,11 @@ void Machine::Become(const Snapshot& saved, Time now) {
   EndPlain();
   running_ = saved.running;
   mode_ = saved.mode;
-  const StateId present = state(saved.state);
-  SetPresent(present, running_ ? &nodes_[Index(present)] : nullptr);
+  if (running_) {
+    SetPresent(state(saved.state));
+  } else {
+    SetAbsent();
+  }
   ticks_ = saved.ticks;
   tick_ = {.now = saved.time, .step = saved.step, .elapsed = saved.elapsed};
   last_tick_ = saved.paused ? std::nullopt : std::optional(now);

@@ -20,8 +20,8 @@
 //   OnEnter                              the tick in which the last state was left
 //   CheckTransition: stay, Run           each tick from then on
 //   CheckTransition: to another          decided; in the same tick:
-//     Transition -> not done             a gradual one continues in the next tick; Run is not
-//     called Transition -> done, OnExit         and the next state's OnEnter
+//     Transition -> not done             a gradual one continues in the next tick; no Run
+//     Transition -> done, OnExit         and the next state's OnEnter
 //
 // All of them return at once: they do not sleep, wait, read a clock or lock. The tick has the time.
 // An exception leads to the safe state and is reported with the state and the function.

@@ -490,7 +490,7 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
   }
   const GivenTypes given(options.board.get());
   std::unique_ptr<Tree> tree = builder.Make(*main, options.history, options.board);
-  const Builder::Fitting fitting = builder.TakeFitting();
+  const Builder::FittingValues fitting = builder.TakeFittingValues();
   // Trees that nothing uses are checked, too.
   for (const Document::Tree* other : trees) {
     const auto& used = builder.used();

@@ -28,8 +28,8 @@ class Builder {
     found_.emplace_back(place, severity, std::move(message));
   }
   // Values of the given board of the tree that was made last, as its ports have them.
-  using Fitting = std::vector<std::pair<Entry*, Value>>;
-  Fitting TakeFitting() { return std::exchange(fitting_, {}); }
+  using FittingValues = std::vector<std::pair<Entry*, Value>>;
+  FittingValues TakeFittingValues() { return std::exchange(fitting_, {}); }
   bool failed() const;
   // The diagnostics by place, each once.
   std::vector<Diagnostic> Take() &&;
@@ -138,7 +138,7 @@ class Builder {
     Place place;
   };
   std::vector<Constant> constants_;
-  Fitting fitting_;
+  FittingValues fitting_;
   // Entries with a place that reads or sets them.
   std::vector<std::pair<const Entry*, Place>> reads_;
   std::map<const Entry*, Place> writes_;

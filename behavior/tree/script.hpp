@@ -2,9 +2,8 @@
 // The scripting language of BehaviorTree.CPP 4: "speed := 0.5; near = distance < 2 && !blocked".
 //
 //   values       1.5, 0x1F, 'text', true, false, names of enums, keys of the blackboard
-//   operators    := = += -= *= /=   a ? b : c   ||   &&   == != < > <= >=   | ^   &   ..   + -   *
-//   /
-//                ! ~ -             those on the right bind tighter
+//   operators    := = += -= *= /=   a ? b : c   ||   &&   == != < > <= >=   | ^   &   ..   + -
+//                * /   ! ~ -        those on the right bind tighter
 //   sequence     a; b; c      has the value of the last one
 //
 // := makes an entry, = needs one that has a value or that a port of the tree uses. A comparison may

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "musher/cli/commands/commands.hpp"
+#include "musher/cli/config/config_file.hpp"
 #include "musher/cli/config/group_check.hpp"
 #include "musher/cli/config/key_check.hpp"
 #include "musher/cli/config/limit_check.hpp"
@@ -68,7 +69,10 @@ ExitCode Check(const CheckOptions& options, const GlobalOptions& /*global*/, Con
       const auto hosts =
           options.hosts ? CheckOtherHosts(*read, ReadOtherHosts(*read)) : std::vector<Diagnostic>();
       reading.diagnostics.insert(reading.diagnostics.end(), hosts.begin(), hosts.end());
-      if (HasError(found) || HasError(group) || HasError(limits) || HasError(hosts)) {
+      const auto rules = reading.config ? RulesOf(*read).diagnostics : std::vector<Diagnostic>();
+      reading.diagnostics.insert(reading.diagnostics.end(), rules.begin(), rules.end());
+      if (HasError(found) || HasError(group) || HasError(limits) || HasError(hosts) ||
+          HasError(rules)) {
         reading.config.reset();
       }
     }

@@ -94,8 +94,18 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   console.Print(console.mode().json ? EndingJson(outcomes)
                                     : EndingText(outcomes, console.mode().colour));
   if (link.value()->interrupted()) return ExitCode::kInterrupted;
-  if (ending.value()->Ended()) return ExitCode::kDone;
-  console.PrintError("not all actuators have exited");
+  if (!ending.value()->Ended()) {
+    console.PrintError("not all actuators have exited");
+    return ExitCode::kNotDone;
+  }
+  std::vector<std::string> not_torn_down;
+  for (const auto& one : outcomes) {
+    if (one.has_tear_down && !one.torn_down) not_torn_down.push_back(one.name);
+  }
+  if (not_torn_down.empty()) return ExitCode::kDone;
+  console.PrintError(fmt::format("without TearDown what {} {} switched on may still be on",
+                                 fmt::join(not_torn_down, ", "),
+                                 not_torn_down.size() == 1 ? "has" : "have"));
   return ExitCode::kNotDone;
 }
 

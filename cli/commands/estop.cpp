@@ -13,6 +13,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/user.hpp"
 #include "musher/cli/commands/commands.hpp"
+#include "musher/cli/console/printable.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/machine_files.hpp"
@@ -206,23 +207,27 @@ std::string PidsText(const Publishers& publishers) {
   return pids;
 }
 
-// Their processes publish the stop for a minute.
-std::string StaysPublished(const Publishers& publishers) {
+// Their processes publish the stop for a minute, and to which machines.
+std::string StaysPublished(const Publishers& publishers, const Stop& stop) {
   for (DetachedPublisher* one : publishers) one->Begin();
   const std::string pids = PidsText(publishers);
-  return pids.empty() ? "" : "; the stop stays published for a minute (pid " + pids + ")";
+  if (pids.empty()) return "";
+  const MachineIdentity machine{stop.message.machine, stop.message.machine_id};
+  const std::string text = Printable(MachineText(machine));
+  return "; the stop stays published for a minute (pid " + pids + "), for " +
+         (text.empty() ? "every machine that receives it" : text);
 }
 
 // Prints why the stop is not complete. It stays published for a minute, unless it was released:
 // then the processes of earlier attempts end as well.
 ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatch& latch,
-                     const Publishers& publishers, Console& console) {
+                     const Stop& stop, const Publishers& publishers, Console& console) {
   std::string kept;
   if (latch.withdrawn()) {
     for (DetachedPublisher* one : publishers) one->Cancel();
     kept = "; it was released meanwhile";
   } else {
-    kept = StaysPublished(publishers);
+    kept = StaysPublished(publishers, stop);
   }
   if (!report.found()) {
     Failure failure = link.NotFound("controller or actuator");
@@ -367,7 +372,7 @@ class Attempt {
     Publishers publishers = part.earlier;
     publishers.push_back(&detached_);
     const std::string why = part.best.complete() ? "" : EstopError(part.best) + "; ";
-    console.PrintError(why + error.message + StaysPublished(publishers));
+    console.PrintError(why + error.message + StaysPublished(publishers, stop_));
     return ExitCode::kNotDone;
   }
 
@@ -390,12 +395,12 @@ class Attempt {
     publishers.push_back(&detached_);
     const bool complete = report.found() && report.complete();
     const ExitCode exit =
-        complete ? ExitCode::kDone : NotComplete(report, link, latch, publishers, console);
+        complete ? ExitCode::kDone : NotComplete(report, link, latch, stop_, publishers, console);
     if (report.not_on_disk.empty()) return exit;
     stays_published_ = complete && !latch.withdrawn();
     const char* lost = led ? "; the stop is lost if the controller and the actuators end"
                            : "; the stop is lost if the actuators end";
-    const std::string kept = stays_published_ ? StaysPublished(publishers) : "";
+    const std::string kept = stays_published_ ? StaysPublished(publishers, stop_) : "";
     console.PrintError("not on disk: " + report.not_on_disk + lost + kept);
     return exit;
   }

@@ -78,9 +78,10 @@ ExitCode LowPower(const LowPowerOptions& options, const GlobalOptions& global, C
   const char* request = options.this_run ? "low-power" : "low-power-store";
   return Request(
       {"low-power", {request, "", 0, options.on}},
-      [&options](const std::string&) {
+      [&options](const std::string& state) {
         return std::string("automatic LowPower when lying still: ") + (options.on ? "on" : "off") +
-               (options.this_run ? ", until the controller exits" : "");
+               (options.this_run ? ", until the controller exits" : "") +
+               (options.on ? "" : "; the machine is in " + state);
       },
       global, console);
 }
@@ -127,9 +128,9 @@ void AddKeep(Grammar& grammar) {
 }
 
 void AddLowPower(Grammar& grammar) {
-  auto [app, options] =
-      grammar.Add("low-power", "Turn automatic LowPower when lying still on or off", LowPower,
-                  "musher low-power off --this-run");
+  auto [app, options] = grammar.Add(
+      "low-power", "Automatic LowPower when lying still: on, or off, which wakes the robot up",
+      LowPower, "musher low-power off --this-run");
   grammar
       .OneOf(app.add_option_function<std::string>(
                  "on|off", [&on = options.on](const std::string& word) { on = word == "on"; },

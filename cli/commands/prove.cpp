@@ -4,11 +4,16 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
 #include <functional>
+#include <iterator>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "musher/base/files.hpp"
 #include "musher/base/memory_limit.hpp"
@@ -18,6 +23,7 @@
 #include "musher/cli/config/config_file.hpp"
 #include "musher/cli/console/signals.hpp"
 #include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/kept_searches.hpp"
 #include "musher/cli/render/proof.hpp"
 
 namespace musher::cli {
@@ -33,9 +39,11 @@ struct ProveOptions {
   std::string from;
   std::string to;      // with `replay`: what is requested; empty: the start
   std::string replay;  // the path of one scenario; empty: search
-  std::string rules;   // file with rules of the user
+  std::string rules;   // file with rules of the user; empty: those of the config
   std::string svg;     // file for the drawing of the counter-example
-  unsigned jobs = 0;   // threads; 0: one per core
+  bool other_machine = false;
+  bool resume = false;
+  unsigned jobs = 0;  // threads; 0: one per core
 };
 
 constexpr double kBytesOfGb = 1e9;
@@ -116,6 +124,91 @@ class ProofWatch {
   bool interrupted_ = false;
 };
 
+// The finished searches of a proof, in a file, so that --resume does not make them again. A proof
+// that ends by itself sooner than kKeepPeriod writes nothing.
+class FinishedSearches {
+ public:
+  FinishedSearches(const MachineConfig& config, const search::ProofOptions& proof, Console& console)
+      : config_(config), proof_(proof), console_(console) {}
+
+  // The searches of earlier runs. Prints why there are none.
+  std::vector<search::ProvedTask> Earlier() {
+    if (!Open()) return {};
+    const std::string all_made = "; all searches are made";
+    if (!kept_->damage().empty()) {
+      console_.PrintError("--resume: " + kept_->file() + ": " + kept_->damage() + all_made);
+    } else if (kept_->earlier().empty()) {
+      console_.PrintError(
+          "--resume: no finished searches of this config, its rules and this build of Musher are "
+          "kept" +
+          all_made);
+    }
+    return kept_->earlier();
+  }
+
+  // Called with all that have finished so far.
+  void operator()(const std::vector<search::ProvedTask>& finished) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - written_ < kKeepPeriod) return;
+    written_ = now;
+    Write(finished);
+  }
+
+  // The proof has ended. Returns how many --resume would not make again.
+  std::size_t End(const search::Proof& proof) {
+    std::vector<search::ProvedTask> finished;
+    std::ranges::copy_if(proof.tasks, std::back_inserter(finished), &search::ProvedTask::finished);
+    if (proof.end != search::ProofEnd::kNotFinished) {
+      if (kept_) kept_->Remove(finished);
+      return 0;
+    }
+    // It may have been interrupted before it took over those of an earlier run.
+    if (finished.empty()) return kept_ ? EarlierOfThisProof() : 0;
+    return Write(finished) ? finished.size() : 0;
+  }
+
+ private:
+  static constexpr auto kKeepPeriod = std::chrono::seconds(10);
+
+  // The file also has those from other states, and with more faults.
+  std::size_t EarlierOfThisProof() const {
+    const auto count = std::ranges::count_if(kept_->earlier(), [&](const auto& one) {
+      const search::ProofTask& task = one.task;
+      return task.faults <= proof_.faults && (!proof_.from || task.from == *proof_.from);
+    });
+    return static_cast<std::size_t>(count);
+  }
+
+  // Reads this program, which takes a moment.
+  bool Open() {
+    if (kept_ || failed_) return kept_.has_value();
+    auto opened = KeptSearches::Open(config_, proof_);
+    if (!opened) return Fail(opened.error());
+    kept_ = std::move(opened).value();
+    return true;
+  }
+
+  bool Write(const std::vector<search::ProvedTask>& finished) {
+    if (!Open()) return false;
+    const auto written = kept_->Keep(finished);
+    return written || Fail(written.error());
+  }
+
+  // Returns false.
+  bool Fail(const Error& error) {
+    if (!failed_) console_.PrintError("finished searches are not kept: " + error.message);
+    failed_ = true;
+    return false;
+  }
+
+  const MachineConfig& config_;
+  const search::ProofOptions& proof_;
+  Console& console_;
+  std::optional<KeptSearches> kept_;
+  bool failed_ = false;
+  std::chrono::steady_clock::time_point written_ = std::chrono::steady_clock::now();
+};
+
 ExitCode ExitOf(search::ProofEnd end) {
   switch (end) {
     case search::ProofEnd::kProved:
@@ -139,6 +232,18 @@ void DrawCounterExample(const ProofReport& report, const std::string& file, Cons
 std::string ReplayError(const std::string& text) {
   if (search::IsPath(text)) return "";
   return "'" + text.substr(0, 40) + "' is not the path of a scenario, as in 0.3.1";
+}
+
+// Of the file of --rules, which is to be proved. In that of the config such a rule is left out.
+std::optional<Error> TimedRuleError(const std::string& file, const UserRules& rules) {
+  if (file.empty() || rules.timed.empty()) return std::nullopt;
+  const TimedRule& rule = rules.timed.front();
+  const std::string message =
+      "'" + rule.text +
+      "' has a time, and `musher prove` knows the order of events alone; `musher simulate` checks "
+      "it, and the controller of a config that names it in [safety] rules";
+  return Error{kCodeParametersInvalid,
+               FormatDiagnostic({file, rule.line, 1, Severity::kError, message})};
 }
 
 // Runs the scenario of --replay.
@@ -171,10 +276,12 @@ ExitCode Prove(const ProveOptions& options, const GlobalOptions& /*global*/, Con
   if (!config) return ExitCode::kUsage;
   search::ProofOptions proof;
   proof.faults = options.faults;
+  proof.other_machine = options.other_machine;
   if (!options.from.empty()) proof.from = State(options.from);
-  if (!LoadStableRules(options.rules, *config, console, proof.stable_rules)) {
-    return ExitCode::kUsage;
-  }
+  UserRules rules;
+  if (!LoadUserRules(options.rules, *config, console, rules)) return ExitCode::kUsage;
+  if (const auto timed = TimedRuleError(options.rules, rules)) return console.Fail(*timed);
+  proof.stable_rules = rules.stable;
   const std::string why_not = search::WhyNotSearchable(*config, proof.from);
   if (!why_not.empty()) return console.Fail(Error{kCodeParametersInvalid, why_not});
   proof.threads =
@@ -182,13 +289,19 @@ ExitCode Prove(const ProveOptions& options, const GlobalOptions& /*global*/, Con
 
   ProofReport report{*config, options.file, options.faults, options.from, {}, {}, {}, {}};
   report.rules_file = options.rules;
-  if (!options.rules.empty()) report.rules = proof.stable_rules.size();
+  report.other_machine = options.other_machine;
+  if (!options.rules.empty() || !config->rules_file.empty()) report.rules = rules.stable.size();
+  report.user_rules = std::move(rules);
   if (!options.replay.empty()) return ReplayOne(options, proof, report, console);
   const MachineConfig searched = search::SearchableConfig(*config);
+  FinishedSearches finished(*config, proof, console);
+  if (options.resume) proof.earlier = finished.Earlier();
   ProofWatch watch(options, console);
   proof.on_progress = std::ref(watch);
+  proof.on_finished = std::ref(finished);
   report.proof = search::Prove(searched, proof);
   report.took = watch.took();
+  report.kept = finished.End(report.proof);
   console.HideBlock();
   console.Print(console.mode().json ? ProofJson(report) : ProofText(report, console.mode().colour));
   DrawCounterExample(report, options.svg, console);
@@ -212,6 +325,8 @@ void AddProve(Grammar& grammar) {
                                 "Repeat and show one scenario, as a counter-example names it")
                      ->check(ReplayError)
                      ->type_name("PATH");
+  app.add_flag("--resume", options.resume, "Skip the searches that an earlier run has finished")
+      ->excludes(replay);
   app.add_option("--budget", options.budget_s, "End after this time; default: none")
       ->check(Between(0.001, 1e9, "seconds"))
       ->type_name("SECONDS");
@@ -231,9 +346,14 @@ void AddProve(Grammar& grammar) {
   grammar
       .Offer(app.add_option("--rules", options.rules,
                             "Rules of your own for stable states, as in\n"
-                            "never lamp Active while base is not Active"),
+                            "never lamp Active while base is not Active;\n"
+                            "default: those that the config names"),
              Names::kFiles)
       ->type_name("FILE");
+  app.add_flag("--other-machine", options.other_machine,
+               "Faults are also a command to Active and a release of the\n"
+               "stop by another machine, and a heartbeat of a controller\n"
+               "that was replaced");
   grammar.Offer(app.add_option("--svg", options.svg, "Draw the counter-example"), Names::kFiles)
       ->type_name("FILE");
   app.add_option("-j,--jobs", options.jobs, "Threads; default all cores")

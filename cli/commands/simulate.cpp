@@ -25,7 +25,7 @@ struct SimulateOptions {
   std::string only;                   // inject only these of its events: "3,7"; empty: all
   std::optional<double> bound_s;      // within which the machine must reach a stable state
   std::string home;                   // the state that operators recover it to; empty: Active
-  std::string rules;                  // file with rules of the user
+  std::string rules;                  // file with rules of the user; empty: those of the config
   std::string svg;                    // file for the drawing of the failing or shown run
   unsigned jobs = 0;                  // threads; 0: one per core
 };
@@ -130,7 +130,7 @@ ExitCode Simulate(const SimulateOptions& options, const GlobalOptions& /*global*
   const std::vector<std::string> others = MakeAllUseMusher(*config);
   auto scenario = OptionsFor(options, *config);
   if (!scenario) return console.Fail(scenario.error());
-  if (!LoadStableRules(options.rules, *config, console, scenario.value().stable_rules)) {
+  if (!LoadUserRules(options.rules, *config, console, scenario.value().rules)) {
     return ExitCode::kUsage;
   }
   if (options.seed) return RunOne(options, *config, scenario.value(), console);
@@ -190,8 +190,10 @@ void AddSimulate(Grammar& grammar) {
       ->type_name("STATE");
   grammar
       .Offer(app.add_option("--rules", options.rules,
-                            "Rules of your own for stable states, as in\n"
-                            "never lamp Active while base is not Active"),
+                            "Rules of your own, as in\n"
+                            "never lamp Active while base is not Active, and\n"
+                            "within 5 s of Error arm in DeActive;\n"
+                            "default: those that the config names"),
              Names::kFiles)
       ->type_name("FILE");
   grammar

@@ -49,7 +49,7 @@ Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
   return failure;
 }
 
-using Running = std::map<std::string, RunningActuators::Actuator>;
+using ActuatorsByName = std::map<std::string, RunningActuators::Actuator>;
 
 // Without a status it is known by the name that its process holds on this host.
 bool IsSilent(const RunningActuators::Actuator& actuator) {
@@ -58,9 +58,9 @@ bool IsSilent(const RunningActuators::Actuator& actuator) {
 
 // Reports running actuators of an earlier config, or ones that the TearDown did not reach. Returns
 // whether there are any.
-bool ReportLeftBehind(Running running, Console& console) {
+bool ReportLeftBehind(ActuatorsByName running, Console& console) {
   if (running.empty()) return false;
-  Running silent = running;
+  ActuatorsByName silent = running;
   std::erase_if(silent, [](const auto& one) { return !IsSilent(one.second); });
   std::erase_if(running, [](const auto& one) { return IsSilent(one.second); });
   std::string left;
@@ -269,25 +269,28 @@ class SwitchCommand {
   }
 
   // The machine may have been down before every actuator was discovered: those of this host hold
-  // their names, others need the time of a discovery.
+  // their names, others need the time of a discovery, twice that over a slow link.
   bool IsAnyLeftBehind(bool of_this_host) {
     if (!running_) {
       console_.PrintError("whether more actuators run in this namespace is not known: " +
                           not_followed_);
       return false;
     }
+    const auto tick = link_->loop().Every(kLookAgain, [] {});
     const auto profile = transport::Profile({});
     if (!profile || profile.value() == TransportProfile::kLan) {
-      link_->RunUntil([] { return false; }, joined_ + link_->discovery() - link_->loop().Now());
+      const Time end = joined_ + link_->discovery();
+      link_->RunUntil([] { return false; }, end - link_->loop().Now());
+      link_->RunUntil([this] { return !running_->IsAnyAwaited(); },
+                      end + link_->discovery() - link_->loop().Now());
     }
-    const auto tick = link_->loop().Every(kLookAgain, [] {});
     link_->RunUntil(
         [this] {
           return std::ranges::all_of(running_->Now(),
                                      [](const auto& one) { return one.second.has_status; });
         },
         of_this_host ? link_->discovery() : Duration{});
-    Running running = running_->Now();
+    ActuatorsByName running = running_->Now();
     if (!of_this_host) {
       std::erase_if(running, [](const auto& one) { return !one.second.has_status; });
     }

@@ -222,6 +222,10 @@ Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptio
   // A controller that is executed again leads its machine with the group or without.
   const auto group = options.resume ? std::vector<Diagnostic>() : CheckLogGroup(config);
   if (!group.empty()) return Error{kCodeParametersInvalid, FormatDiagnostic(group.front())};
+  // A supervisor's start goes on without rules that cannot be read, and says so: they only report.
+  const bool by_person = !options.resume && !options.restarted;
+  const auto rules = by_person ? RulesOf(config).diagnostics : std::vector<Diagnostic>();
+  if (!rules.empty()) return Error{kCodeParametersInvalid, FormatDiagnostic(rules.front())};
   return TakeKeys(config, console);
 }
 

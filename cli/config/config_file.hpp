@@ -7,7 +7,7 @@
 
 #include "musher/cli/console/console.hpp"
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/config/stable_rule.hpp"
+#include "musher/lifecycle/config/user_rules.hpp"
 
 namespace musher::cli {
 
@@ -15,8 +15,16 @@ namespace musher::cli {
 // document. nullopt: the config is invalid and everything is already printed.
 std::optional<MachineConfig> LoadConfig(const std::string& file, Console& console);
 
-// Reads the file of --rules; "": there are none. Prints what is wrong and returns false.
-bool LoadStableRules(const std::string& file, const MachineConfig& config, Console& console,
-                     std::vector<StableRule>& rules);
+// ReadRulesOf() with the place of the key in the config.
+UserRulesReading RulesOf(const MachineConfig& config);
+
+// Where the file of the rules lies in `folder`: "etc/rules.txt"; "": it is not below it, or the
+// config names none.
+std::string RulesBelow(const MachineConfig& config, const std::string& folder);
+
+// Reads the rules of the file of --rules; "": those that the config names. Prints what is wrong and
+// returns false.
+bool LoadUserRules(const std::string& file, const MachineConfig& config, Console& console,
+                   UserRules& rules);
 
 }  // namespace musher::cli

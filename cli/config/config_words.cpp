@@ -275,9 +275,12 @@ std::vector<ConfigWord> WordsOf(const MachineConfig& config) {
     words.Table("security", kNewStart);
     words.Key("keys", config.keys, kNewStart);
   }
-  if (config.permit) {
-    words.Table("safety", kNewStart);
-    words.Key("permit_ms", std::to_string(ToMilliseconds(*config.permit)), kNewStart);
+  if (config.permit || !config.rules_file.empty()) {
+    words.Table("safety", config.permit ? kNewStart : kTakeover);
+    const std::string permit_ms =
+        config.permit ? std::to_string(ToMilliseconds(*config.permit)) : "none";
+    words.Key("permit_ms", permit_ms, kNewStart);
+    words.Key("rules", Or(config.rules_file, "none"));
   }
   if (const auto& view = config.view) {
     words.Table("view");

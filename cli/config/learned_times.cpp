@@ -10,6 +10,7 @@
 
 #include "musher/base/words.hpp"
 #include "musher/cli/console/wall_time.hpp"
+#include "musher/lifecycle/state.hpp"
 
 namespace musher::cli {
 namespace {
@@ -73,7 +74,8 @@ std::optional<Drift> DriftOf(const std::vector<const CommandTime*>& done) {
 
 std::optional<double> Proposed(const LearnedTime& row, const LearningOptions& options) {
   if (row.missing != 0 || !row.limit_ms) return std::nullopt;
-  double limit = RoundedUp(std::max(row.p999_ms * options.margin, row.p999_ms + kLeastMarginMs));
+  const double took_ms = row.state == kSetUp ? row.longest_ms : row.p999_ms;
+  double limit = RoundedUp(std::max(took_ms * options.margin, took_ms + kLeastMarginMs));
   if (row.overdue > 0) limit = std::max(limit, *row.limit_ms);
   if (std::abs(limit - *row.limit_ms) <= kWorthChanging * *row.limit_ms) return std::nullopt;
   return limit;
@@ -128,6 +130,10 @@ std::string Line(const std::vector<std::int64_t>& times_ms) {
 
 }  // namespace
 
+const char* LearnedTime::Noun() const {
+  return state == kSetUp ? "start" : "command";
+}
+
 std::optional<double> LearnedTime::ShareOfLimit() const {
   if (missing != 0 || !limit_ms || *limit_ms <= 0) return std::nullopt;
   return p999_ms / *limit_ms;
@@ -141,11 +147,11 @@ std::vector<std::string> TimeWarnings(const std::vector<LearnedTime>& rows) {
     if (row.overdue_at_limit != 0) {
       warnings.push_back(fmt::format(
           "{} was overdue in {} of {}, its limit is {:.0f} ms", state, row.overdue_at_limit,
-          Counted(row.commands + row.overdue, "command"), *row.limit_ms));
+          Counted(row.commands + row.overdue, row.Noun()), *row.limit_ms));
     } else if (row.ShareOfLimit().value_or(0) >= kCloseToLimit) {
       warnings.push_back(
           fmt::format("{} comes close to its limit: 99.9 % of {} took up to {:.0f} of {:.0f} ms",
-                      state, Counted(row.commands, "command"), row.p999_ms, *row.limit_ms));
+                      state, Counted(row.commands, row.Noun()), row.p999_ms, *row.limit_ms));
     }
     if (row.drift && row.drift->factor > 1) {
       warnings.push_back(fmt::format("{} takes {:.1f} times as long since {}", state,
@@ -174,26 +180,26 @@ std::vector<LearnedTime> LearnTimes(const std::vector<CommandTime>& commands,
   return rows;
 }
 
-std::string ProposedTimes(const ActuatorConfig& actuator, const std::vector<LearnedTime>& learned) {
-  std::vector<std::int64_t> times;
-  bool differs = false;
+std::vector<std::int64_t> ProposedLimits(const ActuatorConfig& actuator,
+                                         const std::vector<LearnedTime>& learned) {
+  std::vector<std::int64_t> limits_ms;
   for (std::size_t i = 0; i < actuator.states.size(); ++i) {
     const auto row = std::find_if(learned.begin(), learned.end(), [&](const LearnedTime& one) {
       return one.actuator == actuator.name && one.state == actuator.states[i] && one.proposed_ms;
     });
-    const bool proposed = row != learned.end();
-    differs = differs || proposed;
-    times.push_back(proposed ? static_cast<std::int64_t>(*row->proposed_ms)
-                             : ToMilliseconds(actuator.times[i]));
+    limits_ms.push_back(row != learned.end() ? static_cast<std::int64_t>(*row->proposed_ms)
+                                             : ToMilliseconds(actuator.times[i]));
   }
-  return differs ? Line(times) : "";
+  return limits_ms;
+}
+
+std::string ProposedTimes(const ActuatorConfig& actuator, const std::vector<LearnedTime>& learned) {
+  std::string line = Line(ProposedLimits(actuator, learned));
+  return line == TimesLine(actuator) ? "" : line;
 }
 
 std::string TimesLine(const ActuatorConfig& actuator) {
-  std::vector<std::int64_t> times;
-  times.reserve(actuator.times.size());
-  for (const Duration time : actuator.times) times.push_back(ToMilliseconds(time));
-  return Line(times);
+  return Line(ProposedLimits(actuator, {}));
 }
 
 }  // namespace musher::cli

@@ -3,7 +3,8 @@
 // Pure.
 //
 // A limit is the 99.9th percentile of what a state took, and a margin. It is never proposed lower
-// while commands were overdue: how long those would have taken is not known.
+// while commands were overdue: how long those would have taken is not known. That of SetUp is not
+// below the longest start and the margin: the few after a boot are the slow ones.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +16,7 @@
 
 namespace musher::cli {
 
-// A command that has ended.
+// A command, or a start (the SetUp of a process), that has ended.
 struct CommandTime {
   std::string actuator;
   State state;               // its target
@@ -52,6 +53,7 @@ struct LearnedTime {
   std::size_t beyond_proposed = 0;   // of the commands: longer than the proposed limit
   std::size_t overdue_at_limit = 0;  // of the overdue ones: the others had a shorter limit then
 
+  const char* Noun() const;  // "command", of SetUp "start"
   // The 99.9th percentile divided by the limit; none: there is no limit, or too few commands.
   std::optional<double> ShareOfLimit() const;
 };
@@ -65,6 +67,10 @@ std::vector<LearnedTime> LearnTimes(const std::vector<CommandTime>& commands,
 // or take longer than before. States that the config does not list have none.
 std::vector<std::string> TimeWarnings(const std::vector<LearnedTime>& rows);
 
+// The limits of an actuator's states in ms, in their order: the proposed ones, and the others as
+// they are.
+std::vector<std::int64_t> ProposedLimits(const ActuatorConfig& actuator,
+                                         const std::vector<LearnedTime>& learned);
 // The line `times = [...]` of an actuator with the proposed limits; empty: none of its differs.
 std::string ProposedTimes(const ActuatorConfig& actuator, const std::vector<LearnedTime>& learned);
 // The line as it is.

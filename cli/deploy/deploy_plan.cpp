@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "musher/base/joined.hpp"
+#include "musher/cli/config/config_file.hpp"
 #include "musher/ota/manifest.hpp"
 #include "musher/transport/security/key_folder.hpp"
 
@@ -127,6 +128,7 @@ class Planner {
           actuator.name, fs::absolute(config_.file).lexically_normal().string(), actuator.host,
           host_.root, fs::path(config_.file).filename().string()));
     }
+    if (has_config) TakeRules(actuator);
     TakeKeys(actuator);
   }
 
@@ -242,6 +244,24 @@ class Planner {
       // Where the process looks for them: the config names them from its own folder.
       Put(actuator, (config_folder_ / inside / fs::path(file).filename()).string(), file);
     }
+  }
+
+  // No actuator needs them; the config in the slot names them.
+  void TakeRules(const ActuatorConfig& actuator) {
+    const std::string& rules = config_.rules_file;
+    if (rules.empty()) return;
+    std::error_code error;
+    const bool exists = fs::is_regular_file(rules, error);
+    const std::string below = RulesBelow(config_, folder_.string());
+    if (exists && !below.empty()) {
+      const std::string path = (config_folder_ / below).string();
+      // A file of this path that an actuator names goes before.
+      if (!host_.files.contains(path)) PutNamed(actuator, path, rules);
+      return;
+    }
+    if (!noted_.insert(rules).second) return;
+    plan_.notes.push_back(rules + ", which [safety] rules names, is not copied: " +
+                          (exists ? "it is not below " + folder_.string() : "it is missing here"));
   }
 
   void Put(const ActuatorConfig& actuator, const std::string& path, const std::string& source) {

@@ -10,7 +10,8 @@
 //
 // has the root /opt/robot, and bin/eyes, eyes.toml and robot.toml in its slot. They come from the
 // folder FROM: FROM/vision/bin/eyes if that exists, for a host with a processor of its own, else
-// FROM/bin/eyes. robot.toml is the config itself.
+// FROM/bin/eyes. robot.toml is the config itself, with the file of its rules ([safety] rules)
+// beside it.
 //
 // Threads: any; waits for the disk.
 

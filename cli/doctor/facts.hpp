@@ -59,10 +59,10 @@ struct LockFacts {
   std::string belongs_to{};  // another machine that the folder belongs to; empty: none
 };
 
-// What commands took in the last seven days, by the journal of the machine.
+// What commands and starts took in the last seven days, by the journal of the machine.
 struct TimesFacts {
   std::string error;                       // why it is not known; empty: it is known
-  std::size_t commands = 0;                // done or overdue
+  std::size_t commands = 0;                // and starts, done or overdue
   std::vector<std::string> warnings = {};  // see TimeWarnings()
 };
 

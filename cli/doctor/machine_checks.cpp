@@ -89,10 +89,11 @@ DoctorCheck CheckTimes(const DoctorFacts& facts) {
   const TimesFacts& times = facts.times;
   if (!facts.config) return NotApplicable(check, "no config was given");
   if (!times.error.empty()) return NotApplicable(check, times.error);
-  if (times.commands == 0) return NotApplicable(check, "no command in the last 7 days");
+  if (times.commands == 0)
+    return NotApplicable(check, "no command and no start in the last 7 days");
   if (times.warnings.empty()) {
     check.reason = fmt::format("{} in the last 7 days, none overdue or close to its limit",
-                               Counted(times.commands, "command"));
+                               Counted(times.commands, "command or start", "commands and starts"));
     return check;
   }
   check.health = CheckStatus::kWarning;

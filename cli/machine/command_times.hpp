@@ -1,7 +1,8 @@
 #pragma once
-// What commands took, from the journal of a machine.
+// What commands took, from the journal of a machine. SetUp is no command: it takes from the start
+// of a process until the actuator has accepted the controller, which is what its limit is about.
 //
-// Waits for the disk. Threads: any.
+// Threads: any. ReadCommandTimes() waits for the disk.
 
 #include <cstdint>
 #include <string>
@@ -9,8 +10,13 @@
 
 #include "musher/base/result.hpp"
 #include "musher/cli/config/learned_times.hpp"
+#include "musher/controller/journal/journal.hpp"
 
 namespace musher::cli {
+
+// Of these entries, oldest first, of the file `journal`.
+std::vector<CommandTime> CommandTimesOf(const std::vector<JournalEntry>& entries,
+                                        const std::string& journal);
 
 struct CommandTimes {
   std::vector<CommandTime> commands;  // that were done, or overdue; oldest first

@@ -67,6 +67,7 @@ Result<> DirectTearDown::Open() {
       target.here = process && proven;
       if (target.here) target.process = std::move(process).value();
     }
+    target.outcome.has_tear_down = !actuator.child;
     if (!actuator.has_status) {
       target.outcome.trouble = "its process publishes no status";
       continue;
@@ -136,7 +137,7 @@ void DirectTearDown::CommandTearDown(Target& target, const Actuators& running) {
   msg::ActuatorCommand::Request request;
   request.kind = msg::ActuatorCommand::kKindSwitch;
   request.epoch = epoch_.value();
-  request.number = status.number + 1;
+  request.number = std::max(CommandNumber(status.number), target.last_number).value() + 1;
   request.target = State(kTearDown);
   request.budget_ns = Duration(deadline_ - now).count();
   request.status_stamp_ns = status.stamp_ns;
@@ -148,12 +149,21 @@ void DirectTearDown::CommandTearDown(Target& target, const Actuators& running) {
     target.commanded = false;  // commanded again if it was refused
     if (!reply) return;
     const bool done = reply.value().verdict == msg::ActuatorCommand::kVerdictDone;
+    Learn(target, reply.value().status);
     target.outcome.trouble = done ? "" : reply.value().message;
     if (!done || target.outcome.torn_down) return;
     target.outcome.torn_down = true;
     target.torn_down_at = node_.loop().Now();
   };
   target.commands->Call(request, deadline_ - now, on_reply, participant);
+}
+
+// A command that was refused counts in the actuator, and is in no status that it publishes: its
+// next one has to have a higher number, and an epoch above that of its sender.
+void DirectTearDown::Learn(Target& target, const msg::ActuatorStatus& status) {
+  target.last_number = std::max(target.last_number, CommandNumber(status.number));
+  epoch_ = std::max(epoch_, Epoch(status.epoch) + 1);
+  heartbeat_.epoch = epoch_.value();
 }
 
 void DirectTearDown::Signal(Target& target) {

@@ -31,6 +31,7 @@ class DirectTearDown {
   struct Outcome {
     std::string name;
     std::int32_t pid = 0;
+    bool has_tear_down = false;  // not so a program that is no actuator of Musher
     bool torn_down = false;
     bool ended = false;
     std::string signal;   // the last signal sent to its process: "SIGTERM", "SIGKILL"
@@ -54,6 +55,7 @@ class DirectTearDown {
     bool here = false;       // a process of this host, proven to hold the actuator's name
     bool elsewhere = false;  // of another host
     bool commanded = false;
+    CommandNumber last_number = 0;
     std::unique_ptr<transport::Client<msg::ActuatorCommand>> commands;
     UniqueFd process;
     std::optional<Time> torn_down_at;
@@ -69,6 +71,7 @@ class DirectTearDown {
   void Advance();
   void Check(Target& target, const Actuators& running);
   void CommandTearDown(Target& target, const Actuators& running);
+  void Learn(Target& target, const msg::ActuatorStatus& status);
   void Signal(Target& target);
 
   transport::Node& node_;

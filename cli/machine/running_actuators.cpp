@@ -13,7 +13,7 @@ namespace musher::cli {
 Result<std::unique_ptr<RunningActuators>> RunningActuators::Begin(transport::Node& node,
                                                                   const std::string& name_space,
                                                                   bool with_keys) {
-  std::unique_ptr<RunningActuators> running(new RunningActuators(node.loop(), name_space));
+  std::unique_ptr<RunningActuators> running(new RunningActuators(node, name_space));
   transport::SubscriptionEvents events;
   events.on_writer_lost = [self = running.get()](transport::EndpointId writer) {
     self->received_.erase(writer);
@@ -61,6 +61,17 @@ std::vector<MachineIdentity> RunningActuators::Machines(bool here) const {
     if (!known) machines.push_back(machine);
   }
   return machines;
+}
+
+bool RunningActuators::IsAnyAwaited() const {
+  const std::string prefix = "/" + transport::ResolveName(name_space_, "");
+  return std::ranges::any_of(node_.Peers(), [&](const transport::PeerInfo& peer) {
+    const bool of_namespace =
+        peer.name.starts_with(prefix) && peer.name.find('/', prefix.size()) == std::string::npos;
+    return of_namespace && std::ranges::none_of(received_, [&](const auto& one) {
+             return one.second.participant == peer.id;
+           });
+  });
 }
 
 std::map<std::string, RunningActuators::Actuator> RunningActuators::Received() const {

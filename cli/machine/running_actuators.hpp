@@ -40,14 +40,18 @@ class RunningActuators {
   // The actuators that are not torn down, by name.
   std::map<std::string, Actuator> Now() const;
   bool HasStatusOf(const std::string& actuator) const { return Received().contains(actuator); }
+  // Whether a process of the namespace is known of which no status has arrived: its participant is
+  // discovered first, and its status takes several times as long over a slow link.
+  bool IsAnyAwaited() const;
 
  private:
-  RunningActuators(transport::EventLoop& loop, std::string name_space)
-      : loop_(loop), name_space_(std::move(name_space)) {}
+  RunningActuators(transport::Node& node, std::string name_space)
+      : node_(node), loop_(node.loop()), name_space_(std::move(name_space)) {}
 
   void FindChildrenHere();
   std::map<std::string, Actuator> Received() const;  // of the machine, by name
 
+  transport::Node& node_;
   transport::EventLoop& loop_;
   const std::string name_space_;
   MachineIdentity machine_;                             // empty: any

@@ -53,7 +53,7 @@ void BeginAtHang(CauseChain& chain, const msg::GetHistory::Response& history) {
 // controller is why it was refused.
 bool IsRefusedRequest(const std::string& event) {
   return event == "switch_refused" || event == "switch_superseded" || event == "policy_refused" ||
-         event == "policy_switch_refused";
+         event == "policy_switch_refused" || event == "request_refused";
 }
 
 NewestFirst NewestFailure(const msg::GetHistory::Response& history, const std::string& actuator) {
@@ -75,7 +75,8 @@ NewestFirst LastRefusal(const msg::GetHistory::Response& history) {
   const NewestFirst end = history.entries.rend();
   for (NewestFirst entry = history.entries.rbegin(); entry != end; ++entry) {
     const std::string event = EventOf(history, entry);
-    if (event == "switch_refused" || event == "policy_refused") return entry;
+    const bool refused = event == "switch_refused" || event == "policy_refused";
+    if (refused || event == "request_refused") return entry;
     if (!entry->state.empty()) break;
     if (entry->code != kCodeOk && !IsRefusedRequest(event)) break;
   }

@@ -92,7 +92,7 @@ KeyWords WordsOf(std::string_view name) {
   return words;
 }
 
-std::string PathOf(std::span<const std::string> words) {
+std::string KeyOf(std::span<const std::string> words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : "/") + word;
   return text;
@@ -168,8 +168,8 @@ class Reader {
  private:
   // Of a key that is for any namespace, the root.
   static std::string NamespaceOf(const KeyWords& key) {
-    if (key.empty() || PathOf(key).find('*') != std::string::npos) return "";
-    return PathOf(std::span(key).first(key.size() - 1));
+    if (key.empty() || KeyOf(key).find('*') != std::string::npos) return "";
+    return KeyOf(std::span(key).first(key.size() - 1));
   }
 
   // The names are below the namespace of the manager.

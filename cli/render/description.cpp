@@ -68,6 +68,9 @@ std::string FlagsOf(const Description& d) {
     flags.push_back(
         "emergency stop latched, by " + d.status->emergency_stop_by +
         (d.status->emergency_stop_reason.empty() ? "" : ": " + d.status->emergency_stop_reason));
+    if (!d.status->stop_trouble.empty()) {
+      flags.push_back("NOT STOPPED: " + d.status->stop_trouble);
+    }
   } else if (d.status && d.status->held_by_stop) {
     flags.emplace_back("held by a released emergency stop");
   }

@@ -20,6 +20,16 @@ std::string Outcome(const EstopReport::Actuator& actuator) {
   return actuator.trouble.empty() ? "stop not confirmed" : Printable(actuator.trouble);
 }
 
+// Without a controller nothing else says which robot has stopped.
+std::string MachinesLine(const EstopReport& report) {
+  std::vector<std::string> machines;
+  for (const MachineIdentity& machine : report.machines) {
+    if (std::string text = MachineText(machine); !text.empty()) machines.push_back(Printable(text));
+  }
+  if (machines.empty()) return "";
+  return fmt::format("machine{}: {}\n", machines.size() == 1 ? "" : "s", fmt::join(machines, ", "));
+}
+
 std::string StopSummary(const EstopReport& report) {
   const std::size_t count = report.actuators.size();
   if (count == 0) return "no actuator is present";
@@ -47,6 +57,7 @@ std::string EstopText(const EstopReport& report, bool colour) {
                                           Signed(report.earlier->by, report.earlier->reason)
                                     : "emergency stop engaged" + Signed(report.by, report.reason);
   text = Paint(text, Style::kBad, colour) + '\n';
+  if (!report.controller) text += MachinesLine(report);
   std::size_t width = 0;
   for (const auto& actuator : report.actuators) width = std::max(width, actuator.name.size());
   for (const auto& actuator : report.actuators) {

@@ -183,7 +183,9 @@ std::string StatusJson(const msg::MachineStatus& status,
                    {"requested_by", Known(status.requested_by)},
                    {"since", since.state_since_ns ? OrderedJson(UtcText(*since.state_since_ns))
                                                   : OrderedJson()},
-                   {"uptime_s", since.up_s ? OrderedJson(*since.up_s) : OrderedJson()}});
+                   {"uptime_s", since.up_s ? OrderedJson(*since.up_s) : OrderedJson()},
+                   {"violated_rules", status.violated_rules},
+                   {"not_stopped", status.not_stopped}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {
@@ -215,6 +217,11 @@ std::string EstopJson(const EstopReport& report) {
                          {"after_ms", a.stopped ? OrderedJson(after_ms) : OrderedJson()},
                          {"trouble", Known(a.trouble)}};
   }
+  OrderedJson machines = OrderedJson::array();
+  for (const MachineIdentity& one : report.machines) {
+    if (one.name.empty() && one.id.empty()) continue;
+    machines.push_back({{"machine", Known(one.name)}, {"machine_id", Known(one.id)}});
+  }
   OrderedJson earlier;  // null
   if (report.earlier) earlier = {{"by", report.earlier->by}, {"reason", report.earlier->reason}};
   return JsonLine({{"engaged", true},
@@ -223,7 +230,8 @@ std::string EstopJson(const EstopReport& report) {
                    {"complete", report.complete()},
                    {"controller", report.controller},
                    {"earlier", earlier},
-                   {"actuators", actuators}});
+                   {"actuators", actuators},
+                   {"machines", machines}});
 }
 
 std::string ReleaseJson(const msg::MachineStatus& machine,

@@ -14,12 +14,17 @@ struct ProofReport {
   std::string file;
   int faults = 1;                    // that were to be proved
   std::string from;                  // only what begins in this state; empty: all
-  std::optional<std::size_t> rules;  // of the user, how many; none: no --rules
+  std::optional<std::size_t> rules;  // of the user, how many; none: no file of them
   search::Proof proof;
   Duration took{};
   std::string rules_file = {};  // empty: no --rules
+  UserRules user_rules = {};    // those with a time are not searched
+  bool other_machine = false;   // whether its messages are faults
+  std::size_t kept = 0;         // of the searches, for --resume
 };
 
+// What is left out of the search: of the config, of the rules that it names, and of the faults.
+std::vector<std::string> NotSearched(const ProofReport& report);
 std::string ProofText(const ProofReport& report, bool colour);
 std::string ProofJson(const ProofReport& report);
 // The picture of the counter-example; there is one.
@@ -28,6 +33,8 @@ std::string CounterExampleSvg(const ProofReport& report);
 std::string CounterExampleText(const ProofReport& report);
 // The command that repeats the counter-example; empty: it has too many events to copy, or none.
 std::string ReplayCommand(const ProofReport& report);
+// The command that continues an interrupted proof; empty: nothing is kept for it.
+std::string ResumeCommand(const ProofReport& report);
 // The counter-example, which was replayed, and whether it still violates a rule.
 std::string ReplayedText(const ProofReport& report);
 std::string ReplayedJson(const ProofReport& report);

@@ -2,6 +2,7 @@
 
 #include "musher/cli/console/json_line.hpp"
 #include "musher/cli/render/proof.hpp"
+#include "musher/cli/render/rule_coverage.hpp"
 
 namespace musher::cli {
 namespace {
@@ -39,7 +40,7 @@ std::string ProofJson(const ProofReport& report) {
       {"faults", report.faults},
       {"from", Known(report.from)},
       {"rules", report.rules ? OrderedJson(*report.rules) : OrderedJson()},
-      {"left_out", search::LeftOutOf(report.config)},
+      {"left_out", NotSearched(report)},
       {"result", ResultName(proof.end)},
       {"proved_faults", proof.proved_faults < 0 ? OrderedJson() : OrderedJson(proof.proved_faults)},
       {"why", Known(proof.why)},
@@ -48,13 +49,20 @@ std::string ProofJson(const ProofReport& report) {
       {"took_s", ToSeconds(report.took)},
       {"reached", StateNames(proof.reached)},
       {"not_reached", StateNames(proof.not_reached)},
+      {"resume", Known(ResumeCommand(report))},
       {"searches", OrderedJson::array()}};
   for (const search::ProvedTask& task : proof.tasks) {
     OrderedJson search = TaskOf(task.task);
     search["states"] = task.figures.nodes;
     search["transitions"] = task.figures.transitions;
     search["complete"] = task.finished;
+    search["earlier_run"] = task.earlier;
     json["searches"].push_back(std::move(search));
+  }
+  json["rule_coverage"] = nullptr;
+  if (report.rules) {
+    json["rule_coverage"] =
+        RuleCoverageJson({report.user_rules.stable, {}}, {proof.rule_coverage, {}});
   }
   json["counter_example"] = nullptr;
   if (proof.counter_example) {

@@ -4,7 +4,9 @@
 
 #include "musher/base/words.hpp"
 #include "musher/cli/console/console.hpp"
+#include "musher/cli/render/grouped.hpp"
 #include "musher/cli/render/proof.hpp"
+#include "musher/cli/render/rule_coverage.hpp"
 #include "musher/simulation/timeline.hpp"
 
 namespace musher::cli {
@@ -15,13 +17,6 @@ using search::PathStep;
 using search::ProofEnd;
 using search::World;
 using simulation::Timeline;
-
-// 1234567 as "1,234,567".
-std::string WithCommas(std::uint64_t number) {
-  std::string text = std::to_string(number);
-  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
-  return text;
-}
 
 std::string TookText(Duration time) {
   const double seconds = ToSeconds(time);
@@ -130,14 +125,19 @@ std::string Levels(const ProofReport& report) {
     text += fmt::format("  {:<9} {}, {} complete; {} states, {} transitions\n",
                         Counted(static_cast<std::size_t>(faults), "fault"),
                         begun == 1 ? "1 search" : std::to_string(begun) + " searches", finished,
-                        WithCommas(figures.nodes), WithCommas(figures.transitions));
+                        Grouped(figures.nodes), Grouped(figures.transitions));
   }
   return text;
 }
 
 std::string Notes(const ProofReport& report) {
   std::string text;
-  const std::vector<std::string> left_out = search::LeftOutOf(report.config);
+  const auto earlier = std::ranges::count_if(report.proof.tasks, &search::ProvedTask::earlier);
+  if (earlier > 0) {
+    text += fmt::format("  note      {} made by an earlier run\n",
+                        earlier == 1 ? "1 search was" : std::to_string(earlier) + " searches were");
+  }
+  const std::vector<std::string> left_out = NotSearched(report);
   if (!left_out.empty()) {
     text += fmt::format("  note      not searched: {}\n", fmt::join(left_out, "; "));
   }
@@ -150,11 +150,31 @@ std::string Notes(const ProofReport& report) {
   return text;
 }
 
+// The first words of a command about the proof's config, with the options that decide what is
+// searched.
+std::string ProveCommand(const ProofReport& report) {
+  std::string command = "musher prove " + Printable(ShellWord(report.file));
+  if (!report.rules_file.empty()) {
+    command += " --rules " + Printable(ShellWord(report.rules_file));
+  }
+  if (report.other_machine) command += " --other-machine";
+  return command;
+}
+
+std::string Continuation(const ProofReport& report) {
+  const std::string command = ResumeCommand(report);
+  if (command.empty()) return "";
+  const std::string what = report.kept == 1
+                               ? "The finished search is kept"
+                               : fmt::format("The {} finished searches are kept", report.kept);
+  return what + ". Continue: " + command + "\n";
+}
+
 std::string Conclusion(const ProofReport& report, bool colour) {
   const search::Proof& proof = report.proof;
   const std::string figures =
-      fmt::format("{} states, {} transitions, in {}", WithCommas(proof.figures.nodes),
-                  WithCommas(proof.figures.transitions), TookText(report.took));
+      fmt::format("{} states, {} transitions, in {}", Grouped(proof.figures.nodes),
+                  Grouped(proof.figures.transitions), TookText(report.took));
   switch (proof.end) {
     case ProofEnd::kProved:
       return Paint("Proved " + WithFaults("for", report.faults), Style::kGood, colour) +
@@ -170,10 +190,23 @@ std::string Conclusion(const ProofReport& report, bool colour) {
   return Paint("Not finished", Style::kBusy, colour) + ": " + proof.why + "; " +
          (proof.proved_faults < 0 ? "nothing is proved"
                                   : "proved " + WithFaults("for", proof.proved_faults)) +
-         "; " + figures + ".\n";
+         "; " + figures + ".\n" + Continuation(report);
 }
 
 }  // namespace
+
+std::vector<std::string> NotSearched(const ProofReport& report) {
+  std::vector<std::string> left_out = search::LeftOutOf(report.config);
+  for (const TimedRule& rule : report.user_rules.timed) {
+    left_out.push_back("the rule '" + rule.text +
+                       "', which `musher simulate` and the controller check: the search knows the "
+                       "order of events, and no time");
+  }
+  if (!report.other_machine) {
+    left_out.emplace_back("messages of another machine (--other-machine searches three kinds)");
+  }
+  return left_out;
+}
 
 std::string CounterExampleText(const ProofReport& report) {
   return Picture(report.config, *report.proof.counter_example).Text();
@@ -188,15 +221,19 @@ std::string ReplayCommand(const ProofReport& report) {
   constexpr std::size_t kMostEvents = 500;
   const CounterExample& example = *report.proof.counter_example;
   if (example.path.empty() || example.choices > kMostEvents) return "";
-  std::string command = "musher prove " + Printable(ShellWord(report.file));
-  if (!report.rules_file.empty()) {
-    command += " --rules " + Printable(ShellWord(report.rules_file));
-  }
+  std::string command = ProveCommand(report);
   if (!example.task.IsStart()) {
     command += " --from " + Printable(ShellWord(example.task.from.name())) + " --to " +
                Printable(ShellWord(example.task.to.name()));
   }
   return command + fmt::format(" --faults {} --replay {}", example.task.faults, example.path);
+}
+
+std::string ResumeCommand(const ProofReport& report) {
+  if (report.kept == 0) return "";
+  std::string command = ProveCommand(report);
+  if (!report.from.empty()) command += " --from " + Printable(ShellWord(report.from));
+  return command + fmt::format(" --faults {} --resume", report.faults);
 }
 
 std::string ReplayedText(const ProofReport& report) {
@@ -214,7 +251,10 @@ std::string ProofText(const ProofReport& report, bool colour) {
       Counted(report.config.actuators.size(), "actuator"), Counted(proof.reached.size(), "state"),
       report.rules ? Counted(*report.rules, "rule") + " of your own, " : "",
       WithFaults("up to", report.faults), Scope(report));
-  text += Levels(report) + Notes(report) + "\n";
+  text += Levels(report) + Notes(report) +
+          RuleCoverageText(report.config, {report.user_rules.stable, {}}, {proof.rule_coverage, {}},
+                           colour) +
+          "\n";
   if (proof.counter_example) {
     const bool is_shortest = proof.why.empty() && !proof.counter_example->repeats;
     const std::string shortest = is_shortest ? "The shortest" : "A";
@@ -230,7 +270,7 @@ std::string ProofProgressLine(const search::ProofProgress& progress, Duration to
   if (progress.all == 0) return "finding the states that requests lead to";
   std::string line = fmt::format("{}: {} of {} searches, {} states",
                                  Counted(static_cast<std::size_t>(progress.faults), "fault"),
-                                 progress.done, progress.all, WithCommas(progress.states));
+                                 progress.done, progress.all, Grouped(progress.states));
   constexpr double kTooEarly = 0.02;
   if (progress.share < kTooEarly) return line;
   const double left_s = ToSeconds(took) * (1 - progress.share) / progress.share;

@@ -18,7 +18,10 @@ struct SimulationReport {
   Duration took{};
   std::optional<simulation::ScenarioId> worst;  // the shortest failing scenario
   std::vector<std::string> others;              // actuators that use another protocol
-  std::string rules;                            // file with rules of the user; empty: none
+  std::string rules;                            // file of --rules; empty: not given
+
+  // Whether there is a file with rules of the user.
+  bool has_rules() const { return !rules.empty() || !config.rules_file.empty(); }
 };
 
 // `failing_scenario`: the timeline of `worst`; empty when there is none.

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "musher/cli/console/json_line.hpp"
+#include "musher/cli/render/rule_coverage.hpp"
 #include "musher/cli/render/simulation.hpp"
 
 namespace musher::cli {
@@ -35,7 +36,7 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
                       {"checks", s.checks},
                       {"bound_s", ToSeconds(report.options.bound)},
                       {"rules", nullptr}};
-  if (!report.rules.empty()) json["rules"] = report.options.stable_rules.size();
+  if (report.has_rules()) json["rules"] = report.options.rules.size();
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
     json["switches"][std::string(OutcomeName(static_cast<SwitchOutcome>(i)))] = s.switches[i];
   }
@@ -47,9 +48,13 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
   json["injected_events"] = CoverageOf(s.coverage);
   for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
     const auto invariant = static_cast<simulation::Invariant>(i);
-    if (invariant == simulation::Invariant::kStableRules && report.rules.empty()) continue;
+    if (invariant == simulation::Invariant::kUserRules && !report.has_rules()) continue;
     json["invariants"].push_back(
         {{"invariant", InvariantText(invariant)}, {"violated_by", s.bad[i]}});
+  }
+  json["rule_coverage"] = nullptr;
+  if (report.has_rules()) {
+    json["rule_coverage"] = RuleCoverageJson(report.options.rules, s.rule_coverage);
   }
   json["shortest_failing_scenario"] = nullptr;
   if (report.worst) {

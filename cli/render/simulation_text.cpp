@@ -2,6 +2,8 @@
 
 #include "musher/base/words.hpp"
 #include "musher/cli/console/console.hpp"
+#include "musher/cli/render/grouped.hpp"
+#include "musher/cli/render/rule_coverage.hpp"
 #include "musher/cli/render/simulation.hpp"
 
 namespace musher::cli {
@@ -9,13 +11,6 @@ namespace {
 
 using simulation::Invariant;
 using simulation::Summary;
-
-// 1234567 as "1,234,567".
-std::string Grouped(std::uint64_t number) {
-  std::string text = std::to_string(number);
-  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
-  return text;
-}
 
 std::string Only(const simulation::ScenarioId& id) {
   std::string only;
@@ -65,18 +60,20 @@ std::string Invariants(const SimulationReport& report, bool colour) {
   const Summary& s = report.summary;
   std::string text;
   for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
-    const bool of_user = static_cast<Invariant>(i) == Invariant::kStableRules;
-    if (of_user && report.rules.empty()) continue;
+    const bool of_user = static_cast<Invariant>(i) == Invariant::kUserRules;
+    if (of_user && !report.has_rules()) continue;
     const auto& bad = s.bad[i];
     text += bad.empty() ? Paint("  holds     ", Style::kGood, colour)
                         : Paint("  VIOLATED  ", Style::kBad, colour);
     text += InvariantText(static_cast<Invariant>(i));
-    if (of_user) text += " (" + Counted(report.options.stable_rules.size(), "rule") + ")";
+    if (of_user) text += " (" + Counted(report.options.rules.size(), "rule") + ")";
     if (!bad.empty()) {
       text += fmt::format(": {} {}, seed {} first", Grouped(bad.size()),
                           bad.size() == 1 ? "scenario" : "scenarios", bad.front());
     }
     text += "\n";
+    if (!of_user) continue;
+    text += RuleCoverageText(report.config, report.options.rules, s.rule_coverage, colour);
   }
   return text;
 }

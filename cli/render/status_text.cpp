@@ -157,11 +157,17 @@ std::string StatusText(const msg::MachineStatus& shown, bool colour, const Statu
                   Style::kBad, colour) +
             '\n';
   }
+  for (const std::string& actuator : status.not_stopped) {
+    text += Paint("NOT STOPPED: " + actuator, Style::kBad, colour) + '\n';
+  }
   if (const std::string held = HeldByStopOf(status); !held.empty()) {
     text += Paint(held, Style::kBad, colour) + '\n';
   }
   if (!status.not_on_disk.empty()) {
     text += Paint("not on disk yet: " + Joined(status.not_on_disk), Style::kBad, colour) + '\n';
+  }
+  for (const std::string& rule : status.violated_rules) {
+    text += Paint("a rule of yours is violated: " + rule, Style::kBad, colour) + '\n';
   }
   if (!status.other_machines.empty()) {
     text += Paint("another machine in this namespace and domain: " +
@@ -207,8 +213,10 @@ std::string StatusLine(const msg::MachineStatus& shown, std::int64_t wall_ns) {
   }
   if (const std::string policy = PolicyOf(status.policy); !policy.empty()) line += "  " + policy;
   if (status.emergency_stop) line += "  " + EmergencyStopOf(status);
+  for (const std::string& actuator : status.not_stopped) line += "  NOT STOPPED: " + actuator;
   if (const std::string held = HeldByStopOf(status); !held.empty()) line += "  " + held;
   if (!status.not_on_disk.empty()) line += "  not on disk yet: " + Joined(status.not_on_disk);
+  for (const std::string& rule : status.violated_rules) line += "  rule violated: " + rule;
   return line;
 }
 

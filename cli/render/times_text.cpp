@@ -23,7 +23,7 @@ Table::Cell NoteOf(const LearnedTime& row) {
   if (row.proposed_ms) {
     add("propose " + Ms(*row.proposed_ms));
     if (row.beyond_proposed != 0) {
-      add(Counted(row.beyond_proposed, "command") + " would have been overdue with it");
+      add(Counted(row.beyond_proposed, row.Noun()) + " would have been overdue with it");
     }
     if (row.limit_ms && *row.proposed_ms < *row.limit_ms) {
       add("a hang would be seen " + Ms(*row.limit_ms - *row.proposed_ms) + " ms sooner");
@@ -32,7 +32,8 @@ Table::Cell NoteOf(const LearnedTime& row) {
   if (const auto share = row.ShareOfLimit(); share && *share >= 0.5) {
     add(fmt::format("{:.0f} % of the limit", 100 * *share));
   }
-  if (row.missing != 0) add(Counted(row.missing, "more command") + " needed for a limit");
+  if (row.missing != 0)
+    add(Counted(row.missing, std::string("more ") + row.Noun()) + " needed for a limit");
   if (row.overdue_at_limit != 0) add(fmt::format("{} overdue", row.overdue_at_limit));
   if (const std::size_t before = row.overdue - row.overdue_at_limit; before != 0) {
     add(fmt::format("{} overdue{}", before, row.limit_ms ? " with a shorter limit" : ""));
@@ -78,7 +79,7 @@ std::string TimesText(const std::vector<LearnedTime>& rows, const MachineConfig&
   return text;
 }
 
-std::string TimesJson(const std::vector<LearnedTime>& rows) {
+std::string TimesJson(const std::vector<LearnedTime>& rows, const std::string& diff) {
   const auto or_null = [](const std::optional<double>& number) {
     return number ? OrderedJson(*number) : OrderedJson();
   };
@@ -105,7 +106,7 @@ std::string TimesJson(const std::vector<LearnedTime>& rows) {
                    {"missing_commands", row.missing},
                    {"drift", drift}});
   }
-  return JsonLine({{"times", all}});
+  return JsonLine({{"times", all}, {"diff", Known(diff)}});
 }
 
 }  // namespace musher::cli

@@ -190,9 +190,10 @@ void EndOtherSlot(const SlotRun& run) {
   other.slot = ota::Other(run.slot);
   std::vector<UniqueFd> processes;
   // Of a container, or of another robot on this host, the same path is another folder.
-  for (const pid_t pid : FindByVariable(kConfigVariable, other.Folder() + "/")) {
-    auto process = OpenPidfd(pid);
-    if (process) processes.push_back(std::move(process).value());
+  for (const MarkedProcess& one : FindMarkedWith(kConfigVariable, other.Folder() + "/")) {
+    auto process = OpenPidfd(one.pid);
+    if (!process || StartTimeOf(one.pid) != one.start_time) continue;  // a later one with its pid
+    processes.push_back(std::move(process).value());
   }
   SignalAll(processes, SIGTERM, kTermTime);
   SignalAll(processes, SIGKILL, kRunKillTime);

@@ -95,8 +95,9 @@ Result<> SaveTakingDown(const SlotRun& run);
 void PutSlotFirstInPath(const SlotRun& run);
 
 // Stops the processes that a crashed controller left running from the other slot: otherwise two
-// versions of a module would run. Waits for them, some seconds at most. Only for the controller
-// that leads: they may belong to another one, also of another host.
+// versions of a module would run. Not what a person has started, such as a shell that has exported
+// MUSHER_CONFIG. Waits for them, some seconds at most. Only for the controller that leads: they may
+// belong to another one, also of another host.
 void EndOtherSlot(const SlotRun& run);
 
 // The trial boot of a version.

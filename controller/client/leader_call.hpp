@@ -6,6 +6,8 @@
 //   finding ──a controller leads──▶ called ──its reply──▶ ended
 //                                     └──it ends, and does not lead again──▶ ended, lost
 //
+// Nothing is sent once its time is over, also where this computer was suspended meanwhile.
+//
 // For a switch see SwitchClient, which gets the outcome from the successor.
 //
 // Threads: loop thread only.
@@ -19,6 +21,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/controller/client/leader_watch.hpp"
+#include "musher/transport/deadline.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -72,10 +75,9 @@ class LeaderCall {
       : node_(node),
         host_(std::move(host)),
         request_(std::move(request)),
-        on_reply_(std::move(on_reply)) {
-    transport::EventLoop& loop = node.loop();
-    deadline_ = loop.Now() + timeout;
-    timer_ = loop.At(deadline_, [this] {
+        on_reply_(std::move(on_reply)),
+        deadline_(node.loop(), timeout) {
+    timer_ = node.loop().At(deadline_.at(), [this] {
       End(Error{kCodeTimeout, "no answer of a controller that leads"});
     });
   }
@@ -89,13 +91,16 @@ class LeaderCall {
     if (called_ || !watch_ || !watch_->leader()) return;
     const auto servers = client_->Servers();
     if (std::find(servers.begin(), servers.end(), watch_->participant()) == servers.end()) return;
+    if (deadline_.IsOver()) {
+      return End(Error{kCodeTimeout, "no controller that leads was found in time"});
+    }
     called_ = watch_->leader();
     Request meant = request_;
     meant.machine = watch_->machine().name;
     meant.machine_id = watch_->machine().id;
     client_->Call(
-        meant, deadline_ - node_.loop().Now(),
-        [this](Result<Response> reply) { End(std::move(reply)); }, watch_->participant());
+        meant, deadline_.Left(), [this](Result<Response> reply) { End(std::move(reply)); },
+        watch_->participant());
   }
   void OnLeaderEnd(const msg::MachineStatus& leader, const std::string& how) {
     if (!called_ || leader.pid != called_->pid || leader.host != called_->host) return;
@@ -118,7 +123,7 @@ class LeaderCall {
   const std::string host_;
   const Request request_;
   const OnReply on_reply_;
-  Time deadline_{};
+  const transport::Deadline deadline_;
   bool ended_ = false;
   std::optional<msg::MachineStatus> called_;  // the controller that has the request
   transport::LoopHandlePtr timer_;

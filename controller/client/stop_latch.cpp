@@ -21,6 +21,10 @@ constexpr std::size_t kLongestUnknownMachine = 80;
 constexpr std::size_t kMostOrigins = 64;  // of releases, and of heartbeats
 constexpr std::size_t kMostFound = 64;    // processes' hosts of the machines that are meant
 constexpr const char* kElsewhere = "not found here, it may run on another host";
+constexpr const char* kSecondProcess =
+    "several processes run as it, and one of them has not latched the stop";
+constexpr const char* kOnlyEarlier =
+    "only an earlier stop of it is known, which its controller does not list";
 constexpr const char* kExitUnknown = "silent, and its exit is not known: it may still run";
 
 // Whether the actuator may move. A lost actuator may, unless its process is known to have ended: on
@@ -140,8 +144,10 @@ Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
   }
   transport::SubscriptionEvents events;
   events.on_writer_lost = [self = latch.get()](transport::EndpointId writer) {
-    std::erase_if(self->received_,
-                  [writer](const auto& received) { return received.second.writer == writer; });
+    for (auto& [name, processes] : self->received_) {
+      std::erase_if(processes, [writer](const Received& one) { return one.writer == writer; });
+    }
+    std::erase_if(self->received_, [](const auto& received) { return received.second.empty(); });
     if (self->options_.on_change) self->options_.on_change();
   };
   transport::Qos qos = transport::kLatchedFromManyQos;
@@ -155,6 +161,10 @@ Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
   if (!statuses) return statuses.error();
   latch->statuses_ = std::move(statuses).value();
   latch->FollowReleases(name_space);
+  if (!latch->named()) {
+    latch->found_by_ = latch->loop_.At(latch->begun_ + latch->TimeToFind(),
+                                       [self = latch.get()] { self->WithdrawIfReleased(); });
+  }
   return latch;
 }
 
@@ -192,23 +202,29 @@ void StopLatch::AddBeginningOfId(std::string beginning, const std::vector<Machin
   }
 }
 
-// A stop that names no machine is for all, whenever they are found.
+// How long other machines than the first one may take to be found.
+Duration StopLatch::TimeToFind() const {
+  if (options_.lan) return kLanDiscovery;
+  return options_.with_keys ? kSecuredDiscovery : kDiscovery;
+}
+
+// A stop that names no machine is for all, whenever they are found: it goes to no ids.
 void StopLatch::Meet(const MachineIdentity& machine, const std::string& host) {
-  const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
-  if (!named || machine.name.empty() || machine.id.empty() || withdrawn_) return;
-  const bool runs_there = std::ranges::any_of(found_, [&](const Found& one) {
-    return !host.empty() && one.host == host && one.machine.name == machine.name;
-  });
+  const bool known = named() ? !machine.name.empty() && !machine.id.empty()
+                             : !machine.name.empty() || !machine.id.empty();
+  if (!known || withdrawn_) return;
+  const bool runs_there =
+      named() && std::ranges::any_of(found_, [&](const Found& one) {
+        return !host.empty() && one.host == host && one.machine.name == machine.name;
+      });
   if (!runs_there && !IsMeant(machine)) return;
   const Found found{machine, host};
   if (std::ranges::count(found_, found) != 0 || found_.size() >= kMostFound) return;
   found_.push_back(found);
-  Address(machine);
-  if (publisher_ != nullptr && by_ids()) publisher_->Note(NoteOf(found));
-  if (by_ids() || narrow_at_) return;
-  const Duration of_host = options_.with_keys ? kSecuredDiscovery : kDiscovery;
-  narrow_at_ =
-      loop_.At(loop_.Now() + (options_.lan ? kLanDiscovery : of_host), [this] { Narrow(); });
+  if (named()) Address(machine);
+  if (publisher_ != nullptr && (by_ids() || !named())) publisher_->Note(NoteOf(found));
+  if (by_ids() || !named() || narrow_at_) return;
+  narrow_at_ = loop_.At(loop_.Now() + TimeToFind(), [this] { Narrow(); });
 }
 
 void StopLatch::Address(const MachineIdentity& machine) {
@@ -252,7 +268,7 @@ bool StopLatch::ContinueFrom(const DetachedPublisher::Notes& notes) {
     const auto info = msg::Decode<msg::MachineInfo>(std::as_bytes(std::span(note)));
     if (!info) continue;
     found_.push_back({{info->machine, info->machine_id}, info->host});
-    Address(found_.back().machine);
+    if (named()) Address(found_.back().machine);
   }
   return stop_.machine_id.empty() && stops_by_id_ != nullptr;
 }
@@ -260,7 +276,7 @@ bool StopLatch::ContinueFrom(const DetachedPublisher::Notes& notes) {
 void StopLatch::ContinueWith(DetachedPublisher& publisher) {
   if (withdrawn_) return publisher.Cancel();
   publisher_ = &publisher;
-  if (!by_ids()) return;
+  if (named() && !by_ids()) return;
   for (const Found& found : found_) publisher.Note(NoteOf(found));
 }
 
@@ -272,20 +288,35 @@ void StopLatch::Note(std::vector<Origin>& origins, Origin origin) {
   if (known) return;
   if (origins.size() >= kMostOrigins) origins.erase(origins.begin());
   origins.push_back(std::move(origin));
-  // A stop that names no machine goes on: machines that have not received it yet are meant, too.
-  const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
-  std::vector<MachineIdentity> meant = machines_;
+  WithdrawIfReleased();
+}
+
+// Whether each machine that the stop is for has released it. Where more are found than are kept,
+// each of the others may not have.
+bool StopLatch::IsReleased() const {
+  std::vector<MachineIdentity> meant = named() ? machines_ : Machines();
+  if (meant.size() >= kMostMachines) return false;
   meant.insert(meant.end(), addressed_.begin(), addressed_.end());
-  if (addressed_.empty()) meant.push_back(given());
-  const bool released = named && machines_.size() < kMostMachines &&
-                        std::ranges::all_of(meant, [this](const MachineIdentity& machine) {
-                          return IsReleasedFor(machine);
-                        });
-  if (!released || withdrawn_) return;
+  if (named()) {
+    if (addressed_.empty()) meant.push_back(given());
+  } else {
+    const bool all_found = loop_.Now() >= begun_ + TimeToFind() && found_.size() < kMostFound;
+    const std::string here = HostId();
+    const bool one_here = !here.empty() && std::ranges::count(found_, here, &Found::host) != 0;
+    if (!all_found || !one_here) return false;
+    for (const Found& one : found_) meant.push_back(one.machine);
+  }
+  return std::ranges::all_of(
+      meant, [this](const MachineIdentity& machine) { return IsReleasedFor(machine); });
+}
+
+void StopLatch::WithdrawIfReleased() {
+  if (withdrawn_ || !IsReleased()) return;
   withdrawn_ = true;
   stops_ = nullptr;
   stops_by_id_ = nullptr;
   narrow_at_ = nullptr;
+  found_by_ = nullptr;
   if (publisher_ != nullptr) std::exchange(publisher_, nullptr)->Cancel();
   if (options_.on_change) options_.on_change();
 }
@@ -306,15 +337,21 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   Meet(theirs, status.host);
   if (!IsMeant(theirs)) return;
   Note(machines_, theirs);
-  Received& last = received_[status.name];
+  std::vector<Received>& processes = received_[status.name];
   const StopId latched(status.emergency_stop);
   const bool has_it =
       latched == StopId(stop_.id) || std::ranges::count(status.other_stops, stop_.id) != 0;
-  const bool changed = last.writer != info.writer || last.latched != latched ||
-                       last.has_it != has_it || last.trouble != status.stop_trouble ||
-                       last.host != status.host;
-  if (!changed) return;
-  last = {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_, status.host};
+  const bool known = std::ranges::any_of(processes, [&](const Received& last) {
+    return last.writer == info.writer && last.latched == latched && last.has_it == has_it &&
+           last.trouble == status.stop_trouble && last.host == status.host;
+  });
+  if (known) return;
+  // Of one host only one process has the name of the actuator.
+  std::erase_if(processes, [&](const Received& last) {
+    return last.writer == info.writer || last.host == status.host;
+  });
+  processes.push_back(
+      {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_, status.host});
   if (options_.on_change) options_.on_change();
 }
 
@@ -342,6 +379,7 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
   EstopReport report;
   report.by = stop_.by;
   report.reason = stop_.reason;
+  report.machines = Machines();
   if (controller) {
     report.controller = true;
     report.controller_latched = controller->emergency_stop;
@@ -350,10 +388,13 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
     }
     for (const msg::ActuatorInfo& actuator : controller->actuators) {
       if (!MayMove(actuator, controller->host) && !received_.contains(actuator.name)) continue;
-      auto& taken = Take(report, actuator.name, TroubleOf(actuator));
+      auto& taken = Take(report, actuator.name, TroubleOf(actuator), controller);
       const auto received = received_.find(actuator.name);
       const bool outdated =
-          received != received_.end() && !MayBeOneBoot(actuator.host, received->second.host);
+          received != received_.end() &&
+          std::ranges::none_of(received->second, [&actuator](const Received& one) {
+            return MayBeOneBoot(actuator.host, one.host);
+          });
       if (outdated) taken.stopped = taken.before = false;
       taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);
       if (taken.unsupported) {
@@ -366,10 +407,10 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
                        [&name](const auto& actuator) { return actuator.name == name; });
   };
   for (const auto& [name, received] : received_) {
-    if (!listed(name)) Take(report, name, "");
+    if (!listed(name)) Take(report, name, "", controller);
   }
   for (const std::string& name : expected) {
-    if (!listed(name)) Take(report, name, "");
+    if (!listed(name)) Take(report, name, "", controller);
   }
   const bool other = controller && !controller->emergency_stop_by.empty() &&
                      (controller->emergency_stop_by != stop_.by ||
@@ -412,7 +453,8 @@ bool StopLatch::IsHeld(const EstopReport& report,
   const bool replaced = has_holder && (is_of_person || waited);
   return (!controller || replaced) &&
          std::ranges::all_of(report.actuators, [this](const EstopReport::Actuator& actuator) {
-           return !actuator.stopped || received_.at(actuator.name).has_it;
+           return !actuator.stopped ||
+                  std::ranges::all_of(received_.at(actuator.name), &Received::has_it);
          });
 }
 
@@ -421,8 +463,7 @@ bool StopLatch::IsHeld(const EstopReport& report,
 // received, and actuators that may run on other hosts according to the files of this host.
 EstopReport StopLatch::Report(const StopView& view) const {
   // A controller of another host may be of another machine than what runs here.
-  const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
-  const bool lists_all = view.controller && (named || view.controller->host == HostId());
+  const bool lists_all = view.controller && (named() || view.controller->host == HostId());
   EstopReport report =
       Report(view.controller, lists_all ? std::vector<std::string>() : view.running_here);
   if (!view.controller) {
@@ -437,12 +478,11 @@ EstopReport StopLatch::Report(const StopView& view) const {
 
 // The machines of this host that the stop is for.
 std::vector<const MachineHere*> StopLatch::MachinesOf(const StopView& view) const {
-  const bool named = !stop_.machine.empty() || !stop_.machine_id.empty();
   std::vector<const MachineHere*> meant;
   for (const MachineHere& machine : view.machines) {
     const bool received = machines_.empty() || IsIn(machines_, machine.identity);
     const bool meant_here =
-        named || view.running_here.empty() || machine.HasOneOf(view.running_here);
+        named() || view.running_here.empty() || machine.HasOneOf(view.running_here);
     if (IsMeant(machine.identity) && received && meant_here) meant.push_back(&machine);
   }
   return meant;
@@ -502,20 +542,47 @@ bool StopLatch::IsOver(const EstopReport& report) const {
   return discovered && report.settled() && report.unknown.empty();
 }
 
+// A controller that lists this stop, and not the earlier one, has released or replaced the earlier
+// one, or has not received it. So a status with that one alone may be from before the release: the
+// newer one is late, and its actuator free.
+bool StopLatch::MayBeReleased(const Received& one,
+                              const std::optional<msg::MachineStatus>& controller) const {
+  const auto lists = [&controller](StopId stop) {
+    return std::ranges::count(controller->stop_ids, transport::StopIdText(stop)) != 0;
+  };
+  return controller && !one.has_it && lists(StopId(stop_.id)) && !lists(one.latched);
+}
+
 EstopReport::Actuator& StopLatch::Take(EstopReport& report, const std::string& name,
-                                       const std::string& trouble) const {
+                                       const std::string& trouble,
+                                       const std::optional<msg::MachineStatus>& controller) const {
   EstopReport::Actuator& actuator = report.actuators.emplace_back();
   actuator.name = name;
   actuator.trouble = trouble;
   const auto received = received_.find(name);
-  if (received == received_.end() || received->second.latched == 0) return actuator;
-  if (!received->second.trouble.empty()) {
-    actuator.trouble = received->second.trouble;
+  if (received == received_.end()) return actuator;
+  const std::vector<Received>& processes = received->second;
+  if (std::ranges::count(processes, StopId(0), &Received::latched) != 0) {
+    if (actuator.trouble.empty() && processes.size() > 1) actuator.trouble = kSecondProcess;
+    return actuator;
+  }
+  const auto not_done =
+      std::ranges::find_if(processes, [](const Received& one) { return !one.trouble.empty(); });
+  if (not_done != processes.end()) {
+    actuator.trouble = not_done->trouble;
+    return actuator;
+  }
+  const auto released = [&](const Received& one) { return MayBeReleased(one, controller); };
+  if (std::ranges::any_of(processes, released)) {
+    if (actuator.trouble.empty()) actuator.trouble = kOnlyEarlier;
     return actuator;
   }
   actuator.stopped = true;
-  actuator.before = received->second.latched != StopId(stop_.id);
-  if (!actuator.before) actuator.after = received->second.after;
+  for (const Received& one : processes) {
+    actuator.before |= one.latched != StopId(stop_.id);
+    actuator.after = std::max(actuator.after, one.after);
+  }
+  if (actuator.before) actuator.after = {};
   return actuator;
 }
 

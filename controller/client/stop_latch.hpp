@@ -20,6 +20,11 @@
 // that restarts has the same id. While none was found the name counts: the robot of the person may
 // not be discovered yet.
 //
+// A stop that names no machine is for all, and is withdrawn once each machine that was found has
+// released it, the time to find others is over, and one of them runs on this host: the person on a
+// robot whose controller has ended means that one. Where none runs here, the robot that is meant
+// may still be out of range: no release withdraws the stop.
+//
 // Threads: loop thread only.
 
 #include <functional>
@@ -68,6 +73,7 @@ struct EstopReport {
   // stop is over.
   bool held = false;
   std::optional<Earlier> earlier;
+  std::vector<MachineIdentity> machines;  // found here, so that the stop was sent to them
   std::vector<Actuator> actuators;
   std::string silent_controller;  // of this host: why it does not answer, and what to do
   std::string not_on_disk;        // the controller has not saved it: "emergency stop (4 s): …"
@@ -144,7 +150,7 @@ class StopLatch {
   void AddBeginningOfId(std::string beginning, const std::vector<MachineIdentity>& known = {});
 
   // The publisher outlives this object and continues the stop after it. It gets a note of each
-  // machine that is found, and is cancelled once the stop is released, whichever process has
+  // machine that is found, and is cancelled once the stop is withdrawn, whichever process has
   // requested the release.
   void ContinueWith(DetachedPublisher& publisher);
 
@@ -169,6 +175,7 @@ class StopLatch {
   bool IsOver(const EstopReport& report) const;
 
  private:
+  // The last status of a process that publishes as an actuator.
   struct Received {
     transport::EndpointId writer = 0;
     StopId latched = 0;   // the first that is engaged
@@ -199,6 +206,8 @@ class StopLatch {
   static void Note(std::vector<MachineIdentity>& machines, const MachineIdentity& machine);
   std::vector<MachineIdentity> Machines() const;
   MachineIdentity given() const { return {stop_.machine, stop_.machine_id}; }
+  bool named() const { return !stop_.machine.empty() || !stop_.machine_id.empty(); }
+  Duration TimeToFind() const;
   // Whether the stop goes to machines by their ids alone.
   bool by_ids() const { return !stops_ || !stop_.machine_id.empty(); }
   bool IsMeant(const MachineIdentity& machine) const;
@@ -209,11 +218,16 @@ class StopLatch {
   void FollowReleases(const std::string& name_space);
   void Note(std::vector<Origin>& origins, Origin origin);
   bool IsReleasedFor(const MachineIdentity& machine) const;
+  bool IsReleased() const;
+  void WithdrawIfReleased();
   std::vector<const MachineHere*> MachinesOf(const StopView& view) const;
   std::string WhyUnknown(const StopView& view) const;
   static void AddElsewhere(EstopReport& report, const std::vector<std::string>& names);
+  bool MayBeReleased(const Received& one,
+                     const std::optional<msg::MachineStatus>& controller) const;
   EstopReport::Actuator& Take(EstopReport& report, const std::string& name,
-                              const std::string& trouble) const;
+                              const std::string& trouble,
+                              const std::optional<msg::MachineStatus>& controller) const;
 
   transport::Node& node_;
   transport::EventLoop& loop_;
@@ -224,7 +238,8 @@ class StopLatch {
   const Time begun_;
   bool withdrawn_ = false;
   DetachedPublisher* publisher_ = nullptr;
-  std::map<std::string, Received> received_;
+  // By actuator. Two processes of one actuator may run, on two hosts: each has to be stopped.
+  std::map<std::string, std::vector<Received>> received_;
   std::vector<MachineIdentity> machines_;   // of the received statuses; no two are the same
   std::vector<Found> found_;                // that are meant
   std::vector<MachineIdentity> addressed_;  // by their ids, whole
@@ -236,6 +251,7 @@ class StopLatch {
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_by_id_;
   transport::LoopHandlePtr narrow_at_;
+  transport::LoopHandlePtr found_by_;  // of a stop that names no machine: the time is over
   std::unique_ptr<transport::Subscription> heartbeats_;
   std::unique_ptr<transport::Subscription> published_releases_;
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above

@@ -31,7 +31,8 @@ SwitchClient::SwitchClient(transport::Node& node, Options options, std::string t
       target_(std::move(target)),
       actuator_(std::move(actuator)),
       on_news_(std::move(on_news)),
-      on_end_(std::move(on_end)) {}
+      on_end_(std::move(on_end)),
+      send_by_(node.loop(), std::min(options_.find + kServiceWithin, options_.timeout)) {}
 
 Result<std::unique_ptr<SwitchClient>> SwitchClient::Make(transport::Node& node, Options options,
                                                          std::string target, std::string actuator,
@@ -127,6 +128,9 @@ void SwitchClient::Send() {
     return std::find(servers.begin(), servers.end(), watch_->participant()) != servers.end();
   };
   if (step_ == Step::kCalled && reaches(*set_state_)) {
+    if (target_ != kTearDown && target_ != kError && send_by_.IsOver()) {
+      return EndUnknown("no controller found in time; nothing was requested");
+    }
     sent_ = true;
     const MachineIdentity& machine = watch_->machine();
     set_state_->Call(

@@ -23,6 +23,7 @@
 #include "musher/controller/client/leader_watch.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/transport/deadline.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher {
@@ -43,11 +44,15 @@ struct SwitchEnd {
 
 class SwitchClient {
  public:
+  static constexpr Duration kServiceWithin = std::chrono::seconds(5);
+
   struct Options {
     LeaderWatch::Options leader;
-    std::string by = {};                           // the person or program, for the history
-    Duration timeout = std::chrono::seconds(60);   // in total
-    Duration find = std::chrono::seconds(60);      // for a controller that leads
+    std::string by = {};                          // the person or program, for the history
+    Duration timeout = std::chrono::seconds(60);  // in total
+    // For a controller that leads. Its service may take kServiceWithin more; a switch but a
+    // TearDown is not requested later, also where this computer was suspended meanwhile.
+    Duration find = std::chrono::seconds(60);
     Duration successor = std::chrono::seconds(5);  // for another controller to lead
     // The last status of a controller that was called in another way and has exited before its
     // reply. The client begins as orphaned, unless this status, or a first one from the same
@@ -96,6 +101,7 @@ class SwitchClient {
   const std::string actuator_;
   const OnNews on_news_;
   const OnEnd on_end_;
+  const transport::Deadline send_by_;
   Step step_ = Step::kFinding;
   Epoch epoch_ = 0;                            // of the controller that was called
   CommandNumber before_ = 0;                   // number of its last switch before the request

@@ -167,12 +167,12 @@ std::vector<MarkedProcess> FindMarked() {
   return found;
 }
 
-std::vector<pid_t> FindByVariable(const std::string& name, const std::string& begin) {
-  std::vector<pid_t> found;
+std::vector<MarkedProcess> FindMarkedWith(const std::string& name, const std::string& begin) {
+  std::vector<MarkedProcess> found = FindMarked();
   const std::set<pid_t> lineage = OwnLineage();
-  for (const auto& [pid, value] : OurProcessesWith(name)) {
-    if (value.starts_with(begin) && !lineage.contains(pid)) found.push_back(pid);
-  }
+  std::erase_if(found, [&](const MarkedProcess& one) {
+    return lineage.contains(one.pid) || !VariableOf(one.pid, name).starts_with(begin);
+  });
   return found;
 }
 

@@ -58,9 +58,9 @@ struct MarkedProcess {
 // Searches through all processes once.
 std::vector<MarkedProcess> FindMarked();
 
-// The processes of our own user, pids and network that were started with a variable whose value
-// begins so, without this process and its ancestors: a shell may have exported it.
-std::vector<pid_t> FindByVariable(const std::string& name, const std::string& begin);
+// Those with a mark that were started with a variable whose value begins so, without this process
+// and its ancestors. A process that only has the variable is a person's: a shell has exported it.
+std::vector<MarkedProcess> FindMarkedWith(const std::string& name, const std::string& begin);
 
 // An actuator with the mark of its processes.
 struct MarkedActuator {

@@ -79,13 +79,13 @@ std::optional<Greeting> ReadGreetingLine(std::string_view text) {
 }  // namespace
 
 // What a callback of sd-bus gets. It outlives the slot, since it is dropped after the bus.
-struct HostBus::Pending {
+struct HostBus::PendingReply {
   HostBus* bus = nullptr;
   std::uint64_t call = 0;
 
   // Only takes the message: what follows may end the connection.
   static int Take(sd_bus_message* message, void* userdata, sd_bus_error* /*error*/) {
-    const auto* self = static_cast<const Pending*>(userdata);
+    const auto* self = static_cast<const PendingReply*>(userdata);
     self->bus->received_.push_back({Own(sd_bus_message_ref(message)), self->call});
     return 1;
   }
@@ -269,8 +269,8 @@ void HostBus::Subscribe() {
          sd_bus_start(bus_) >= 0;
   for (const std::string& match : options_.matches) {
     if (!made) break;
-    pending_.push_back(std::make_unique<Pending>(Pending{this, 0}));
-    made = sd_bus_add_match_async(bus_, nullptr, match.c_str(), &Pending::Take, nullptr,
+    pending_.push_back(std::make_unique<PendingReply>(PendingReply{this, 0}));
+    made = sd_bus_add_match_async(bus_, nullptr, match.c_str(), &PendingReply::Take, nullptr,
                                   pending_.back().get()) >= 0;
   }
   if (!made) return End("D-Bus could not be begun");
@@ -302,8 +302,9 @@ BusMessage HostBus::NewCall(const std::string& path, const std::string& interfac
 void HostBus::Send(const BusMessage& call, OnReply done) {
   if (!call || bus_ == nullptr) return;
   const std::uint64_t id = next_call_++;
-  pending_.push_back(std::make_unique<Pending>(Pending{this, id}));
-  if (sd_bus_call_async(bus_, nullptr, call.get(), &Pending::Take, pending_.back().get(), 0) < 0) {
+  pending_.push_back(std::make_unique<PendingReply>(PendingReply{this, id}));
+  if (sd_bus_call_async(bus_, nullptr, call.get(), &PendingReply::Take, pending_.back().get(), 0) <
+      0) {
     pending_.pop_back();
     return;  // the connection has ended, which is reported
   }

@@ -83,7 +83,7 @@ class HostBus {
     BusMessage message;
     std::uint64_t call = 0;  // 0: a signal
   };
-  struct Pending;
+  struct PendingReply;
 
   void Connect();
   void ReadGreeting();
@@ -117,7 +117,7 @@ class HostBus {
   std::vector<Received> received_;  // by the callbacks of sd-bus
   std::uint64_t next_call_ = 1;
   std::map<std::uint64_t, OnReply> calls_;
-  std::vector<std::unique_ptr<Pending>> pending_;
+  std::vector<std::unique_ptr<PendingReply>> pending_;
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>();  // expires with the connection
   // Last: their callbacks end before what they use.
   transport::LoopHandlePtr stream_watch_;

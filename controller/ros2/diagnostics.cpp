@@ -37,12 +37,19 @@ Status OfMachine(const msg::MachineStatus& machine) {
     status.level = Status::kWarn;
     status.message += ", degraded: " + Joined(machine.degraded);
   }
+  for (const std::string& rule : machine.violated_rules) {
+    status.level = Status::kWarn;
+    status.message += ", rule violated: " + rule;
+  }
   if (machine.phase == "failed") status.level = Status::kError;
   if (machine.emergency_stop) {
     status.level = Status::kError;
     status.message += ", emergency stop by " + machine.emergency_stop_by +
                       (machine.emergency_stop_reason.empty() ? "" : ": ") +
                       machine.emergency_stop_reason;
+  }
+  for (const std::string& actuator : machine.not_stopped) {
+    status.message += ", NOT STOPPED: " + actuator;
   }
   status.values = {{"state", machine.state},
                    {"phase", machine.phase},

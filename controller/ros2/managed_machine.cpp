@@ -96,9 +96,11 @@ std::optional<Error> ManagedMachine::WhyRefused(const Ros2Transition* transition
   if (machine.phase == Phase::kStarting && !machine.start_up.by_hand) {
     return Refused<Refusal::kStartsByItself>();
   }
-  if (!machine.start_up.set_up || transition == nullptr) return std::nullopt;
+  if (transition == nullptr) return std::nullopt;
   const auto target = TargetOf(*transition, shell_.config());
   if (!target || NeedsNoSwitch(*target)) return std::nullopt;
+  if (auto late = shell_.MayBeLate(*target, std::nullopt)) return late;
+  if (!machine.start_up.set_up) return std::nullopt;
   auto overridden = WhyRefusedToManager(*transition);
   if (overridden && RequesterOf(caller).manager) return overridden;
   const Plan plan = MakePlan(shell_.config(), machine, *target);

@@ -10,12 +10,16 @@ namespace {
 
 constexpr std::size_t kProcessesKept = 4;  // of one actuator, with the latest statuses
 constexpr std::size_t kMostUnlisted = 64;
+constexpr std::size_t kMostOfOtherMachines = 256;  // actuators
 // A heartbeat that was sent before the loss may arrive after it.
 constexpr Duration kTakenAgainAfter = std::chrono::seconds(1);
 constexpr std::size_t kMostPeerFaults = 64;  // then none for kPeerFaultsPeriod
 constexpr Duration kPeerFaultsPeriod = std::chrono::hours(1);
 // A participant that keeps publishing wrong pids must not fill the journal.
 constexpr Duration kUnprovenPeriod = std::chrono::minutes(1);
+// The kernel's table of sockets may lack one while others are opened and closed.
+constexpr int kMostProgramLooks = 5;
+constexpr Duration kProgramLookPeriod = std::chrono::seconds(1);
 
 // Whether the latched status is of a running process that is not about to exit.
 bool Runs(const MachineConfig& config, const ActuatorReport& report) {
@@ -91,8 +95,10 @@ void ActuatorPeers::OnStatus(const msg::ActuatorStatus& status, const transport:
   if (!transport::IsFrom(status, info)) return;
   const MachineIdentity theirs{status.machine, status.machine_id};
   if (!SameMachine(identity_, theirs) && !HoldsItsNameHere(status)) {
+    NoteOtherMachine(status, info);
     return RecordOtherMachines(status, theirs);
   }
+  other_machines_.erase(info.writer);
   if (found == index_.end()) return RecordUnlisted(status);
   const ActuatorIndex i = found->second;
   if (!TakeSender(i, status, info.participant)) return;
@@ -111,11 +117,12 @@ void ActuatorPeers::OnLinkEvent(const Event& from_link) {
   auto* replied = std::get_if<event::Replied>(&event);
   if (replied) replied->report = WithProvenPid(replied->actuator, std::move(replied->report));
   context_.handle(event);
-  if (replied != nullptr) return CountAsHeartbeat(replied->actuator, replied->report.incarnation);
   const auto* seen = std::get_if<event::StatusSeen>(&event);
-  if (seen == nullptr) return;
-  CountAsHeartbeat(seen->actuator, seen->report.incarnation);
-  WatchProgram(seen->actuator);
+  if (replied == nullptr && seen == nullptr) return;
+  const ActuatorIndex actuator = replied != nullptr ? replied->actuator : seen->actuator;
+  const ActuatorReport& report = replied != nullptr ? replied->report : seen->report;
+  CountAsHeartbeat(actuator, report.incarnation);
+  WatchProgram(actuator);
 }
 
 // A program of another protocol does not report its pid; the controller knows the pid of a program
@@ -154,6 +161,7 @@ void ActuatorPeers::OnAlive(ActuatorIndex actuator, Incarnation incarnation) {
 }
 
 void ActuatorPeers::OnWriterLost(transport::EndpointId writer) {
+  other_machines_.erase(writer);
   const auto lost = status_writers_.extract(writer);
   if (lost.empty()) return;
   const auto [actuator, incarnation] = lost.mapped();
@@ -171,7 +179,17 @@ bool ActuatorPeers::TakeSender(ActuatorIndex actuator, const msg::ActuatorStatus
   if (process.named && !named) return false;
   process.named = named;
   if (participant != 0) process.participant = participant;
+  process.stop_trouble = status.stop_trouble;
   return true;
+}
+
+std::string ActuatorPeers::StopTrouble(ActuatorIndex actuator) const {
+  const KnownActuator& known = machine_.actuators[actuator];
+  if (known.presence != Presence::kPresent) return "";
+  for (const Process& process : peers_[actuator].processes) {
+    if (process.Is(known.report)) return process.stop_trouble;
+  }
+  return "";
 }
 
 // 0: not known for certain.
@@ -198,7 +216,10 @@ ActuatorPeers::Process& ActuatorPeers::ProcessOf(ActuatorIndex actuator,
     const bool is_taken = known.front().Is(machine_.actuators[actuator].report);
     known.erase(known.begin() + (is_taken ? 1 : 0));
   }
-  return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
+  Process& process = known.emplace_back();
+  process.host = report.host;
+  process.incarnation = report.incarnation;
+  return process;
 }
 
 // --- the process of a sender ---
@@ -240,10 +261,10 @@ Result<> ActuatorPeers::ProveAndWatch(ActuatorIndex actuator, const ActuatorRepo
       report.pid, [this, actuator, incarnation = report.incarnation,
                    pid = report.pid](const ProcessExit& exit) {
         const bool known = exit.kind != ProcessExit::Kind::kUnknown;
-        health_->Forget(actuator);
         context_.handle(event::Vanished{
             actuator, incarnation, true,
             "its process " + std::to_string(pid) + " ended" + (known ? ": " + exit.Text() : "")});
+        health_->ForgetUnlessPresent(actuator, machine_.actuators[actuator]);
       });
 }
 
@@ -254,17 +275,25 @@ void ActuatorPeers::WatchProgram(ActuatorIndex actuator) {
   Peer& peer = peers_[actuator];
   const transport::ParticipantId participant =
       peer.link ? peer.link->ProgramsParticipant() : transport::ParticipantId();
-  if (participant == peer.looked_at) return;
-  peer.looked_at = participant;
+  const Time now = context_.loop().Now();
+  if (std::exchange(peer.looked_at, participant) != participant) {
+    peer.looks_left = kMostProgramLooks;
+    peer.next_look = now;
+  }
   if (participant == 0 || dependencies_.host_name.empty()) return;
+  if (peer.looks_left == 0 || now < peer.next_look) return;
+  --peer.looks_left;
+  peer.next_look = now + kProgramLookPeriod;
   const std::vector<transport::PeerInfo> peers = dependencies_.node->Peers();
   const auto found = std::ranges::find(peers, participant, &transport::PeerInfo::id);
-  if (found == peers.end() || found->pid == 0 || found->host != dependencies_.host_name) return;
-  const std::int32_t pid = found->pid;
-  if (!dependencies_.process_probe->SharesDomain(pid)) return;
+  if (found == peers.end()) return;
+  const std::int32_t pid = found->host == dependencies_.host_name ? found->pid : 0;
+  if (pid != 0 && !dependencies_.process_probe->SharesDomain(pid)) return;
+  peer.looks_left = 0;
+  if (pid == 0) return;
   const Result<> watched =
       dependencies_.processes->Watch(pid, [this, actuator, participant, pid](const ProcessExit&) {
-        health_->Forget(actuator);
+        if (peers_[actuator].link->ProgramsParticipant() == participant) health_->Forget(actuator);
         peers_[actuator].link->OnParticipantEnded(participant, pid);
       });
   if (watched) peer.link->OnParticipantWatched(participant);
@@ -312,6 +341,24 @@ bool ActuatorPeers::HoldsItsNameHere(const msg::ActuatorStatus& status) const {
   }
   const std::int32_t child = ChildOf(found->second);
   return dependencies_.process_probe->Prove(status.name, status.pid, child).ok();
+}
+
+// A status without its participant may be one that a bridge repeats.
+void ActuatorPeers::NoteOtherMachine(const msg::ActuatorStatus& status,
+                                     const transport::SampleInfo& info) {
+  constexpr std::size_t kLongest = 64;  // of a name and an id, in messages
+  const bool known = other_machines_.contains(info.writer);
+  if (status.participant == 0 || (!known && other_machines_.size() >= kMostOfOtherMachines)) return;
+  other_machines_[info.writer] = {
+      info.participant,
+      {status.machine.substr(0, kLongest), status.machine_id.substr(0, kLongest)}};
+}
+
+const MachineIdentity* ActuatorPeers::OtherMachineOf(transport::ParticipantId participant) const {
+  const auto found = std::find_if(
+      other_machines_.begin(), other_machines_.end(),
+      [participant](const auto& other) { return other.second.participant == participant; });
+  return found == other_machines_.end() ? nullptr : &found->second.machine;
 }
 
 // An actuator that is started by hand may have a config of another name by mistake.

@@ -73,6 +73,11 @@ class ActuatorPeers {
   // Whether the actuator's status from before the begin is of a process that runs and will not
   // exit.
   bool RanBeforeBegin(ActuatorIndex actuator) const;
+  // What the actuator reports that it has not done at an emergency stop; empty: nothing.
+  std::string StopTrouble(ActuatorIndex actuator) const;
+  // The machine of this namespace and domain, not this controller's, of which that participant has
+  // published an actuator's status; null: none is known.
+  const MachineIdentity* OtherMachineOf(transport::ParticipantId participant) const;
   // The machine has begun: the kept events are handled.
   void Begin();
 
@@ -86,6 +91,7 @@ class ActuatorPeers {
     bool named = false;                        // its status has the participant's number
     std::int32_t pid = 0;                      // as in its status
     bool proven = false;                       // this pid is its own
+    std::string stop_trouble;                  // as in its status
 
     bool Is(const ActuatorReport& report) const {
       return host == report.host && incarnation == report.incarnation;
@@ -99,6 +105,8 @@ class ActuatorPeers {
     bool hash_recorded = false;              // a different config was recorded
     std::optional<Time> alive_since;         // heartbeats of its process, which counts as lost
     transport::ParticipantId looked_at = 0;  // of a program of another protocol; see WatchProgram()
+    int looks_left = 0;                      // at that participant
+    Time next_look;
   };
 
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
@@ -124,6 +132,7 @@ class ActuatorPeers {
   bool HoldsItsNameHere(const msg::ActuatorStatus& status) const;
   void CompareHash(ActuatorIndex actuator, const std::string& hash);
   void RecordUnlisted(const msg::ActuatorStatus& status);
+  void NoteOtherMachine(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   void RecordOtherMachines(const msg::ActuatorStatus& status, const MachineIdentity& theirs);
   void RecordPeerFault(const transport::PeerFault& fault);
 
@@ -138,6 +147,11 @@ class ActuatorPeers {
     Incarnation incarnation = 0;
   };
   std::unordered_map<transport::EndpointId, StatusWriter> status_writers_;
+  struct OtherMachine {
+    transport::ParticipantId participant = 0;
+    MachineIdentity machine;
+  };
+  std::unordered_map<transport::EndpointId, OtherMachine> other_machines_;  // by status writer
   PerActuator<Peer> peers_;
   // The last status of each actuator and host, in the order of receipt.
   std::map<ActuatorIndex, std::vector<event::StatusSeen>> before_begin_;

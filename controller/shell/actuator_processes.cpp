@@ -80,8 +80,8 @@ void ActuatorProcesses::OpenHosts() {
   };
   hooks.on_ended = [this](const std::string& actuator, pid_t pid, const ProcessExit& exit) {
     const ActuatorIndex i = *config_.IndexOf(actuator);
-    health_.Forget(i);
     context_.handle(event::ProcessEnded{i, pid, exit.clean(), exit.Text(), exit.code()});
+    health_.ForgetUnlessPresent(i, context_.machine.actuators[i]);
   };
   hooks.on_reach = [this](bool reached, const std::string& message) {
     context_.records.Remark(reached ? kCodeOk : kCodeNetError, message);
@@ -121,13 +121,14 @@ void ActuatorProcesses::Do(const action::StartProcess& a) {
   auto pid = std::make_shared<pid_t>(0);
   const auto started =
       dependencies_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
-        health_.Forget(i);
         ForgetChild(i, *pid);
         peers_.OnProcessEnded(i, *pid);
         if (exit.kind == ProcessExit::Kind::kNotRun) {
-          return context_.handle(event::ProcessNotStarted{i, exit.Text()});
+          context_.handle(event::ProcessNotStarted{i, exit.Text()});
+        } else {
+          context_.handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text(), exit.code()});
         }
-        context_.handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text(), exit.code()});
+        health_.ForgetUnlessPresent(i, context_.machine.actuators[i]);
       });
   if (!started)
     return context_.handle(event::ProcessNotStarted{a.actuator, started.error().message});
@@ -259,10 +260,10 @@ void ActuatorProcesses::Do(const action::RunPowerCommand& a) {
 bool ActuatorProcesses::WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child) {
   if (pid == 0 || pid == dependencies_.pid) return false;
   const auto on_exit = [this, actuator, pid](const ProcessExit&) {
-    health_.Forget(actuator);
     ForgetChild(actuator, pid);
     peers_.OnProcessEnded(actuator, pid);
     context_.handle(event::ProcessEnded{actuator, pid, false, "exit code unknown"});
+    health_.ForgetUnlessPresent(actuator, context_.machine.actuators[actuator]);
   };
   const bool watched = child ? dependencies_.processes->Adopt(pid, child->start_time, on_exit).ok()
                              : dependencies_.processes->Watch(pid, on_exit).ok();

@@ -1,7 +1,6 @@
 #include "musher/controller/shell/controller_presence.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <tuple>
 #include <utility>
 
@@ -32,39 +31,24 @@ constexpr std::size_t kLongestMachineText = 64;  // bytes, of a name from the ne
 
 }  // namespace
 
-// CLOCK_MONOTONIC stands while the computer is suspended, CLOCK_BOOTTIME does not.
-Duration ControllerPresence::TimeSuspendedHere() {
-  const auto now = [](clockid_t clock) {
-    timespec time{};
-    clock_gettime(clock, &time);
-    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-  };
-  const auto monotonic = now(CLOCK_MONOTONIC);  // first, so that the result is never below 0
-  return std::chrono::duration_cast<Duration>(now(CLOCK_BOOTTIME) - monotonic);
-}
-
 Duration ListenTime(const MachineConfig& config) {
   return config.keys.empty() ? kListenTime : kSecuredListenTime;
 }
 
 ControllerPresence::ControllerPresence(transport::Node& node, const MachineConfig& config,
-                                       Identity identity, Emit emit, OnOtherMachine on_other,
-                                       TimeSuspended time_suspended)
+                                       Identity identity, Emit emit, OnOtherMachine on_other)
     : node_(node),
       config_(config),
       identity_(std::move(identity)),
       emit_(std::move(emit)),
-      on_other_(std::move(on_other)),
-      time_suspended_(std::move(time_suspended)) {}
+      on_other_(std::move(on_other)) {}
 
 Result<std::unique_ptr<ControllerPresence>> ControllerPresence::Make(transport::Node& node,
                                                                      const MachineConfig& config,
                                                                      Identity identity, Emit emit,
-                                                                     OnOtherMachine on_other,
-                                                                     TimeSuspended time_suspended) {
-  std::unique_ptr<ControllerPresence> presence(
-      new ControllerPresence(node, config, std::move(identity), std::move(emit),
-                             std::move(on_other), std::move(time_suspended)));
+                                                                     OnOtherMachine on_other) {
+  std::unique_ptr<ControllerPresence> presence(new ControllerPresence(
+      node, config, std::move(identity), std::move(emit), std::move(on_other)));
   if (auto opened = presence->Open(); !opened) return opened.error();
   return presence;
 }
@@ -129,7 +113,8 @@ void ControllerPresence::Repeat() {
   NoteSilence();
   NoteOtherSilence();
   last_heartbeat_ = node_.loop().Now();
-  suspended_then_ = time_suspended_();
+  suspended_then_ = node_.loop().TimeSuspended();
+  breaks_.Note(last_heartbeat_, suspended_then_);
   static_cast<void>(heartbeats_->Publish(
       {config_.name, epoch_.value(), identity_.incarnation.value(), identity_.host, identity_.pid,
        ControllerHeartbeatPeriod(config_).count(), identity_.host_name, identity_.machine_id,
@@ -138,11 +123,16 @@ void ControllerPresence::Repeat() {
 
 void ControllerPresence::NoteSilence() {
   const Time now = node_.loop().Now();
-  const Duration silence = now - last_heartbeat_ + (time_suspended_() - suspended_then_);
+  const Duration silence = now - last_heartbeat_ + (node_.loop().TimeSuspended() - suspended_then_);
   const bool was_silent = last_heartbeat_ != Time{} && silence > kLongestSilence;
   if (was_silent && config_.transport == TransportProfile::kLan) {
     listens_until_ = now + ListenTime(config_);
   }
+}
+
+std::optional<Duration> ControllerPresence::RecentBreak() {
+  if (!timer_) return std::nullopt;  // it does not lead, and is silent on purpose
+  return breaks_.Recent(node_.loop().Now(), node_.loop().TimeSuspended());
 }
 
 Time ControllerPresence::MayStartProcessesAt() {
@@ -188,7 +178,8 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerHeartbeat& heartbeat) 
   rival_ = std::move(other);
   NoteController(transport::ParticipantId(heartbeat.participant));
   // Only a heartbeat that may change something is an event: others would fill the journal.
-  if (epoch >= epoch_) emit_(event::RivalSeen{epoch, rival_->process, theirs < ours});
+  if (epoch < epoch_) return;
+  emit_(event::RivalSeen{epoch, rival_->process, theirs < ours, !rival_->here});
 }
 
 void ControllerPresence::NoteOtherMachine(Rival other) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/break_watch.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
@@ -48,13 +49,11 @@ class ControllerPresence {
   // received again a short time after it was reported.
   using OnOtherMachine = std::function<void(const Rival*)>;
 
-  // How long this computer was suspended since its boot, which the loop's time does not count.
-  using TimeSuspended = std::function<Duration()>;
-
   // `node` and `config` must outlive it.
-  static Result<std::unique_ptr<ControllerPresence>> Make(
-      transport::Node& node, const MachineConfig& config, Identity identity, Emit emit,
-      OnOtherMachine on_other = {}, TimeSuspended time_suspended = TimeSuspendedHere);
+  static Result<std::unique_ptr<ControllerPresence>> Make(transport::Node& node,
+                                                          const MachineConfig& config,
+                                                          Identity identity, Emit emit,
+                                                          OnOtherMachine on_other = {});
 
   // Before Announce(): the id of this controller's machine.
   // With it a rival of the same name may be another machine's.
@@ -71,6 +70,9 @@ class ControllerPresence {
   // was stopped or its computer suspended, it must listen first: a controller of another host may
   // have taken over and started them.
   Time MayStartProcessesAt();
+  // How long this controller could not run just now: a request that arrives may be as old. See
+  // BreakWatch.
+  std::optional<Duration> RecentBreak();
   // Another controller of this machine, if any.
   const std::optional<Rival>& rival() const { return rival_; }
   // The controllers of other machines whose heartbeats still arrive.
@@ -88,8 +90,7 @@ class ControllerPresence {
 
  private:
   ControllerPresence(transport::Node& node, const MachineConfig& config, Identity identity,
-                     Emit emit, OnOtherMachine on_other, TimeSuspended time_suspended);
-  static Duration TimeSuspendedHere();
+                     Emit emit, OnOtherMachine on_other);
   Result<> Open();
   void OnHeartbeat(const msg::ControllerHeartbeat& heartbeat);
   void NoteController(transport::ParticipantId participant);
@@ -103,7 +104,6 @@ class ControllerPresence {
   Identity identity_;
   const Emit emit_;
   const OnOtherMachine on_other_;
-  const TimeSuspended time_suspended_;
   Epoch epoch_ = 0;
   bool awaits_request_ = false;
   std::optional<Rival> rival_;
@@ -123,6 +123,7 @@ class ControllerPresence {
   Time last_heartbeat_{};
   Duration suspended_then_{};  // at the last heartbeat
   Time listens_until_{};
+  BreakWatch breaks_;
   std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> heartbeats_;
   // Both latch their last stops for actuators that join later. engaged_stops_ exists only while a
   // stop is engaged: an actuator must not receive a stop that is over.

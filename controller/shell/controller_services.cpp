@@ -119,6 +119,11 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
                                     transport::ParticipantId caller) {
   auto error = CheckLengths(request.target, request.actuator);
   if (!error) error = MeantForAnother(shell_, request);
+  if (!error) {
+    const auto only = shell_.config().IndexOf(request.actuator);
+    error = shell_.MayBeLate(State(request.target), only);
+    if (error) shell_.RecordLate(State(request.target), only, *error);
+  }
   if (error) {
     return reply(ToMessage(
         RefusedSwitch(State(request.target).Shortened(), "", shell_.machine().state, *error)));
@@ -136,9 +141,12 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
 void ControllerServices::OnRestart(const msg::RestartActuator::Request& request,
                                    const Reply<msg::RestartActuator>& reply,
                                    transport::ParticipantId caller) {
-  if (const auto error = MeantForAnother(shell_, request)) {
-    return reply(AnswerTo<msg::RestartActuator>(*error));
+  auto error = MeantForAnother(shell_, request);
+  if (!error) {
+    error = shell_.MayBeLate();
+    if (error) shell_.RecordLateRestart(request.actuator, *error);
   }
+  if (error) return reply(AnswerTo<msg::RestartActuator>(*error));
   shell_.Restart(request.actuator, RequesterOf(request.by, "restart_actuator", caller),
                  [this, reply](const Result<>& result) {
                    shell_.PublishStatus();
@@ -149,9 +157,12 @@ void ControllerServices::OnRestart(const msg::RestartActuator::Request& request,
 void ControllerServices::OnRelease(const msg::ReleaseEmergencyStop::Request& request,
                                    const Reply<msg::ReleaseEmergencyStop>& reply,
                                    transport::ParticipantId caller) {
-  if (const auto error = MeantForAnother(shell_, request)) {
-    return reply(AnswerTo<msg::ReleaseEmergencyStop>(*error));
+  auto error = MeantForAnother(shell_, request);
+  if (!error) {
+    error = shell_.MayBeLate();
+    if (error) shell_.RecordLateRelease(*error);
   }
+  if (error) return reply(AnswerTo<msg::ReleaseEmergencyStop>(*error));
   std::vector<StopId> seen;
   for (const std::string& id : request.seen_stops) seen.push_back(transport::ReadStopId(id));
   const auto done = [this, reply](const Result<>& result) {
@@ -176,9 +187,21 @@ void ControllerServices::OnRequestPolicy(const msg::RequestPolicy::Request& requ
   if (!what || *what == PolicyRequest::kSwitch || request.state.size() > kLongestName) {
     return answer(Refused<Refusal::kUnknownRequest>(request.request.substr(0, kLongestName)));
   }
-  shell_.SendPolicyRequest({0, *what, State(request.state), request.seconds, request.enable,
-                            RequesterOf(request.by, "request_policy", caller)},
-                           answer);
+  // Without a stay that it ends, a keep of no time is a switch.
+  const bool ends_stay = request.seconds == 0 && shell_.machine().policy.keep.has_value();
+  const bool leads_out = WakesUp(*what, request.enable) || *what == PolicyRequest::kOta ||
+                         (*what == PolicyRequest::kKeep && !ends_stay);
+  const event::PolicyRequested requested{0,
+                                         *what,
+                                         State(request.state),
+                                         request.seconds,
+                                         request.enable,
+                                         RequesterOf(request.by, "request_policy", caller)};
+  if (const auto late = shell_.MayBeLate(); late && leads_out) {
+    shell_.RecordLate(requested, *late);
+    return answer(*late);
+  }
+  shell_.SendPolicyRequest(requested, answer);
 }
 
 void ControllerServices::OnGetStatus(const msg::GetStatus::Request& /*request*/,

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/base/break_watch.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 #include "musher/lifecycle/refusal.hpp"
+#include "musher/lifecycle/rules/policy_requests.hpp"
+#include "musher/lifecycle/switch/plan.hpp"
+#include "musher/lifecycle/switch/switches.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -12,6 +16,7 @@ namespace {
 
 constexpr Duration kLastAnswers = Milliseconds(3000);  // a client's discovery may be incomplete
 constexpr Duration kHeldPeriod = Milliseconds(5);
+constexpr Duration kStopTime = Milliseconds(1000);  // a body that stops is not named as moving on
 
 }  // namespace
 
@@ -26,7 +31,10 @@ ControllerShell::ControllerShell(Dependencies dependencies, const MachineConfig&
       context_{dependencies_, config, machine_, records_,
                [this](const Event& event) { Handle(event); }},
       recorder_(*dependencies_.journal, config),
-      peers_(std::make_unique<ActuatorPeers>(context_)) {}
+      peers_(std::make_unique<ActuatorPeers>(context_)),
+      moves_on_since_(config.actuators.size()) {
+  if (!dependencies_.rules.empty()) rules_.emplace(config_, dependencies_.rules);
+}
 
 ControllerShell::~ControllerShell() {
   peers_->Unsubscribe();  // before what its callbacks use
@@ -158,6 +166,61 @@ void ControllerShell::OnOtherMachine(const ControllerPresence::Rival* other) {
 
 // --- requests ---
 
+std::optional<Error> ControllerShell::MeantForAnother(transport::ParticipantId caller) const {
+  const MachineIdentity* other = peers_->OtherMachineOf(caller);
+  if (other == nullptr) return std::nullopt;
+  return Refused<Refusal::kRequestOfOtherMachine>(MachineText(*other),
+                                                  MachineText(machine_identity()));
+}
+
+std::optional<Error> ControllerShell::MayBeLate() const {
+  const auto could_not_run = presence_->RecentBreak();
+  if (!could_not_run) return std::nullopt;
+  return Refused<Refusal::kMayBeLate>(ToMilliseconds(*could_not_run) / 1000);
+}
+
+std::optional<Error> ControllerShell::MayBeLate(const State& target,
+                                                std::optional<ActuatorIndex> only) const {
+  const auto late = MayBeLate();
+  if (!late) return std::nullopt;
+  const Plan plan = MakePlan(config_, machine_, target, only);
+  return OnlyLowers(config_, machine_, plan) ? std::nullopt : late;
+}
+
+void ControllerShell::RecordLate(const State& target, std::optional<ActuatorIndex> only,
+                                 const Error& late) {
+  RecordLate("switch", only, late,
+             texts::SwitchRefused(Describe(config_, target.Shortened(), only), late.message));
+}
+
+void ControllerShell::RecordLate(const event::PolicyRequested& requested, const Error& late) {
+  RecordLate("policy", std::nullopt, late, texts::PolicyRefused(Describe(requested), late.message));
+}
+
+void ControllerShell::RecordLateRestart(const std::string& actuator, const Error& late) {
+  RecordLate("process", config_.IndexOf(actuator), late,
+             texts::RequestRefused("restart of " + actuator.substr(0, 64), late.message));
+}
+
+void ControllerShell::RecordLateRelease(const Error& late) {
+  RecordLate("machine", std::nullopt, late,
+             texts::RequestRefused("release of the emergency stop", late.message));
+}
+
+// What a stop of this process has delayed arrives within kArriveWithin after it, so later refusals
+// are of another stop.
+void ControllerShell::RecordLate(const std::string& kind, std::optional<ActuatorIndex> actuator,
+                                 const Error& late, const RecordText& text) {
+  CheckThread();
+  const Time now = dependencies_.node->loop().Now();
+  if (now - recorded_late_at_ > BreakWatch::kArriveWithin) recorded_late_.clear();
+  if (recorded_late_.empty()) recorded_late_at_ = now;
+  const bool known = std::ranges::count(recorded_late_, text.message) != 0;
+  if (known || recorded_late_.size() >= kMostLate) return;
+  recorded_late_.push_back(text.message);
+  records_.WriteOwn(kind, actuator, late.code, text);
+}
+
 RequestId ControllerShell::NewAnswer(OnAnswer done) {
   const RequestId request = next_request_++;
   waiting_for_answer_[request] = std::move(done);
@@ -223,10 +286,11 @@ void ControllerShell::CheckThread() const {
 bool ControllerShell::KeepForBegin(const Event& event) {
   if (machine_.phase != Phase::kIdle) return false;
   if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {
-    const StoredStops over{{}, {stop->stop.id}};
-    // Also a stop that is released again before Begin() has switched something off.
-    const StoredStops engaged{{stop->stop}, {}, true};
-    stops_before_begin_ = Merge(stops_before_begin_, stop->engaged ? engaged : over);
+    if (stop->engaged) {
+      AddReceived(stops_before_begin_, stop->stop);
+    } else {
+      AddReceivedRelease(stops_before_begin_, stop->stop.id);
+    }
     return true;
   }
   return peers_->KeepForBegin(event);
@@ -244,7 +308,39 @@ void ControllerShell::Handle(const Event& event) {
   HandleQueued();
   handling_ = false;
   ArmTimer();
+  CheckRules();
+  ShowNotStopped();
   board_->Refresh();
+}
+
+// "arm: the brake does not answer": of a stop whose command or panel has ended, nothing else says
+// that an actuator has latched it, and moves on. Each that stops needs some time for it.
+void ControllerShell::ShowNotStopped() {
+  const Time now = dependencies_.node->loop().Now();
+  std::vector<std::string> actuators;
+  std::optional<Time> next;
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    const std::string why = machine_.emergency.stop ? peers_->StopTrouble(i) : "";
+    std::optional<Time>& since = moves_on_since_[i];
+    if (why.empty()) {
+      since.reset();
+      continue;
+    }
+    if (!since) since = now;
+    const Time named_at = *since + kStopTime;
+    if (now >= named_at) {
+      actuators.push_back(config_.actuators[i].name + ": " + why);
+    } else if (!next || named_at < *next) {
+      next = named_at;
+    }
+  }
+  board_->SetNotStopped(std::move(actuators));
+  not_stopped_timer_ = nullptr;
+  if (!next) return;
+  not_stopped_timer_ = dependencies_.node->loop().At(*next, [this] {
+    ShowNotStopped();
+    board_->Refresh();
+  });
 }
 
 void ControllerShell::HandleQueued() {
@@ -280,6 +376,24 @@ void ControllerShell::ArmTimer() {
   timer_ = dependencies_.node->loop().At(*next, [this] {
     armed_for_.reset();
     Handle(event::TimePassed{});
+  });
+}
+
+void ControllerShell::CheckRules() {
+  if (!rules_) return;
+  for (const auto& violation : rules_->Check(machine_, dependencies_.node->loop().Now())) {
+    records_.WriteOwn("machine", std::nullopt, kCodeFailed,
+                      texts::RuleViolated(violation.rule, violation.states));
+  }
+  board_->SetViolatedRules(rules_->violated());
+  const std::optional<Time> next = rules_->next_check();
+  if (next == rules_armed_for_) return;
+  rules_armed_for_ = next;
+  rules_timer_ = nullptr;
+  if (!next) return;
+  rules_timer_ = dependencies_.node->loop().At(*next, [this] {
+    rules_armed_for_.reset();
+    CheckRules();
   });
 }
 

@@ -12,8 +12,12 @@
 //   MachineBoard        what clients see
 //   RecordWriter        the journal
 //
+// Beside the decision, RuleMonitor checks the user's rules after each event. What it finds is
+// recorded, and the decision does not know of it.
+//
 // Threads: loop thread only. Runs on any transport; the simulation runs this class, too.
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -34,6 +38,7 @@
 #include "musher/controller/shell/record_writer.hpp"
 #include "musher/controller/shell/shell_context.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
+#include "musher/lifecycle/machine/rule_monitor.hpp"
 
 namespace musher {
 
@@ -88,6 +93,22 @@ class ControllerShell {
   // Releases control, as if a heartbeat of the leader `rival` ("process 4711 of this host") had
   // been received: this controller is fenced, and on_fenced is called.
   void ReleaseControl(const std::string& rival);
+
+  // Why a request that cannot name its machine, such as ROS 2's Trigger, is refused: its caller is
+  // an actuator of another machine with this namespace and domain, whose requests arrive here, too.
+  std::optional<Error> MeantForAnother(transport::ParticipantId caller) const;
+  // Why a service refuses a request that has just arrived and may raise or move something: it may
+  // have been sent long ago, while this controller could not run.
+  std::optional<Error> MayBeLate() const;
+  // The same of a switch; a switch that raises no actuator is obeyed however late.
+  std::optional<Error> MayBeLate(const State& target, std::optional<ActuatorIndex> only) const;
+  // A service has refused a request by MayBeLate(): recorded as other refusals are. Of a request
+  // that is repeated the first one is recorded, and after one stop of this process kMostLate.
+  void RecordLate(const State& target, std::optional<ActuatorIndex> only, const Error& late);
+  void RecordLate(const event::PolicyRequested& requested, const Error& late);
+  void RecordLateRestart(const std::string& actuator, const Error& late);
+  void RecordLateRelease(const Error& late);
+  static constexpr std::size_t kMostLate = 16;
 
   using OnResult = std::function<void(const SwitchResult&)>;
   using OnAnswer = std::function<void(const Result<>&)>;
@@ -144,7 +165,11 @@ class ControllerShell {
   void HandleQueued();
   void HandleOne(const Event& event);
   void ArmTimer();
+  void CheckRules();
+  void ShowNotStopped();
   RequestId NewAnswer(OnAnswer done);
+  void RecordLate(const std::string& kind, std::optional<ActuatorIndex> actuator, const Error& late,
+                  const RecordText& text);
   Dependencies::OnSaved OnSaved(Stored what, SaveNumber save);
 
   void Do(const action::SendSwitch& a);
@@ -180,6 +205,8 @@ class ControllerShell {
   std::map<RequestId, OnResult> waiting_for_result_;
   std::map<RequestId, OnAnswer> waiting_for_answer_;
   std::optional<Error> refused_;
+  std::vector<std::string> recorded_late_;  // what RecordLate() has written since …
+  Time recorded_late_at_{};                 // … that time
   StoredStops stops_before_begin_;
   std::optional<AfterTearDown> tear_down_at_begin_;  // requested before Begin()
   std::optional<Result<>> journal_at_begin_;         // the last OnJournalWritten() before Begin()
@@ -192,6 +219,11 @@ class ControllerShell {
   std::unique_ptr<PolicyInputs> policy_inputs_;  // null without [policy]
   std::optional<Time> armed_for_;
   transport::LoopHandlePtr timer_;
+  std::optional<RuleMonitor> rules_;  // none without rules of the user
+  std::optional<Time> rules_armed_for_;
+  transport::LoopHandlePtr rules_timer_;
+  PerActuator<std::optional<Time>> moves_on_since_;  // although it has latched the stop
+  transport::LoopHandlePtr not_stopped_timer_;
 };
 
 }  // namespace musher

@@ -56,6 +56,10 @@ void HealthWatch::Forget(ActuatorIndex actuator) {
   ArmTimer();
 }
 
+void HealthWatch::ForgetUnlessPresent(ActuatorIndex actuator, const KnownActuator& known) {
+  if (known.presence != Presence::kPresent) Forget(actuator);
+}
+
 void HealthWatch::OnHeartbeat(const msg::ActuatorHeartbeat& heartbeat,
                               transport::ParticipantId sender) {
   const auto found = index_.find(heartbeat.name);

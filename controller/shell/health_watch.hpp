@@ -37,6 +37,9 @@ class HealthWatch {
                 transport::ParticipantId participant);
   // Its process has exited.
   void Forget(ActuatorIndex actuator);
+  // A process of it has exited, and the machine has handled that: `known` is what it knows since.
+  // Where another process is in use, that one is monitored further.
+  void ForgetUnlessPresent(ActuatorIndex actuator, const KnownActuator& known);
 
  private:
   HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& process_probe,

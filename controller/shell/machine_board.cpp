@@ -86,6 +86,18 @@ void MachineBoard::SetOtherVendors(std::vector<std::string> others) {
   PublishSoon();
 }
 
+void MachineBoard::SetViolatedRules(std::vector<std::string> rules) {
+  if (rules == violated_rules_) return;
+  violated_rules_ = std::move(rules);
+  PublishSoon();
+}
+
+void MachineBoard::SetNotStopped(std::vector<std::string> actuators) {
+  if (actuators == not_stopped_) return;
+  not_stopped_ = std::move(actuators);
+  PublishSoon();
+}
+
 void MachineBoard::PublishStatus() {
   if (!status_) return;
   msg::MachineStatus status = Status();
@@ -106,6 +118,8 @@ msg::MachineStatus MachineBoard::Status() const {
   status.machine_id = presence_.machine().id;
   status.participant = dependencies_.node->participant().value();
   status.other_vendors = other_vendors_;
+  status.violated_rules = violated_rules_;
+  status.not_stopped = not_stopped_;
   for (const ControllerPresence::Rival& other : presence_.OtherMachines()) {
     status.other_machines.push_back(MachineText(other.machine) + ", " + other.process);
   }

@@ -36,6 +36,10 @@ class MachineBoard {
   msg::Capabilities Capabilities() const;
   // The participants of another DDS, for the status.
   void SetOtherVendors(std::vector<std::string> others);
+  // The rules of the user that are violated, for the status.
+  void SetViolatedRules(std::vector<std::string> rules);
+  // The actuators that have not stopped at the engaged stop, with why, for the status.
+  void SetNotStopped(std::vector<std::string> actuators);
 
  private:
   void PublishWhileUnsaved();
@@ -48,6 +52,8 @@ class MachineBoard {
   msg::MachineStatus published_;
   Time published_at_{};
   std::vector<std::string> other_vendors_;  // participants of another DDS
+  std::vector<std::string> violated_rules_;
+  std::vector<std::string> not_stopped_;
   transport::LoopHandlePtr publish_later_;
   transport::LoopHandlePtr unsaved_timer_;  // while something is not on disk
   // Null while it is closed.

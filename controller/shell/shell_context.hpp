@@ -16,6 +16,7 @@
 #include "musher/controller/process/process_probe.hpp"
 #include "musher/controller/process/process_runner.hpp"
 #include "musher/controller/shell/record_writer.hpp"
+#include "musher/lifecycle/config/user_rules.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/transport/node.hpp"
 
@@ -49,6 +50,7 @@ struct ShellDependencies {
   // The file for stdout and stderr of the process of this name; may be null.
   std::function<std::shared_ptr<const UniqueFd>(const std::string&)> output;
   std::function<std::int64_t()> wall_ns;  // since 1970
+  UserRules rules = {};                   // of the user, for the actuators of the config
   std::string config_text;                // text of the config, for the journal; may be empty
   std::string host;                       // HostId()
   std::string host_name;                  // HostName(); may be empty

@@ -103,6 +103,7 @@ std::string StopsText(const StoredStops& stops) {
     text += line(replaced ? "replaced" : "released", ToString(id));
   }
   if (stops.awaits_request) text += "awaits request\n";
+  if (stops.led_elsewhere) text += "led elsewhere\n";
   if (stops.engagements != 0) text += line("engagements", std::to_string(stops.engagements));
   for (const UnreadFolder& unread : stops.unread) {
     const std::string owner = unread.owner.empty() ? "-" : OneWord(unread.owner);
@@ -136,6 +137,8 @@ std::optional<StoredStops> StopsFrom(const std::string& text) {
     if (line == "end") return stops;
     if (line == "awaits request") {
       stops.awaits_request = true;
+    } else if (line == "led elsewhere") {
+      stops.led_elsewhere = true;
     } else if (name == "engaged" && is_id) {
       stops.engaged.push_back({StopId(id), "", ""});
     } else if ((name == "released" || name == "replaced") && is_id) {
@@ -308,10 +311,9 @@ Result<> StateStore::Replace(const std::string& path, const std::string& content
   return written;
 }
 
-// "engaged ID" with its lines "by …" and "reason …", and "released ID"; "awaits request";
-// "engagements NUMBER";
-// "unread MARK OWNER FOLDER", or "answered …" once a person has requested a state; a last line
-// "end".
+// "engaged ID" with its lines "by …" and "reason …", and "released ID"; "awaits request"; "led
+// elsewhere"; "engagements NUMBER"; "unread MARK OWNER FOLDER", or "answered …" once a person has
+// requested a state; a last line "end".
 Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
   auto written = SlotFile(EmergencyStopFile()).Write(StopsText(stops));
   if (written) RememberFile(EmergencyStopFile());
@@ -347,7 +349,16 @@ void StateStore::ReserveEmergencyStops() {
 }
 
 Result<> StateStore::SaveStopIntent(bool intended) {
-  if (intended) return Replace(StopIntentFile(), "the machine is to stay down\n");
+  if (intended) {
+    const std::string path = StopIntentFile();
+    auto written = Replace(path, "the machine is to stay down\n");
+    if (written) return written;
+    // The file says it, not its text: an empty one takes no block of a full disk.
+    const UniqueFd empty(open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
+    if (!empty.valid() || !SyncFolder(dir_)) return written;
+    Remember(path, ReadSmall(OpenRegular(path).get()));
+    return Ok();
+  }
   kept_.erase(StopIntentFile());
   const bool gone = unlink(StopIntentFile().c_str()) == 0 || errno == ENOENT;
   if (!gone || !SyncFolder(dir_)) return SystemError("can't remove " + StopIntentFile());

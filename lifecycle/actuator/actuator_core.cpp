@@ -68,6 +68,17 @@ std::optional<Time> ControllerDeadline(const MachineConfig& config, ActuatorInde
   return core.controller_last_heartbeat + *timeout;
 }
 
+// Whether the callback of `target` may switch on. That of the present state does if it undoes a
+// failed downward callback, or would switch on what a stop has switched off. It leads down if it
+// undoes a failed upward callback.
+bool LeadsUp(const MachineConfig& config, const ActuatorCore& core, const State& target) {
+  const ActuatorReport& report = core.report;
+  if (target != report.state) return MaySwitchOn(config, report.state, target);
+  const bool switches_on =
+      report.held_by_stop && !core.unsettled && Rises(config, kUninitialized, target);
+  return core.half_way_down || switches_on;
+}
+
 // One event's decision: the arguments of Step() and the actions so far.
 class Decision {
  public:
@@ -390,18 +401,7 @@ class Decision {
     return core_.stops.empty() ? Refused<Refusal::kCommandBeforeRelease>() : Stopped();
   }
 
-  // The callback of the present state leads up if it undoes a failed downward callback, or would
-  // switch on what a stop has switched off. It leads down if it undoes a failed upward callback.
-  bool GoesUp(const State& target) const {
-    if (target != report_.state) return Rises(machine_, report_.state, target);
-    const bool switches_on =
-        report_.held_by_stop && !core_.unsettled && Rises(machine_, kUninitialized, target);
-    return core_.half_way_down || switches_on;
-  }
-
-  bool SwitchesOn(const State& target) const {
-    return GoesUp(target) || MaySwitchOn(machine_, report_.state, target);
-  }
+  bool SwitchesOn(const State& target) const { return LeadsUp(machine_, core_, target); }
 
   // A repeated command gets the same answer again, or the answer of its run.
   bool Repeated(const event::SwitchArrived& arrived) {
@@ -565,6 +565,11 @@ std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex inde
   Decision deciding(config, index, core, now);
   std::visit([&](const auto& e) { deciding.On(e); }, event);
   return std::move(deciding).Take();
+}
+
+State StillSwitchingOn(const MachineConfig& config, const ActuatorCore& core) {
+  const State& target = core.report.target;
+  return core.stopped_meanwhile && LeadsUp(config, core, target) ? target : State();
 }
 
 std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,

@@ -223,6 +223,10 @@ struct ActuatorCore {
 std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex index,
                                  ActuatorCore& core, const ActuatorEvent& event, Time now);
 
+// The state whose callback was running when a stop was engaged, still runs, and may switch on what
+// the stop action has switched off; empty: there is none. At its end the stop action runs again.
+State StillSwitchingOn(const MachineConfig& config, const ActuatorCore& core);
+
 // When to step next with TimePassed, unless another event comes before; nullopt: never.
 std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,
                                  const ActuatorCore& core);

@@ -166,6 +166,7 @@ struct MachineConfig {
 
   // Above DeActive an actuator stops when no permit arrives for so long; none: needs no permit.
   std::optional<Duration> permit;
+  std::string rules_file;  // absolute; the user's rules for stable states; empty: none
 
   std::vector<HostConfig> hosts;       // in the order of the file
   std::optional<PolicyConfig> policy;  // none: no rules

@@ -11,6 +11,7 @@
 #include "musher/base/diagnostic.hpp"
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/config/user_rules.hpp"
 
 namespace musher {
 
@@ -34,6 +35,10 @@ bool SupportsHosts();
 
 // MachineConfig::hash of a text: 16 hex digits.
 std::string ConfigHash(std::string_view text);
+
+// The rules of the user that the config names (MachineConfig::rules_file), from their file; none
+// without a name. A file that cannot be read is the only diagnostic, of the config.
+UserRulesReading ReadRulesOf(const MachineConfig& config);
 
 // For programs: the config at `path` (see base/config_path.hpp), or all its errors as one message
 // of several lines. Warnings are not reported.

@@ -15,7 +15,7 @@ void Authority::On(const event::RivalSeen& rival) {
   const bool leads =
       rival.epoch <= kLastEpoch &&
       (rival.epoch > machine_.epoch || (rival.epoch == machine_.epoch && rival.has_precedence));
-  if (leads && AtWork()) Release(rival.rival, rival.epoch);
+  if (leads && AtWork()) Release(rival.rival, rival.epoch, rival.elsewhere);
 }
 
 bool Authority::ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report) {
@@ -32,7 +32,7 @@ bool Authority::ReleaseIfReplaced(ActuatorIndex i, const ActuatorReport& report)
                      !control_.IsOfPredecessor(report.epoch);
   const bool higher = report.epoch > machine_.epoch && report.epoch < kLastEpoch;
   if (!(own || taken) || !higher || !AtWork()) return false;
-  Release("which " + ConfigOf(i).name + " follows", report.epoch);
+  Release("which " + ConfigOf(i).name + " follows", report.epoch, true);
   return true;
 }
 
@@ -40,12 +40,21 @@ void Authority::ReleaseIfReplacedElsewhere() {
   if (!AtWork()) return;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (!control_.IsReplacedElsewhere(i)) continue;
-    return Release("which " + ConfigOf(i).name + " follows", Of(i).report.epoch);
+    return Release("which " + ConfigOf(i).name + " follows", Of(i).report.epoch, true);
   }
 }
 
-// `rival`: which one it is.
-void Authority::Release(const std::string& rival, Epoch epoch) {
+// The other one stores the emergency stops that are engaged from now on, and which of them are
+// released. Once it has ended, a start with the folder of this one does not know of them.
+void Authority::NoteLedElsewhere() {
+  StoredStops stops = StopsOf(machine_);
+  stops.led_elsewhere = true;
+  Do(action::SaveEmergencyStops{std::move(stops), ++machine_.saves.last});
+}
+
+// `rival`: which one it is. `elsewhere`: on another host, as one must be whose heartbeat does not
+// arrive.
+void Authority::Release(const std::string& rival, Epoch epoch, bool elsewhere) {
   const Error fenced = Refused<Refusal::kLedByRival>(rival, epoch);
   const RecordId recorded =
       RecordMachine(fenced.code, texts::ControllerFenced(machine_.epoch, fenced.message));
@@ -74,6 +83,7 @@ void Authority::Release(const std::string& rival, Epoch epoch) {
       Do(action::AnswerCall{request, fenced});
     }
   }
+  if (elsewhere) NoteLedElsewhere();
   machine_.phase = Phase::kFenced;
   Do(action::Fenced{fenced.message});
 }

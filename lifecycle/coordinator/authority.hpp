@@ -27,7 +27,8 @@ class Authority : StepPart {
 
  private:
   bool AtWork() const;
-  void Release(const std::string& rival, Epoch epoch);
+  void Release(const std::string& rival, Epoch epoch, bool elsewhere);
+  void NoteLedElsewhere();
 
   Control& control_;
   Switches& switches_;

@@ -51,7 +51,7 @@ class Coordinator : StepPart {
   Processes processes_{step_};
   Commands commands_{step_, stops_, processes_};
   Control control_{step_, saver_, memory_, processes_};
-  Arrivals arrivals_{step_, saver_, processes_, commands_, control_};
+  Arrivals arrivals_{step_, saver_, stops_, processes_, commands_, control_};
   Switches switches_{step_, memory_, commands_};
   TearDown tear_down_{step_, saver_, memory_, power_, commands_, switches_};
   Requests requests_{step_, commands_, switches_, tear_down_};

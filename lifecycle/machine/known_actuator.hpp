@@ -76,6 +76,10 @@ struct ActuatorProcess {
   Launch launch = Launch::kNone;
   Incarnation dead = 0;                    // the incarnation whose process is known to have exited
   std::optional<Termination> termination;  // none: it may run
+  // The last process that has exited before a status of it was received, and its HostId(): the
+  // status may arrive late. 0: none.
+  std::int32_t ended_pid = 0;
+  std::string ended_host;
 
   friend bool operator==(const ActuatorProcess&, const ActuatorProcess&) = default;
 };
@@ -211,6 +215,8 @@ inline constexpr std::tuple kFields<ActuatorProcess> = {
     Field{"launch", &ActuatorProcess::launch},
     Field{"dead", &ActuatorProcess::dead},
     Field{"termination", &ActuatorProcess::termination},
+    Field{"ended_pid", &ActuatorProcess::ended_pid},
+    Field{"ended_host", &ActuatorProcess::ended_host},
 };
 
 template <>

@@ -53,6 +53,12 @@ std::optional<PolicyRequest> RequestOf(std::string_view name) {
   return *found;
 }
 
+bool WakesUp(PolicyRequest request, bool enable) {
+  const bool low_power =
+      request == PolicyRequest::kLowPowerSwitch || request == PolicyRequest::kLowPowerStore;
+  return request == PolicyRequest::kWakeUp || (low_power && !enable);
+}
+
 Time PolicyNow(const MachineConfig& config, const PolicyState& policy, Time now) {
   return config.clock == ClockSource::kTopic ? policy.clock : now;
 }

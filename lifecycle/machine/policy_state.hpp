@@ -38,6 +38,8 @@ enum class PolicyRequest {
 };
 std::string_view RequestName(PolicyRequest request);  // "switch", "keep", … as on the wire
 std::optional<PolicyRequest> RequestOf(std::string_view name);
+// Whether it wakes up a machine that is in LowPower: "automatic LowPower: off" does, too.
+bool WakesUp(PolicyRequest request, bool enable);
 
 // What the policy subscribes to.
 enum class PolicyInput { kBattery, kMotion };

@@ -33,6 +33,9 @@ struct StoredStops {
   std::vector<StopId> replaced{};      // of `released`, those that no release has covered since
   // How often a controller with this folder has engaged a stop, also one that it found engaged.
   std::uint64_t engagements = 0;
+  // A controller of another host has replaced the last one with this folder. What it has engaged
+  // since is in its own folder.
+  bool led_elsewhere = false;
 
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
@@ -44,6 +47,13 @@ struct StoredStops {
 bool AddStop(StoredStops& stops, const EmergencyStop& stop);
 // A stop that a release has ended. It never engages again.
 void AddReleased(StoredStops& stops, StopId id);
+
+// The same for stops that are received before the disk says which of them are over. None replaces
+// another one of its source: one that is over would end the engaged one, and be dropped itself.
+// Where there are too many, the oldest of the source is forgotten, or else the oldest, and is not
+// over: an actuator that has latched it reports it.
+void AddReceived(StoredStops& received, EmergencyStop stop);
+void AddReceivedRelease(StoredStops& received, StopId id);
 
 // Merges the stops on disk with the stops that other controllers and panels have sent since. A stop
 // that is released on one side is over.
@@ -106,6 +116,7 @@ inline constexpr std::tuple kFields<StoredStops> = {
     Field{"unread", &StoredStops::unread},
     Field{"replaced", &StoredStops::replaced},
     Field{"engagements", &StoredStops::engagements},
+    Field{"led_elsewhere", &StoredStops::led_elsewhere},
 };
 
 template <>

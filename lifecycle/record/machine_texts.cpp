@@ -179,6 +179,17 @@ RecordText ReleaseUnconfirmed(const std::vector<std::string>& actuators) {
       {{"actuators", list}});
 }
 
+RecordText RuleViolated(const std::string& rule, const std::string& states) {
+  return MakeText(EventName::kRuleViolated,
+                  "a rule of yours is violated: {rule} ({states}); nothing is changed",
+                  {{"rule", rule}, {"states", states}});
+}
+
+RecordText RequestRefused(const std::string& what, const std::string& why) {
+  return MakeText(EventName::kRequestRefused, "{what} refused: {reason}",
+                  {{"what", what}, {"reason", why}});
+}
+
 RecordText FallbackStarted(const State& target) {
   return MakeText(EventName::kFallbackStarted, "an actuator is lost; falling back to {target}",
                   {{"target", target}});

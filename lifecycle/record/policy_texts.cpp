@@ -49,7 +49,7 @@ RecordText BatterySampleInvalid(int percent) {
 RecordText BatteryJumped(int before, int percent) {
   return MakeText(EventName::kBatteryJumped,
                   "the battery reports {percent} % after {before} %: impossible between two "
-                  "samples; check what publishes it",
+                  "samples; check the publisher",
                   {{"percent", percent}, {"before", before}});
 }
 

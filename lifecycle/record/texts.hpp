@@ -59,6 +59,10 @@ RecordText EmergencyStopEngaged(const std::string& by, const std::string& reason
 RecordText EmergencyStopReleased(const std::string& by);
 RecordText StateNotWritable(const std::string& why);
 RecordText ReleaseUnconfirmed(const std::vector<std::string>& actuators);
+// `rule`: of the user, as its file has it; `states`: of what it names.
+RecordText RuleViolated(const std::string& rule, const std::string& states);
+// `what`: of a request that is neither for a switch nor to the policy, "restart of legs".
+RecordText RequestRefused(const std::string& what, const std::string& why);
 RecordText FallbackStarted(const State& target);
 RecordText FallbackRefused(const State& target, const std::string& why);
 // TearDown, and what it leaves behind.

@@ -11,6 +11,17 @@ namespace {
 // A year: no sensible keep is longer, and its end does not overflow.
 constexpr std::int64_t kLongestKeep = std::int64_t{365} * 24 * 3600;
 
+Requester RequesterOf(const event::PolicyRequested& requested) {
+  return {requested.by.empty() ? "a request to the policy" : requested.by};
+}
+
+// Of a request for a switch; empty: another request.
+State SwitchTargetOf(const event::PolicyRequested& requested) {
+  return requested.what == PolicyRequest::kSwitch ? requested.state.Shortened() : State();
+}
+
+}  // namespace
+
 std::string Describe(const event::PolicyRequested& requested) {
   const std::string state = requested.state.Shortened();
   switch (requested.what) {
@@ -37,17 +48,6 @@ std::string Describe(const event::PolicyRequested& requested) {
   }
   return "reboot";
 }
-
-Requester RequesterOf(const event::PolicyRequested& requested) {
-  return {requested.by.empty() ? "a request to the policy" : requested.by};
-}
-
-// Of a request for a switch; empty: another request.
-State SwitchTargetOf(const event::PolicyRequested& requested) {
-  return requested.what == PolicyRequest::kSwitch ? requested.state.Shortened() : State();
-}
-
-}  // namespace
 
 void PolicyRequests::On(const event::PolicyRequested& requested) {
   const auto refuse = [&](const Error& why, RecordId request_record) {

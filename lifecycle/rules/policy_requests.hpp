@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "musher/lifecycle/rules/policy_rules.hpp"
 #include "musher/lifecycle/switch/requests.hpp"
@@ -49,5 +50,8 @@ class PolicyRequests : StepPart {
   Requests& requests_;
   const PolicyRules& rules_;
 };
+
+// "wake-up", "keep in Protected for 60 s".
+std::string Describe(const event::PolicyRequested& requested);
 
 }  // namespace musher

@@ -19,6 +19,8 @@ constexpr std::size_t kMostReleasedKept = 256;
 // The limit of the stops that are engaged beside the first. One more replaces the oldest stop
 // without a source, else the oldest stop.
 constexpr std::size_t kMostStopsKnown = 64;
+// The limit of those that are received before Begin: more than can be known as released.
+constexpr std::size_t kMostReceived = kMostReleasedKept + kMostStopsKnown;
 // A release is published again after kReleaseRepeat and ends after kReleaseTime; a client waits
 // longer.
 constexpr Duration kReleaseRepeat = Milliseconds(500);
@@ -116,6 +118,30 @@ bool AddStop(StoredStops& stops, const EmergencyStop& stop) {
   return true;
 }
 
+// Also a stop that is released again before Begin() has switched something off: the machine awaits
+// a request.
+void AddReceived(StoredStops& received, EmergencyStop stop) {
+  if (stop.id == 0) stop.id = kUnknownStop;
+  received.awaits_request = true;
+  auto& engaged = received.engaged;
+  if (std::ranges::count(received.released, stop.id) != 0) return;
+  if (const auto known = std::ranges::find(engaged, stop.id, &EmergencyStop::id);
+      known != engaged.end()) {
+    if (known->by.empty()) *known = std::move(stop);
+    return;
+  }
+  if (engaged.size() >= kMostReceived) {
+    const auto same = std::ranges::find(engaged, stop.by, &EmergencyStop::by);
+    engaged.erase(same != engaged.end() ? same : engaged.begin());
+  }
+  engaged.push_back(std::move(stop));
+}
+
+void AddReceivedRelease(StoredStops& received, StopId id) {
+  AddReleased(received, id);
+  std::erase_if(received.engaged, [id](const EmergencyStop& stop) { return stop.id == id; });
+}
+
 StoredStops WithoutReleased(const StoredStops& stored, StoredStops received) {
   const auto is_known = [&](StopId id) {
     return id != kUnknownStop && std::ranges::count(stored.released, id) != 0;
@@ -152,6 +178,7 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   stops.awaits_request = stored.awaits_request || received.awaits_request;
   stops.unread = stored.unread;
   stops.engagements = stored.engagements;
+  stops.led_elsewhere = stored.led_elsewhere;
   for (const auto* from : {&stored, &received}) {
     for (const StopId id : from->released) AddReleased(stops, id);
   }
@@ -174,7 +201,9 @@ void EmergencyStops::Begin(const event::Begin& begin) {
   const StoredStops& stops = begin.stops;
   machine_.emergency.released = stops.released;
   machine_.emergency.replaced = stops.replaced;
-  machine_.emergency.awaits_request = stops.awaits_request;
+  // A person who starts the machine requests its states, a supervisor does not.
+  machine_.emergency.awaits_request =
+      stops.awaits_request || (stops.led_elsewhere && machine_.start_up.by_supervisor);
   machine_.emergency.unread = stops.unread;
   machine_.emergency.engagements = stops.engagements;
   PublishReleased();
@@ -238,12 +267,14 @@ void EmergencyStops::PublishReleased(StopId id) {
   Do(action::PublishEmergencyStop{{id, "", ""}, false, machine_.emergency.last_before_release});
 }
 
-// Whether the actuator has received a whole release, up to its last stop `last`, and has latched no
-// stop. An actuator that cannot be running has nothing to confirm.
+// Whether the actuator has received a whole release, up to its last stop `last`, and no process of
+// it has latched a stop. An actuator that cannot be running has nothing to confirm.
 bool EmergencyStops::HasConfirmed(ActuatorIndex i, StopId last) const {
   const KnownActuator& known = machine_.actuators[i];
   const ActuatorReport& report = known.report;
   if (ConfigOf(i).protocol != Protocol::kMusher) return true;
+  // A second process, as that of a rebooted host while the one before the reboot still counts.
+  if (known.other && known.other->emergency_stop != 0) return false;
   const bool clear = report.emergency_stop == 0;
   switch (known.presence) {
     case Presence::kPresent:
@@ -253,7 +284,9 @@ bool EmergencyStops::HasConfirmed(ActuatorIndex i, StopId last) const {
     case Presence::kLost:  // it may run on, unless its process is known to have exited
       return clear || report.incarnation == known.process.dead;
     case Presence::kAbsent:
-      break;
+      // Its process was found by its name, and has not reported yet what it has latched.
+      return last == 0 || known.process.launch != Launch::kFoundRunning || known.process.pid == 0 ||
+             report.incarnation != 0;
   }
   return true;
 }
@@ -313,7 +346,11 @@ void EmergencyStops::EndRelease(const Result<>& result) {
 void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
   if (machine_.phase == Phase::kIdle) return;
   CompareRelease(report);
-  if (report.emergency_stop == 0) return;
+  CompareLatched(report, i);
+}
+
+void EmergencyStops::CompareLatched(const ActuatorReport& report, ActuatorIndex i) {
+  if (machine_.phase == Phase::kIdle || report.emergency_stop == 0) return;
   CompareOldest(report, i);
   EngageOthersOf(report, i);
 }

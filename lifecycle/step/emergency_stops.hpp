@@ -30,6 +30,8 @@ class EmergencyStops : StepPart {
   void On(const event::ReleaseRequested& requested);
   // An actuator may have latched a stop that this controller missed, or missed a release.
   void Compare(const ActuatorReport& report, ActuatorIndex i);
+  // The same of a process that is not in use: only what it has latched counts.
+  void CompareLatched(const ActuatorReport& report, ActuatorIndex i);
   // Ends a release that is confirmed, or whose time is over.
   void CheckRelease();
   // Ends the wait for a request once every actuator may switch on again after the last stop.

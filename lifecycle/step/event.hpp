@@ -124,6 +124,7 @@ struct RivalSeen {
   Epoch epoch = 0;
   std::string rival;            // "process 4711 on this host"
   bool has_precedence = false;  // where both have the same epoch
+  bool elsewhere = false;       // on another host, with another state folder
   friend bool operator==(const RivalSeen&, const RivalSeen&) = default;
 };
 // A participant engages an emergency stop, or has released one.
@@ -345,6 +346,7 @@ inline constexpr std::tuple kFields<event::RivalSeen> = {
     Field{"epoch", &event::RivalSeen::epoch},
     Field{"rival", &event::RivalSeen::rival},
     Field{"has_precedence", &event::RivalSeen::has_precedence},
+    Field{"elsewhere", &event::RivalSeen::elsewhere},
 };
 
 template <>

@@ -57,6 +57,13 @@ bool MachineView::IsReportOf(ActuatorIndex i, std::int32_t pid) const {
   return report.pid == pid && (report.host.empty() || report.host == HostOf(i));
 }
 
+bool MachineView::IsOfEnded(ActuatorIndex i, const ActuatorReport& report) const {
+  const ActuatorProcess& process = Of(i).process;
+  const bool same_host = !report.host.empty() && report.host == process.ended_host;
+  return process.ended_pid != 0 && same_host &&
+         (report.pid == process.ended_pid || report.pid == 0);
+}
+
 bool MachineView::AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const {
   const KnownActuator& known = Of(i);
   const bool publishes =

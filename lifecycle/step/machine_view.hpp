@@ -37,6 +37,9 @@ class MachineView {
   // Whether the last report of the actuator is of process `pid` of HostOf(): a process of another
   // host may have the same pid.
   bool IsReportOf(ActuatorIndex i, std::int32_t pid) const;
+  // Whether the report is of the last process that has exited before a status of it was received.
+  // On the host of the controller no pid is proven of a process that has exited: it is 0.
+  bool IsOfEnded(ActuatorIndex i, const ActuatorReport& report) const;
   // Whether a process other than `pid` of HostOf() publishes as this actuator: another party has
   // started it, or `pid` was only the program that started it.
   bool AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const;

@@ -71,6 +71,8 @@ void Processes::EvaluateArrival(ActuatorIndex i) {
 void Processes::StartAgain(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.restart.at.reset();
+  known.process.ended_pid = 0;
+  known.process.ended_host.clear();
   known.report.state = config_.default_state;  // the old process does not count any more
   known.report.pid = 0;
   known.presence = Presence::kStarting;

@@ -147,6 +147,7 @@ void Recovery::On(const event::ProcessStarted& started) {
   const bool reported = !started.host.empty() && report.host == started.host &&
                         (report.pid == started.pid || report.pid == 0);
   if (started.found && reported) known.process.dead = 0;
+  if (started.pid == known.process.ended_pid) known.process.ended_pid = 0;
   const ActuatorConfig& config = ConfigOf(started.actuator);
   known.cause = RecordProcess(
       started.actuator, kCodeOk,
@@ -212,7 +213,15 @@ void Recovery::On(const event::ProcessEnded& ended) {
   KnownActuator& known = Of(ended.actuator);
   if (known.process.pid != ended.pid) return;
   const bool another = AnotherProcessIsPresent(ended.actuator, ended.pid);
-  if (IsReportOf(ended.actuator, ended.pid)) known.process.dead = known.report.incarnation;
+  if (IsReportOf(ended.actuator, ended.pid)) {
+    known.process.dead = known.report.incarnation;
+  } else {
+    known.process.ended_pid = ended.pid;
+    known.process.ended_host = HostOf(ended.actuator);
+  }
+  const bool second =
+      known.other && known.other->pid == ended.pid && known.other->host == HostOf(ended.actuator);
+  if (second) known.other.reset();
   processes_.ForgetProcess(ended.actuator);
   // The host was reached again during TearDown.
   const bool had_no_answer = !ConfigOf(ended.actuator).host.empty() && known.fault &&

@@ -14,8 +14,7 @@ namespace {
 constexpr RecordId kBegun = 1;
 
 std::string StopsUnreadIn(const UnreadFolder& unread) {
-  return "whether an emergency stop is engaged in " + unread.folder +
-         " is not known: " + WhyUnread(unread) +
+  return "an emergency stop may be engaged in " + unread.folder + ": " + WhyUnread(unread) +
          "; check the robot, then run `musher set SelfCheck` and `musher set Active`";
 }
 

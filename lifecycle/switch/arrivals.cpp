@@ -3,6 +3,13 @@
 #include <utility>
 
 namespace musher {
+namespace {
+
+bool IsOfOneProcess(const ActuatorReport& one, const ActuatorReport& other) {
+  return one.host == other.host && one.incarnation == other.incarnation;
+}
+
+}  // namespace
 
 void Arrivals::On(const event::StatusSeen& seen) {
   KnownActuator& known = Of(seen.actuator);
@@ -23,14 +30,22 @@ void Arrivals::On(const event::StatusSeen& seen) {
   const bool of_the_past = !report.host.empty() && report.host == known.report.host &&
                            report.incarnation < known.report.incarnation;
   if (of_the_past || machine_.phase == Phase::kIdle) return;
-  if (report.state == kTearDown) return FoundTornDown(seen.actuator, report);
   const bool not_set_up = report.state == config_.default_state;
+  const bool set_up_failed = not_set_up && !report.busy() && report.outcome_code != kCodeOk;
+  const bool over = report.state == kTearDown || set_up_failed;
+  const bool second = known.other && IsOfOneProcess(*known.other, report);
+  if (over && second) known.other.reset();
+  if (report.state == kTearDown) return FoundTornDown(seen.actuator, report);
   const bool stopping = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
-  if (not_set_up && !report.busy() && report.outcome_code != kCodeOk) {
-    if (!stopping) SetUpFailed(seen.actuator, report);
+  if (set_up_failed) {
+    if (!stopping && !second) SetUpFailed(seen.actuator, report);
     return;
   }
   if (report.incarnation == known.process.dead) return;
+  // Its process has exited before this status arrived, and is restarted.
+  if (known.restart.at && IsOfEnded(seen.actuator, report)) {
+    return stops_.CompareLatched(report, seen.actuator);
+  }
   if (!same && known.presence == Presence::kPresent) {
     if (IsImpostor(seen.actuator, report)) return;
     commands_.Lose(seen.actuator, texts::Replaced(), known.cause);
@@ -84,10 +99,15 @@ void Arrivals::FoundTornDown(ActuatorIndex i, const ActuatorReport& report) {
 }
 
 // A Musher actuator exits after a failed SetUp. A ROS 2 node keeps running unconfigured: it is
-// present, and the next SelfCheck or switch up configures it again.
+// present, and the next SelfCheck or switch up configures it again. A second process on another
+// host says nothing about the one in use, which goes on; on the same host it is the successor.
 void Arrivals::SetUpFailed(ActuatorIndex i, const ActuatorReport& report) {
   KnownActuator& known = Of(i);
   const bool same = report.incarnation == known.report.incarnation;
+  const bool elsewhere = report.host != known.report.host;
+  const bool runs = known.report.incarnation != known.process.dead;
+  const bool in_use = runs && (known.presence == Presence::kPresent || known.control.again);
+  if (!same && elsewhere && in_use) return RecordDuplicate(i, report, known.report.pid);
   const bool keeps_running = ConfigOf(i).protocol == Protocol::kRos2Lifecycle && same &&
                              known.presence == Presence::kStarting;
   if (same) known.report = report;
@@ -112,10 +132,14 @@ bool Arrivals::IsImpostor(ActuatorIndex i, const ActuatorReport& report) {
 // The other process is used once the process in use is lost.
 void Arrivals::NoteOther(ActuatorIndex i, const ActuatorReport& other, std::int32_t used) {
   KnownActuator& known = Of(i);
-  const bool repeated = known.other && known.other->host == other.host &&
-                        known.other->incarnation == other.incarnation;
+  const bool repeated = known.other && IsOfOneProcess(*known.other, other);
+  if (repeated && other.stamp < known.other->stamp) return;  // a newer one was faster
   known.other = other;
-  if (repeated) return;
+  stops_.CompareLatched(other, i);
+  if (!repeated) RecordDuplicate(i, other, used);
+}
+
+void Arrivals::RecordDuplicate(ActuatorIndex i, const ActuatorReport& other, std::int32_t used) {
   RecordActuator(
       i, kCodePermissionDenied,
       texts::DuplicateActuator(ConfigOf(i).name, other.pid, other.host.substr(0, 64), used));
@@ -124,9 +148,8 @@ void Arrivals::NoteOther(ActuatorIndex i, const ActuatorReport& other, std::int3
 void Arrivals::TakeUpOthers() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     KnownActuator& known = Of(i);
-    if (!known.other || known.presence == Presence::kPresent || known.control.again) continue;
-    const ActuatorReport other = *std::exchange(known.other, std::nullopt);
-    if (known.presence == Presence::kLost) On(event::StatusSeen{i, other});
+    if (!known.other || known.presence != Presence::kLost || known.control.again) continue;
+    On(event::StatusSeen{i, *std::exchange(known.other, std::nullopt)});
   }
 }
 

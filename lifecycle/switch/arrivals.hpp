@@ -9,10 +9,11 @@ namespace musher {
 
 class Arrivals : StepPart {
  public:
-  Arrivals(StepContext& step, Saver& saver, Processes& processes, Commands& commands,
-           Control& control)
+  Arrivals(StepContext& step, Saver& saver, EmergencyStops& stops, Processes& processes,
+           Commands& commands, Control& control)
       : StepPart(step),
         saver_(saver),
+        stops_(stops),
         processes_(processes),
         commands_(commands),
         control_(control) {}
@@ -31,9 +32,11 @@ class Arrivals : StepPart {
   void SetUpFailed(ActuatorIndex i, const ActuatorReport& report);
   bool IsImpostor(ActuatorIndex i, const ActuatorReport& report);
   void NoteOther(ActuatorIndex i, const ActuatorReport& other, std::int32_t used);
+  void RecordDuplicate(ActuatorIndex i, const ActuatorReport& other, std::int32_t used);
   void EvaluateFoundBusy(ActuatorIndex i);
 
   Saver& saver_;
+  EmergencyStops& stops_;
   Processes& processes_;
   Commands& commands_;
   Control& control_;

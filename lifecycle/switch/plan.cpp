@@ -409,4 +409,20 @@ Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const S
   return Planner(config, machine, target, std::nullopt, true).Make();
 }
 
+bool OnlyLowers(const MachineConfig& config, const Machine& machine, const Plan& plan) {
+  if (plan.target == kTearDown || plan.target == kError) return true;
+  const std::optional<Rank> to = config.RankOf(plan.target);
+  if (plan.direction != Direction::kDown || !to) return false;
+  return std::ranges::all_of(plan.steps, [&](const PlanStep& step) {
+    if (!step.driven()) return true;
+    // A command waits behind the present one of a busy actuator, and a plan that waits is made
+    // again.
+    const KnownActuator& known = machine.actuators[step.actuator];
+    const State& next = known.command ? known.command->target : known.report.target;
+    const bool waits_safely =
+        next.empty() || next == plan.target || RaisesNothing(config.RankOf(next), *to);
+    return waits_safely && RaisesNothing(config.RankOf(step.from), *to);
+  });
+}
+
 }  // namespace musher

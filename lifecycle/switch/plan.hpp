@@ -50,6 +50,11 @@ Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& 
 // ignored: a less active state can always be reached.
 Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target);
 
+// Whether the switch leads down and raises no actuator (RaisesNothing()), also after it has waited
+// for one that is busy: then its request is obeyed, however late it comes. Always of TearDown and
+// Error.
+bool OnlyLowers(const MachineConfig& config, const Machine& machine, const Plan& plan);
+
 // Whether a present actuator is a ROS 2 node that is unconfigured: its configuration has failed, or
 // error processing has unconfigured it. A SelfCheck configures it, and so does a switch up or to
 // the current state.

@@ -1,5 +1,7 @@
 #include "musher/modules/audio/audio_shell.hpp"
 
+#include <chrono>
+#include <string>
 #include <utility>
 
 #include "musher/base/check.hpp"
@@ -12,6 +14,7 @@ AudioShell::AudioShell(const Dependencies& dependencies, const AudioConfig& conf
       rules_{config.phrases, config.language, config.longest_text, config.cue_topics},
       maker_(maker),
       output_(output),
+      breaks_(dependencies.node.loop()),
       endpoints_(dependencies.node, dependencies.name_space) {
   player_.volume = config.volume;
   output_.SetVolume(config.volume);
@@ -20,8 +23,7 @@ AudioShell::AudioShell(const Dependencies& dependencies, const AudioConfig& conf
   OpenAction();
   OpenCues();
   speech_input_ = std::make_unique<SpeechInput>(
-      endpoints_, [this] { return !player_.microphone_off && player_.state != kTearDown; },
-      dependencies_.log);
+      endpoints_, [this] { return Listens(); }, dependencies_.log);
   OpenSettings();
 }
 
@@ -111,6 +113,19 @@ void AudioShell::OpenSettings() {
                                            [this](const auto& m, auto reply) {
                                              reply({rules_.phrases.Has(m.play_id), kCodeOk});
                                            });
+}
+
+// What waited while this process could not run was said long ago: the robot must not stand up by
+// it.
+bool AudioShell::Listens() {
+  if (player_.microphone_off || player_.state == kTearDown) return false;
+  const auto could_not_run = breaks_.Recent();
+  if (could_not_run) {
+    dependencies_.log("a recognised text is dropped: this process could not run for " +
+                      std::to_string(ToMilliseconds(*could_not_run) / 1000) +
+                      " s, and it may be as old; say it again");
+  }
+  return !could_not_run;
 }
 
 CallToken AudioShell::Expect(AnswerCode answer) {

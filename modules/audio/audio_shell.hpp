@@ -22,6 +22,7 @@
 #include "musher/modules/audio/speech_input.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/loop_breaks.hpp"
 
 namespace musher::audio {
 
@@ -55,6 +56,8 @@ class AudioShell {
   void OpenCues();
   void OpenSettings();
 
+  // Whether what was recognised counts now; logs where it is dropped.
+  bool Listens();
   CallToken Expect(AnswerCode answer);
   void Take(const PlayEvent& event);
   void Do(const play_action::Make& action);
@@ -74,6 +77,7 @@ class AudioShell {
   CallToken last_token_ = 0;
   std::map<CallToken, AnswerCode> calls_;
   transport::LoopHandlePtr timer_;
+  transport::LoopBreaks breaks_;
   transport::Publisher<msg::Bool>* report_ = nullptr;
   std::unique_ptr<SpeechInput> speech_input_;
   std::unique_ptr<SpeechAction> speech_action_;

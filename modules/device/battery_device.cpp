@@ -181,7 +181,16 @@ void BatteryDevice::PowerMotors(bool up, const Done& done) {
     }
     done(result);
   };
-  can_ ? can_->PowerMotors(up, ended) : ended(motor_power_->Publish({up}));
+  if (can_) return can_->PowerMotors(up, ended);
+  const bool has_reader = motor_power_->MatchedReaders() > 0;
+  // "Down" is latched for a program that subscribes later, which would read an earlier "up".
+  Result<> published = has_reader || !up ? motor_power_->Publish({up}) : Ok();
+  if (!has_reader) {
+    published = Error{BmsCode(KeyCode::kNetError),
+                      "the power of the motors is not switched: world/motor_power has no "
+                      "subscriber"};
+  }
+  ended(published);
 }
 
 }  // namespace musher::device

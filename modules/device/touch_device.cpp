@@ -2,6 +2,7 @@
 #include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
 
+#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,9 +85,14 @@ void TouchDevice::OnTouch(std::int32_t touch_state) {
   const msg::Stamp stamp = dependencies_.stamp();
   static_cast<void>(status_->Publish(
       {{stamp, "touch"}, touch_state, static_cast<std::uint64_t>(FromStamp(stamp).count())}));
-  if (double_tap_.Take(touch_state, dependencies_.clock.Now()) &&
-      dependencies_.state() == kLowPower)
-    WakeUp();
+  const bool counts = double_tap_.Take(touch_state, dependencies_.clock.Now());
+  if (!counts || dependencies_.state() != kLowPower) return;
+  if (const auto could_not_run = breaks_.Recent()) {
+    return dependencies_.log("touch: a double tap is ignored: this process could not run for " +
+                             std::to_string(ToMilliseconds(*could_not_run) / 1000) +
+                             " s, and it may be as old; tap again");
+  }
+  WakeUp();
 }
 
 void TouchDevice::WakeUp() {

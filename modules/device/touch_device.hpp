@@ -1,6 +1,7 @@
 #pragma once
 // The touch pad: publishes `touch_status`, and wakes the robot by a double tap in LowPower. A lost
-// input device leaves no half double tap.
+// input device leaves no half double tap. A double tap that waited while this process could not run
+// wakes nothing.
 //
 // Threads: the loop's.
 
@@ -16,6 +17,7 @@
 #include "musher/modules/device/input_device.hpp"
 #include "musher/modules/device/touch.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/loop_breaks.hpp"
 
 namespace musher::device {
 
@@ -38,6 +40,7 @@ class TouchDevice {
   TouchDevice(const Dependencies& dependencies, const TouchConfig& config)
       : dependencies_(dependencies),
         config_(config),
+        breaks_(dependencies.node.loop()),
         endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect();
   void OpenInput();
@@ -54,6 +57,7 @@ class TouchDevice {
   std::set<std::uint16_t> pressed_;    // of the keys that are touches
   transport::LoopHandlePtr tap_time_;  // by the steady clock
   bool waking_ = false;
+  transport::LoopBreaks breaks_;
   transport::Publisher<msg::TouchStatus>* status_ = nullptr;
   transport::Client<msg::Trigger>* low_power_exit_ = nullptr;
   transport::Subscription* touches_ = nullptr;  // null: there is none

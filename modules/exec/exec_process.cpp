@@ -50,10 +50,28 @@ Result<> ExecProcess::RunState(const State& state) {
   const bool down = state == kSetUp || state == kTearDown ||
                     Falls(actuator_.machine_config(), actuator_.CurrentState(), state);
   if (!down) stop_thread_.Flush();
-  if (auto ended = runner_.EndedByStop(); ended && !down) return *std::move(ended);
-  auto result = runner_.Run(state, [this] { return actuator_.StopRequested(); });
+  const std::optional<Error> ended = down ? std::nullopt : runner_.EndedByStop();
+  Result<> result = Ok();
+  if (ended) {
+    result = *ended;
+  } else {
+    const bool stopped = actuator_.EmergencyStopped() && runner_.HasCommand(state);
+    if (stopped) DoubtStop();
+    result = runner_.Run(
+        state, [this] { return actuator_.StopRequested(); }, stopped);
+    // That of Protected, which is entered from below, too, may have switched something on again.
+    // After a TearDown nothing is left.
+    if (stopped && (state != kTearDown || !result)) OnEmergencyStop();
+  }
   loop_.Post([this] { EvaluateProgram(); });
   return result;
+}
+
+// The stop is not confirmed until its action has run again.
+void ExecProcess::DoubtStop() {
+  const std::lock_guard lock(stops_mutex_);
+  ++stops_;
+  actuator_.ReportStopTrouble(stop_begun_);
 }
 
 void ExecProcess::OnEmergencyStop() {

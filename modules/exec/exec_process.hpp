@@ -49,8 +49,9 @@ class ExecProcess {
  private:
   void RunActuator();                     // on the second thread
   Result<> RunState(const State& state);  // on the worker
-  void OnEmergencyStop();                 // on the actuator's loop
+  void OnEmergencyStop();                 // on the actuator's loop; on the worker, after a command
   void RunEmergencyStop(std::uint64_t number);
+  void DoubtStop();  // on the worker
   void OnSetUp(bool ok);
   void OnSignal();
   void EvaluateProgram();
@@ -62,7 +63,7 @@ class ExecProcess {
   transport::LinuxEventLoop loop_;
   StateRunner runner_;
   UniqueFd signals_;         // before any thread
-  std::mutex stops_mutex_;   // guards the one below, together with what is reported of it
+  std::mutex stops_mutex_;   // guards the next one, together with what is reported of it
   std::uint64_t stops_ = 0;  // so often the action was to run
   WorkQueue stop_thread_{{.name = "emergency-stop"}};
   ActuatorRunner<ExecActuator> actuator_;

@@ -25,7 +25,13 @@ std::string CommandText(const std::vector<std::string>& argv) {
 StateRunner::StateRunner(std::string actuator, ExecConfig config, const Reaper& reaper)
     : actuator_(std::move(actuator)), config_(std::move(config)), reaper_(reaper) {}
 
-Result<> StateRunner::Run(const State& state, const StopRequested& stop_requested) {
+bool StateRunner::HasCommand(const State& state) const {
+  const auto found = config_.states.find(state);
+  return found != config_.states.end() && !found->second.run.empty();
+}
+
+Result<> StateRunner::Run(const State& state, const StopRequested& stop_requested, bool stopped) {
+  stopped_ = stopped;
   const auto found = config_.states.find(state);
   const StateActions actions = found == config_.states.end() ? StateActions() : found->second;
   if (state == kSetUp) return SetUp(actions, stop_requested);
@@ -121,7 +127,9 @@ Result<> StateRunner::RunOne(const State& state, const StateActions& actions,
                              const StopRequested& stop_requested) {
   if (actions.run.empty()) return Ok();
   if (wanted_ != Wanted::kYes) return Failure(KeyCode::kStatusError, "the actuator is terminating");
-  const auto end = RunCommand(Spec(state, actions.run), reaper_, config_.stop_time, [&] {
+  ChildSpec spec = Spec(state, actions.run);
+  if (stopped_) spec.env["MUSHER_EMERGENCY_STOP"] = "1";
+  const auto end = RunCommand(spec, reaper_, config_.stop_time, [&] {
     const Wanted wanted = wanted_;
     return wanted == Wanted::kYes && stop_requested() ? Wanted::kNo : wanted;
   });

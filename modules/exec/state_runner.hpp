@@ -10,7 +10,8 @@
 //
 // Commands and the program inherit the environment and get that of the config, MUSHER_STATE,
 // MUSHER_ACTUATOR and, beside a program, MUSHER_PROGRAM_PID (which is also the number of its
-// process group).
+// process group). A command of a state that runs during an emergency stop has also
+// MUSHER_EMERGENCY_STOP=1.
 //
 // Threads: Run() on one thread at a time, RunEmergencyStop() on another one beside it; exceptions
 // are stated below.
@@ -38,8 +39,11 @@ class StateRunner {
   StateRunner(std::string actuator, ExecConfig config, const Reaper& reaper);
 
   // An Error has CyberDog's code in the config's module, and the last line of the command's
-  // output.
-  Result<> Run(const State& state, const std::function<bool()>& stop_requested);
+  // output. `stopped`: an emergency stop is engaged, which the command is given to know.
+  Result<> Run(const State& state, const std::function<bool()>& stop_requested, bool stopped);
+
+  // Whether Run() of the state runs a command. Any thread.
+  bool HasCommand(const State& state) const;
 
   // What the config says for an emergency stop. An Error says what was not done.
   Result<> RunEmergencyStop();
@@ -84,6 +88,7 @@ class StateRunner {
   const std::string actuator_;
   const ExecConfig config_;
   const Reaper& reaper_;
+  bool stopped_ = false;  // of the command that runs; of Run() alone
   std::atomic<Wanted> wanted_ = Wanted::kYes;
   std::atomic<bool> tearing_down_ = false;
   std::atomic<bool> ended_by_stop_ = false;

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <utility>
 
+#include "musher/base/break_watch.hpp"
 #include "musher/base/code.hpp"
+#include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/messages/stamp.hpp"
 
 namespace musher::line_walker {
@@ -15,6 +17,10 @@ constexpr std::size_t kSidePoints = 60;
 constexpr std::size_t kFrontPoints = 160;
 constexpr double kSamePlaceM = 0.3, kSameYawRad = 0.35;     // of a body that was stopped
 constexpr Duration kOtherClock = std::chrono::seconds(60);  // such an age is none
+// The motion manager could not run, and refuses for so long what may have waited.
+constexpr std::int32_t kMayBeLate =
+    MakeCode(cyberdog::module_code::kMotionManager, KeyCode::kTimeout);
+constexpr Duration kRefusedAsLate = BreakWatch::kArriveWithin;
 constexpr double kApproachPerS = 1.0;  // forward velocity for each metre to the end
 
 std::string Ms(Duration time) {
@@ -262,7 +268,9 @@ void LineWalker::CheckEnds(Time now) {
   if (runtime >= rules_.time_limit) {
     return Finish(End::kTimeLimit, "the time limit of " + Ms(rules_.time_limit) + " is over", now);
   }
-  if (refused_since_ && now - *refused_since_ >= rules_.refused) {
+  const Duration refused =
+      rules_.refused + (refused_code_ == kMayBeLate ? kRefusedAsLate : Duration(0));
+  if (refused_since_ && now - *refused_since_ >= refused) {
     return Finish(End::kRefused, "the motion manager refuses with " + std::to_string(refused_code_),
                   now);
   }

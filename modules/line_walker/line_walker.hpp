@@ -5,8 +5,7 @@
 //   IDLE --Start()--> ADJUSTING <--> WALKING --an End--> IDLE
 //
 //   ADJUSTING  no line is seen yet (it stands) or any more (it walks slowly by odometry), or the
-//   body
-//              is beside the middle or turned by more than a tolerance: it walks and corrects
+//              body is beside the middle or turned by more than a tolerance: it walks and corrects
 //   WALKING    in the middle
 //
 // After an End the walker does nothing until Start(). Times: `now` is the machine's, for waits; the
@@ -103,6 +102,9 @@ class LineWalker {
   bool Start(Time now);
   // Without an effect while it does not walk. The next Tick() gives the last frame.
   void Stop(Time now, const std::string& why = "STOP");
+  // Between two walks: the body may have been carried, without odometry. Start() continues no walk
+  // then, and approaches no more than before.
+  void ForgetLane() { Forget(); }
 
   // Ignored while it does not walk.
   void OnLines(View view, const msg::YellowLines& lines, Time now);

@@ -47,7 +47,7 @@ Result<> WalkerActuator::SetUp() {
 // On the loop.
 Result<> WalkerActuator::MakeTopics() {
   auto clock = transport::Clock::Of(machine_config().clock, node_->node(), [this] {
-    if (topics_) topics_->OnTimeJump();
+    if (topics_) topics_->OnTimeJump(clock_->JumpText());
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();

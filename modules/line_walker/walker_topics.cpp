@@ -11,6 +11,7 @@ namespace {
 
 constexpr Duration kFramePeriod = Milliseconds(50);
 constexpr Duration kStatusPeriod = Milliseconds(100);
+constexpr Duration kBreakPeriod = Milliseconds(500);  // of the steady clock
 constexpr Duration kLongestAlone = Milliseconds(1000);
 constexpr Duration kLatestHeartbeat = Milliseconds(1500);
 constexpr Duration kQuiet = std::chrono::seconds(2);  // between warnings of one kind
@@ -43,6 +44,7 @@ WalkerTopics::WalkerTopics(const Dependencies& dependencies, WalkerConfig config
       config_(std::move(config)),
       warnings_([this](const std::string& line) { Log(LogLevel::kWarning, line); }, kQuiet),
       walker_(config_.walk),
+      breaks_(dependencies.node.loop()),
       endpoints_(dependencies.node, dependencies.name_space) {}
 
 Result<std::unique_ptr<WalkerTopics>> WalkerTopics::Make(const Dependencies& dependencies,
@@ -73,7 +75,22 @@ Result<> WalkerTopics::Open() {
       names.command, [this](const msg::String& word) { OnCommand(word.data); });
   if (!endpoints_.opened()) return endpoints_.opened();
   status_timer_ = clock.Every(kStatusPeriod, [this] { PublishStatus(); });
+  break_checks_ = dependencies_.node.loop().Every(kBreakPeriod, [this] { CheckBreak(); });
   return Ok();
+}
+
+// Also where no tick comes, as the machine's clock stands.
+void WalkerTopics::CheckBreak() {
+  StopAfterBreak();
+  if (ticks_ && !walker_.active()) Tick();
+}
+
+void WalkerTopics::StopAfterBreak() {
+  const auto could_not_run = breaks_.Take();
+  if (!could_not_run) return;
+  walker_.Stop(dependencies_.clock.Now(),
+               "this process could not run for " + SecondsText(*could_not_run));
+  walker_.ForgetLane();
 }
 
 void WalkerTopics::OnCommand(const std::string& word) {
@@ -94,6 +111,12 @@ void WalkerTopics::OnStart() {
   const Time now = dependencies_.clock.Now();
   if (!permitted_) return warnings_.Log("state", "START refused: " + not_permitted_, now);
   if (walker_.active()) return warnings_.Log("twice", "START ignored: it walks already", now);
+  if (const auto could_not_run = breaks_.Recent()) {
+    return warnings_.Log("late",
+                         "START refused: this process could not run for " +
+                             SecondsText(*could_not_run) + ", and the command may be as old",
+                         now);
+  }
   if (!lines_) {
     if (const Result<> opened = Subscribe(); !opened) {
       return warnings_.Log("lines", "START refused: " + opened.error().message, now);
@@ -121,12 +144,22 @@ void WalkerTopics::Permit(bool permitted, const std::string& why) {
 }
 
 transport::Subscription* WalkerTopics::SubscribeTo(const std::string& topic, View view) {
-  return lines_->endpoints.Subscribe<msg::YellowLines>(
+  return lines_->endpoints.SubscribeEach<msg::YellowLines>(
       topic,
-      [this, view](const msg::YellowLines& lines) {
-        walker_.OnLines(view, lines, dependencies_.clock.Now());
+      [this, topic, view](const msg::YellowLines& lines, transport::EndpointId publisher) {
+        OnLines(topic, view, lines, publisher);
       },
-      transport::kSensorDataQos);
+      [](transport::EndpointId) {}, transport::kSensorDataQos);
+}
+
+// The next tick concludes a walk that ends here: its subscriptions are not closed in their handler.
+void WalkerTopics::OnLines(const std::string& topic, View view, const msg::YellowLines& lines,
+                           transport::EndpointId publisher) {
+  const Time now = dependencies_.clock.Now();
+  if (lines_->publishers.at(std::size_t(view)).Note(publisher)) {
+    return walker_.Stop(now, "two publishers of " + topic + " take turns; end one of them");
+  }
+  walker_.OnLines(view, lines, now);
 }
 
 Result<> WalkerTopics::Subscribe() {
@@ -139,7 +172,7 @@ Result<> WalkerTopics::Subscribe() {
   return opened;
 }
 
-void WalkerTopics::EndAlone() {
+void WalkerTopics::StopIfAlone() {
   const Time now = dependencies_.clock.Now();
   if (heartbeat_at_ && now - *heartbeat_at_ >= kLatestHeartbeat) {
     walker_.Stop(now, "no heartbeat of its commander for " + SecondsText(kLatestHeartbeat));
@@ -153,7 +186,8 @@ void WalkerTopics::EndAlone() {
 }
 
 void WalkerTopics::Tick() {
-  if (walker_.active()) EndAlone();
+  StopAfterBreak();
+  if (walker_.active()) StopIfAlone();
   if (const auto step = walker_.Tick(dependencies_.clock.Now())) Publish(*step);
   if (!walker_.active()) Conclude();
 }
@@ -197,15 +231,20 @@ Result<> WalkerTopics::SetChecked(bool checked) {
 
 Result<> WalkerTopics::Check() const {
   const TopicNames& names = config_.topics;
-  std::string missing;
-  const auto need = [&missing](bool there, const std::string& what) {
-    if (!there) missing += (missing.empty() ? "no " : ", no ") + what;
+  std::string faults;
+  const auto add = [&faults](const std::string& fault) {
+    faults += (faults.empty() ? "" : ", ") + fault;
   };
-  need(servo_->MatchedReaders() > 0, "subscriber of " + names.servo);
-  need(lines_ && lines_->left->MatchedWriters() > 0, "publisher of " + names.left);
-  need(lines_ && lines_->right->MatchedWriters() > 0, "publisher of " + names.right);
-  need(lines_ && lines_->front->MatchedWriters() > 0, "publisher of " + names.front);
-  return missing.empty() ? Ok() : Result<>(Failed(missing));
+  const auto need_one = [&](const transport::Subscription* lines, const std::string& topic) {
+    const int publishers = lines == nullptr ? 0 : lines->MatchedWriters();
+    if (publishers == 0) add("no publisher of " + topic);
+    if (publishers > 1) add("more than one publisher of " + topic);
+  };
+  if (servo_->MatchedReaders() == 0) add("no subscriber of " + names.servo);
+  need_one(lines_ ? lines_->left : nullptr, names.left);
+  need_one(lines_ ? lines_->right : nullptr, names.right);
+  need_one(lines_ ? lines_->front : nullptr, names.front);
+  return faults.empty() ? Ok() : Result<>(Failed(faults));
 }
 
 }  // namespace musher::line_walker

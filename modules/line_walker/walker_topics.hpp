@@ -4,6 +4,7 @@
 //
 // Threads: the loop's.
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -17,6 +18,8 @@
 #include "musher/modules/line_walker/walker_config.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/loop_breaks.hpp"
+#include "musher/transport/publisher_turns.hpp"
 
 namespace musher::line_walker {
 
@@ -34,12 +37,13 @@ class WalkerTopics {
 
   // Whether START is accepted. A walk ends with false, at once; `why` is logged.
   void Permit(bool permitted, const std::string& why);
-  // The world was restarted: a walk ends.
-  void OnTimeJump() { EndWalk("the time has jumped"); }
+  // The world was restarted, or its time has jumped for another reason, `why`: a walk ends.
+  void OnTimeJump(const std::string& why) { EndWalk(why); }
 
   // Subscribes to the lines for a check. Fails when that is not possible.
   Result<> SetChecked(bool checked);
-  // A motion manager subscribes to the frames and detectors publish the lines; only while checked.
+  // A motion manager subscribes to the frames, and one detector of each view publishes its lines;
+  // only while checked.
   Result<> Check() const;
 
   const LineWalker& walker() const { return walker_; }
@@ -53,6 +57,7 @@ class WalkerTopics {
     transport::Subscription* left = nullptr;
     transport::Subscription* right = nullptr;
     transport::Subscription* front = nullptr;
+    std::array<transport::PublisherTurns, 3> publishers;  // by View
     transport::Endpoints endpoints;
   };
 
@@ -60,12 +65,18 @@ class WalkerTopics {
   Result<> Open();
   void OnCommand(const std::string& word);
   void OnStart();
+  // After a break in which this process could not run, the body has stood, or was carried: a walk
+  // ends, and the next one does not continue it.
+  void CheckBreak();
+  void StopAfterBreak();
   void EndWalk(const std::string& why);
   // No STOP can come any more, and the walk ends: without a publisher of commands for
   // kLongestAlone, or without the next heartbeat of a publisher that sends them.
-  void EndAlone();
+  void StopIfAlone();
   Result<> Subscribe();
   transport::Subscription* SubscribeTo(const std::string& topic, View view);
+  void OnLines(const std::string& topic, View view, const msg::YellowLines& lines,
+               transport::EndpointId publisher);
   void Tick();
   void Publish(const LineWalker::Step& step);
   void PublishStatus();
@@ -83,6 +94,8 @@ class WalkerTopics {
   transport::Subscription* command_ = nullptr;
   std::optional<Time> alone_since_;   // in a walk
   std::optional<Time> heartbeat_at_;  // the last of this walk
+  transport::LoopBreaks breaks_;
+  transport::LoopHandlePtr break_checks_;
   transport::Publisher<msg::String>* status_ = nullptr;
   transport::Publisher<msg::MotionServoCmd>* servo_ = nullptr;
   transport::LoopHandlePtr ticks_;  // during a walk

@@ -34,7 +34,8 @@ LcmBackend::LcmBackend(transport::EventLoop& loop, const transport::Clock& clock
       events_(std::move(events)),
       config_(config.lcm),
       // The caller of a command is answered after board_feedback.
-      link_(loop.Now(), LinkOptions{config.board_feedback, config.lcm.board}) {
+      link_(loop.Now(), LinkOptions{config.board_feedback, config.lcm.board}),
+      suspended_(loop.TimeSuspended()) {
   opened_ = Open();
   Arm();
   reopened_at_ = loop_.Now();
@@ -78,13 +79,19 @@ std::string LcmBackend::Source() const {
          (responses_ ? responses_->name() : config_.response_url);
 }
 
+Time LcmBackend::Now() {
+  const Duration suspended = loop_.TimeSuspended();
+  link_.OnSuspended(suspended - std::exchange(suspended_, suspended));
+  return loop_.Now();
+}
+
 void LcmBackend::Send(const BodyCommand& command) {
-  Handle(link_.OnCommand(command, loop_.Now()));
+  Handle(link_.OnCommand(command, Now()));
 }
 
 void LcmBackend::OnCommandGroup(const LcmSample& sample) {
   if (sample.sender == commands_->sender()) return;
-  const Time now = loop_.Now();
+  const Time now = Now();
   if (!sample.packet) {
     const std::string what = std::to_string(sample.size) + " bytes are no LCM message";
     return Handle(link_.OnMalformed(kCommandChannel, what, now));
@@ -141,7 +148,7 @@ void LcmBackend::Handle(GaitDefinition::Output output) {
 // --- the board ---
 
 void LcmBackend::OnResponseGroup(const LcmSample& sample) {
-  const Time now = loop_.Now();
+  const Time now = Now();
   if (!sample.packet) {
     const std::string what = std::to_string(sample.size) + " bytes are no LCM message";
     return Handle(link_.OnMalformed(kResponseChannel, what, now));
@@ -160,7 +167,7 @@ void LcmBackend::OnResponseGroup(const LcmSample& sample) {
 }
 
 void LcmBackend::OnLocationGroup(const LcmSample& sample) {
-  const Time now = loop_.Now();
+  const Time now = Now();
   if (!sample.packet) return;
   if (sample.packet->channel == kMotorChannel) {
     constexpr std::size_t kMotorFrame = 248;  // bytes; a board drops another one
@@ -202,7 +209,7 @@ void LcmBackend::Arm() {
   armed_for_ = deadline;
   timer_ = loop_.At(deadline, [this] {
     armed_for_ = Time{};
-    Handle(link_.OnTime(loop_.Now()));
+    Handle(link_.OnTime(Now()));
   });
 }
 

@@ -47,6 +47,8 @@ class LcmBackend : public MotionBackend {
  private:
   Result<> Open();
   void Reopen();
+  // Of the loop, for the link, which gets the suspensions of this computer before.
+  Time Now();
   LcmLink::Sender SenderOf(const transport::LcmSample& sample) const;
   void OnCommandGroup(const transport::LcmSample& sample);
   void OnResponseGroup(const transport::LcmSample& sample);
@@ -63,6 +65,7 @@ class LcmBackend : public MotionBackend {
   const Events events_;
   const LcmConfig config_;
   LcmLink link_;
+  Duration suspended_;  // of this computer since its boot, as the link knows it
   Time reopened_at_{};  // or not needed
   Result<> opened_;     // the sockets, at the last try; they are kept where that has failed
   std::unique_ptr<transport::LcmSocket> commands_;

@@ -9,6 +9,9 @@
 namespace musher::motion {
 namespace {
 
+// Of this process; a frame is due all the time.
+constexpr Duration kHang = kNoResponse - 2 * kHeartbeatPeriod;
+
 constexpr std::int8_t kModeNone = -1;  // of a frame that is a heartbeat and no command
 constexpr std::int8_t kModeOff = 0;
 constexpr std::int8_t kModeDamping = 7;
@@ -150,11 +153,14 @@ void LcmLink::Look(std::optional<Time> end) {
   counted_ = false;
 }
 
-// This process or its host was suspended: the board may have let the body lie down, which it does
-// after 500 ms without a frame, and may have had another commander since. An emergency stop is
-// kept.
+void LcmLink::OnSuspended(Duration duration) {
+  if (duration >= kHang && !stopped_) Look(std::nullopt);
+}
+
+// This process hung: the board may have let the body lie down, which it does after 500 ms without a
+// frame, and may have had another commander since. An emergency stop is kept.
 bool LcmLink::HasHung(Time now) {
-  if (now - tick_at_ < kNoResponse - 2 * kHeartbeatPeriod) return false;
+  if (now - tick_at_ < kHang) return false;
   tick_at_ = now;
   return !stopped_;
 }

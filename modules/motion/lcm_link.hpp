@@ -23,8 +23,9 @@
 //     repeated as they are.
 //   - A stop gets the next count with each frame until the board shows it. The same for the hold of
 //     a body that walks, until the odometry shows that it is still, for 500 ms at most.
-//   - After 500 ms in which this process hung the link looks again. The same after 500 ms of a
-//     silent board, but a motion that neither walks nor stops is kept up by heartbeats.
+//   - After 500 ms in which this process hung, or its computer was suspended, the link looks again.
+//     The same after 500 ms of a silent board, but a motion that neither walks nor stops is kept up
+//     by heartbeats.
 //   - A command that the board has not taken after LinkOptions.give_up has failed: it is sent no
 //     longer, because it would begin whenever the board can take it. Only stops are kept.
 //   - A process begins by looking: it sends nothing before it has received responses for 100 ms.
@@ -166,6 +167,8 @@ class LcmLink {
   LinkOutput OnMalformed(const std::string& channel, const std::string& what, Time now);
   LinkOutput OnSendFailed(const Error& error, Time now);
   LinkOutput OnTime(Time now);
+  // This computer was suspended, which `now` does not count: as after a hang of that time.
+  void OnSuspended(Duration duration);
 
   // When to call OnTime().
   Time NextDeadline() const;

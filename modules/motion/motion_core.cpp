@@ -76,7 +76,7 @@ class Decision {
   Result<> CheckBoard() const;
   Result<> MayRun(const Motion& motion, const std::string& capability) const;
   Result<> CheckRequest(const MotionRequest& requested) const;
-  Result<> CheckServo(const ServoCommand& command) const;
+  Result<> CheckServo(const motion_event::ServoArrived& event) const;
   Result<> CheckPriority(const ServoCommand& command) const;
   bool Dancing() const;
 
@@ -202,7 +202,8 @@ Result<> Decision::CheckPlay(const motion_event::PlayArrived& event) const {
 Result<> Decision::CheckBoard() const {
   if (!core_.board_held.empty()) return Error{MotionCode(KeyCode::kTargetBusy), core_.board_held};
   if (core_.BoardSilent()) {
-    return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
+    const std::int32_t code = MotionCode(Key::kBoardSilent);
+    return Error{code, core_.time_jumped.empty() ? MotionCodeText(code) : core_.time_jumped};
   }
   return Ok();
 }
@@ -225,6 +226,7 @@ void Decision::Take(const motion_event::BoardReported& event) {
   ReportFeet(before);
   core_.body_reported_at = now_ - event.age;
   core_.board_silent = false;
+  core_.time_jumped.clear();
   if (core_.link.until && Taken()) Quiet();
   WatchLying();
   WatchLifted();
@@ -391,13 +393,14 @@ void Decision::Take(const motion_event::EmergencyStop&) {
   BeginEmergencyStop(0);
 }
 
-void Decision::Take(const motion_event::WorldRestarted&) {
+void Decision::Take(const motion_event::WorldRestarted& event) {
   const auto walk = Walk();
-  if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world was restarted");
+  if (core_.job) DropJob(MotionCode(Key::kBoardSilent), event.why);
   core_.servo.reset();
   core_.logged.clear();
   core_.stop_sent_at = {};  // the time may have gone back
   ForgetBody();
+  core_.time_jumped = event.why;
   if (walk) Stand(*walk);
   // The board may not have taken it. What the board has set by itself is not for it to take: motion
   // 0 would let a body that it damps drop.
@@ -664,11 +667,12 @@ void Decision::Take(const motion_event::ServoArrived& event) {
     interrupted->last_frame = now_;
     interrupted->sources.insert(command.source);
   }
-  if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
+  if (const auto good = CheckServo(event); !good) return RefuseServo(command, good.error());
   FollowServo(command, *rules_.table.Find(command.requested.id));
 }
 
-Result<> Decision::CheckServo(const ServoCommand& command) const {
+Result<> Decision::CheckServo(const motion_event::ServoArrived& event) const {
+  const ServoCommand& command = event.command;
   const MotionRequest& requested = command.requested;
   const auto invalid = [](const std::string& what) {
     return Error{MotionCode(KeyCode::kParametersInvalid), what};
@@ -688,6 +692,11 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
   if (!AllFinite(requested.arguments)) return invalid("a value is NaN or infinite");
   if (const auto wrong = WrongLength(requested.arguments)) return invalid(*wrong);
   if (auto priority = CheckPriority(command); !priority) return priority;
+  if (event.could_not_run && !core_.servo) {
+    return Error{MotionCode(KeyCode::kTimeout),
+                 CouldNotRunText(*event.could_not_run) +
+                     ", and the stream may be over; one that goes on is followed 2 s later"};
+  }
   const bool resumes = core_.job && core_.job->way_of == command.source;
   if (core_.job && !core_.servo && !resumes) {
     return Error{MotionCode(KeyCode::kTargetBusy),
@@ -1123,6 +1132,11 @@ std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core) {
   if (core.BoardSilent()) return kNoMotion;
   const Motion* motion = rules.table.Find(core.body->mode, core.body->gait);
   return motion == nullptr ? kNoMotion : motion->id;
+}
+
+std::string CouldNotRunText(Duration length) {
+  return "the motion manager could not run for " + std::to_string(ToMilliseconds(length) / 1000) +
+         " s";
 }
 
 std::string StopTrouble(const MotionRules& rules, const MotionCore& core) {

@@ -35,6 +35,8 @@
 //     and commands it from a normal motion only. The progress that a board reports while it damps
 //     the body may be that of the motion before: a body lies that was damped for as long as a
 //     lie-down takes (101 in the table: 5 s), in a mode of lying down and with the same progress.
+//   - A frame that may have waited while this process could not run begins no servo motion: its
+//     stream may be over.
 //   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
@@ -104,6 +106,7 @@ struct BoardReported {
 };
 struct ServoArrived {
   ServoCommand command;
+  std::optional<Duration> could_not_run{};  // this process, until just now: it may have waited
 };
 // Motions one after the other: all of them are taken or none.
 struct PlayArrived {
@@ -130,7 +133,9 @@ struct Opened {};
 // The machine's emergency stop is engaged.
 struct EmergencyStop {};
 // The world and its time started again: what was known of the body is void.
-struct WorldRestarted {};
+struct WorldRestarted {
+  std::string why = "the world was restarted";  // for people
+};
 // The board was switched off and on: what it was commanded is void. A servo stream has to end, or
 // to pause, before the body follows it again.
 struct BoardRestarted {};
@@ -272,7 +277,8 @@ struct MotionCore {
   bool board_silent = false;  // since its last report
   // Since when the board has damped a body that lies down, with the same progress.
   std::optional<Time> damped_since;
-  std::string board_held;  // why only stops may be sent to it; "": free
+  std::string time_jumped;  // why nothing is known of the body; "": it has reported since
+  std::string board_held;   // why only stops may be sent to it; "": free
   std::optional<Interruption> interrupted_stream;
   std::optional<std::int32_t> last_source;  // of the last frame, unless its stream has ended
   std::optional<Time> second_look;          // of a turn that came late: timeouts are checked then
@@ -310,5 +316,8 @@ std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core);
 // Why an emergency stop that is set has not stopped the body, as far as its board reports; "": it
 // has, or none is set.
 std::string StopTrouble(const MotionRules& rules, const MotionCore& core);
+
+// "the motion manager could not run for 9 s".
+std::string CouldNotRunText(Duration length);
 
 }  // namespace musher::motion

@@ -1,5 +1,6 @@
 #include "musher/modules/motion/motion_manager.hpp"
 
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -63,7 +64,10 @@ Result<> MotionManager::SetUp() {
 Result<> MotionManager::OpenShell() {
   transport::Node& node = loop_->node();
   auto clock = transport::Clock::Of(machine_config().clock, node, [this] {
-    if (shell_) shell_->Do(motion_event::WorldRestarted{});
+    const std::string why = clock_->JumpText();
+    // A result has no more than its code, that of a silent board.
+    jumps_.Log("jump", why + "; a motion that was under way has ended", loop_->loop().Now());
+    if (shell_) shell_->Do(motion_event::WorldRestarted{why});
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
@@ -75,7 +79,14 @@ Result<> MotionManager::OpenShell() {
          return Allowed(capability, cyberdog::module_code::kMotionManager);
        },
        [this](const std::string& text) { Log(text); }, name(),
-       [this](const std::string& trouble) { ReportStopTrouble(trouble); }},
+       [this](const std::string& trouble) { ReportStopTrouble(trouble); },
+       !machine_config().keys.empty(),
+       [this, loop = std::weak_ptr(loop_)](MotionShell::Background work) {
+         files_.Do([loop, work = std::move(work)] {
+           std::function<void()> then = work();  // perhaps long after the end of this manager
+           if (const auto thread = loop.lock()) thread->loop().Post(std::move(then));
+         });
+       }},
       [this](MotionBackend::OnBody on_body) { return MakeBackend(std::move(on_body)); });
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();

@@ -17,10 +17,13 @@
 // Threads: state callbacks run on the worker of the base class and call into the loop, which owns
 // the shell; OnEmergencyStop() runs on the loop.
 
+#include <chrono>
 #include <memory>
 #include <string>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/base/rate_limited_log.hpp"
+#include "musher/base/work_queue.hpp"
 #include "musher/modules/motion/motion_shell.hpp"
 
 namespace musher::motion {
@@ -52,8 +55,13 @@ class MotionManager : public MachineActuator {
   const MotionTable table_;
   std::shared_ptr<transport::NodeThread> loop_;  // keeps the loop until the shell is dropped
   // On the loop only.
+  RateLimitedLog jumps_{[this](const std::string& line) { Log(line); }, std::chrono::minutes(1)};
   std::unique_ptr<transport::Clock> clock_;
   std::unique_ptr<MotionShell> shell_;
+  // Last. A disk that hangs does not hold the end: the board has no commander then.
+  WorkQueue files_{{.name = "gaits",
+                    .at_end = WorkQueueOptions::AtEnd::kDrop,
+                    .end_timeout = Milliseconds(200)}};
 };
 
 }  // namespace musher::motion

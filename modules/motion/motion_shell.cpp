@@ -13,9 +13,38 @@ namespace {
 constexpr Duration kStatusPeriod = Milliseconds(100);
 constexpr double kLeastStepM = 0.05;
 constexpr double kJumpM = 1;
+// Of a break in which this process could not run: callers of a motion give up early.
+constexpr Duration kShortestBreak = Milliseconds(2000);
+constexpr Duration kKnownWithin = kShortestBreak;  // the process of a caller
+
 // As tf2 has it.
 constexpr transport::Qos kTfQos{transport::Qos::Reliability::kReliable,
                                 transport::Qos::Durability::kVolatile, 100};
+
+// Of `begin`.sections.toml and `begin`.steps.toml. From any thread.
+Result<UserGait> ReadGaitFiles(const std::string& begin) {
+  std::array<std::string, 2> texts;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const std::string file = begin + (i == 0 ? ".sections.toml" : ".steps.toml");
+    auto text = config_toml::ReadModuleText(file);
+    if (!text) return Error{MotionCode(KeyCode::kUnSupport), file + ": " + text.error().message};
+    texts[i] = std::move(text).value();
+  }
+  return ReadUserGait(texts[0], texts[1]);
+}
+
+bool HasStop(const MotionRequests& requests) {
+  return std::ranges::count(requests, kEmergencyStop, &MotionRequest::id) > 0;
+}
+bool HasStop(const Result<MotionRequests>& requests) {
+  return requests && HasStop(requests.value());
+}
+
+bool IsStop(const MotionEvent& event) {
+  const auto* play = std::get_if<motion_event::PlayArrived>(&event);
+  if (play != nullptr) return HasStop(play->requests);
+  return std::holds_alternative<motion_event::EmergencyStop>(event);
+}
 
 }  // namespace
 
@@ -28,9 +57,15 @@ Result<std::unique_ptr<MotionShell>> MotionShell::Make(Dependencies dependencies
 
 MotionShell::MotionShell(Dependencies dependencies)
     : dependencies_(std::move(dependencies)),
+      breaks_(dependencies_.node.loop(), kShortestBreak),
       endpoints_(dependencies_.node, dependencies_.name_space) {}
 
 Result<> MotionShell::Open(const MakeBackend& make_backend) {
+  if (!dependencies_.with_keys) {
+    auto others = transport::OtherMachines::Make(dependencies_.node, dependencies_.name_space);
+    if (!others) return others.error();
+    other_machines_ = std::move(others).value();
+  }
   OpenTopics();
   OpenFrames();
   if (!endpoints_.opened()) return endpoints_.opened();
@@ -40,8 +75,6 @@ Result<> MotionShell::Open(const MakeBackend& make_backend) {
   OpenServices();
   if (!endpoints_.opened()) return endpoints_.opened();
   status_timer_ = dependencies_.clock.Every(kStatusPeriod, [this] { PublishStatus(); });
-  transport::EventLoop& loop = dependencies_.node.loop();
-  turns_ = loop.Every(LoopPause::kPeriod, [this, &loop] { loop_pause_.OnTurn(loop.Now()); });
   return Ok();
 }
 
@@ -52,12 +85,13 @@ void MotionShell::OpenTopics() {
   imu_ = endpoints_.Advertise<msg::Imu>("imu");
   errors_ = endpoints_.Advertise<msg::NodeError>("node_errors");
   speech_ = endpoints_.Advertise<msg::AudioPlayExtend>("speech_play_extend");
-  endpoints_.Subscribe<msg::MotionServoCmd>(
+  endpoints_.SubscribeWithInfo<msg::MotionServoCmd>(
       "motion_servo_cmd",
-      [this](const msg::MotionServoCmd& command) {
-        Do(motion_event::ServoArrived{FromWire(command)});
+      [this](const msg::MotionServoCmd& command, const transport::SampleInfo& info) {
+        if (command.motion_id != kEmergencyStop && IsForAnother(info.participant)) return;
+        Do(motion_event::ServoArrived{FromWire(command), breaks_.Recent()});
       },
-      transport::kSystemDefaultQos);
+      {}, transport::kSystemDefaultQos);
 }
 
 // A localisation or a world may publish the same frames: then the config leaves them out.
@@ -74,37 +108,53 @@ void MotionShell::OpenFrames() {
 void MotionShell::OpenServices() {
   using motion_action::Answer;
   endpoints_.Serve<msg::MotionResultCmd>(
-      "motion_result_cmd", [this](const auto& request, auto reply) {
-        Play(request.cmd_source, MotionRequests{FromWire(request)}, [reply](const Answer& answer) {
+      "motion_result_cmd",
+      [this](const auto& request, const auto& reply, transport::ParticipantId caller) {
+        const Result<MotionRequests> requests = MotionRequests{FromWire(request)};
+        const OnAnswer on_answer = [reply](const Answer& answer) {
           reply({answer.motion_id, answer.code == kCodeOk, answer.code});
-        });
+        };
+        const std::int32_t source = request.cmd_source;
+        TakeIfMeant(caller, source, requests, on_answer,
+                    [this, source, requests, on_answer] { Play(source, requests, on_answer); });
       });
   endpoints_.Serve<msg::MotionCustomCmd>(
-      "motion_custom_cmd", [this](const auto& request, auto reply) {
-        const std::int32_t id = request.motion_id;
-        const OnAnswer on_answer = [id, reply](const Answer& answer) {
+      "motion_custom_cmd",
+      [this](const auto& request, const auto& reply, transport::ParticipantId caller) {
+        const auto requests = RequestsOf(request);
+        const OnAnswer on_answer = [id = request.motion_id, reply](const Answer& answer) {
           reply({id, answer.code == kCodeOk, answer.code});
         };
-        const bool defines = request.cmd_type == msg::MotionCustomCmd::kDefinition;
-        if (defines && backend_->TakesGaits()) return DefineFromFiles(request, on_answer);
-        Play(request.cmd_source, RequestsOf(request), on_answer);
+        const auto take = [this, request, requests, on_answer] {
+          const bool defines = request.cmd_type == msg::MotionCustomCmd::kDefinition;
+          if (defines && backend_->TakesGaits()) return DefineFromFiles(request, on_answer);
+          Play(request.cmd_source, requests, on_answer);
+        };
+        TakeIfMeant(caller, request.cmd_source, requests, on_answer, take);
       });
   endpoints_.Serve<msg::MotionQueueCustomCmd>(
-      "motion_queue_cmd", [this](const auto& request, auto reply) {
-        Play(kFromApp, RequestsOf(dependencies_.table, request), [reply](const Answer& answer) {
+      "motion_queue_cmd",
+      [this](const auto& request, const auto& reply, transport::ParticipantId caller) {
+        const auto requests = RequestsOf(dependencies_.table, request);
+        const OnAnswer on_answer = [reply](const Answer& answer) {
           reply({answer.code == kCodeOk, answer.code});
-        });
+        };
+        TakeIfMeant(caller, kFromApp, requests, on_answer,
+                    [this, requests, on_answer] { Play(kFromApp, requests, on_answer); });
       });
   endpoints_.Serve<msg::MotionSequenceShow>(
-      "motion_sequence_cmd", [this](const auto& request, auto reply) {
-        const std::int32_t id = request.motion_id;
-        const OnAnswer on_answer = [id, reply](const Answer& answer) {
+      "motion_sequence_cmd",
+      [this](const auto& request, const auto& reply, transport::ParticipantId caller) {
+        const auto requests = RequestsOf(request);
+        const OnAnswer on_answer = [id = request.motion_id, reply](const Answer& answer) {
           reply({answer.code == kCodeOk, answer.code, answer.message, id});
         };
-        if (HasUserGait(request) && backend_->TakesGaits()) {
-          return PlayUserGait(request, on_answer);
-        }
-        Play(request.cmd_source, RequestsOf(request), on_answer);
+        const auto take = [this, request, requests, on_answer] {
+          const bool of_user = HasUserGait(request) && backend_->TakesGaits();
+          if (of_user) return PlayUserGait(request, on_answer);
+          Play(request.cmd_source, requests, on_answer);
+        };
+        TakeIfMeant(caller, request.cmd_source, requests, on_answer, take);
       });
   endpoints_.Serve<msg::MotorTemp>("motor_temp",
                                    [this](const auto&, auto reply) { reply(Temperatures()); });
@@ -135,12 +185,69 @@ void MotionShell::MeasureWay(const BodyMotion& motion) {
 }
 
 Result<> MotionShell::CheckFresh() {
+  const auto could_not_run = breaks_.Recent();
+  if (!could_not_run) return Ok();
+  return Error{
+      MotionCode(KeyCode::kTimeout),
+      CouldNotRunText(*could_not_run) + ", and its caller may have given up; request it again"};
+}
+
+// While it is not known whose process has sent it, it may be another robot's.
+bool MotionShell::IsForAnother(transport::ParticipantId caller) {
+  if (!other_machines_) return false;
   const Time now = dependencies_.node.loop().Now();
-  loop_pause_.OnTurn(now);
-  if (!loop_pause_.HasEnded(now)) return Ok();
-  return Error{MotionCode(KeyCode::kTimeout),
-               "the motion manager stood still for a while, and its caller may have given up; "
-               "request it again"};
+  if (other_machines_->IsAwaited(caller)) {
+    if (!unknown_since_ || now - unknown_last_ > kKnownWithin) unknown_since_ = now;
+    unknown_last_ = now;
+    if (now - *unknown_since_ > kKnownWithin) LogUnknown(caller);
+    return true;
+  }
+  const MachineIdentity* other = other_machines_->Of(caller);
+  if (other == nullptr) return false;
+  if (!other_robot_logged_ || now - *other_robot_logged_ >= kLogPause) {
+    other_robot_logged_ = now;
+    dependencies_.log("motion commands of another machine, " + MachineText(*other) +
+                      ", are ignored: it has the same namespace and domain; give each machine its "
+                      "namespace");
+  }
+  return true;
+}
+
+// It is not obeyed: over a bad wifi another robot's frames may arrive long before its status.
+void MotionShell::LogUnknown(transport::ParticipantId caller) {
+  const Time now = dependencies_.node.loop().Now();
+  if (unknown_logged_ && now - *unknown_logged_ < kLogPause) return;
+  unknown_logged_ = now;
+  const std::string name = transport::NameOf(dependencies_.node, caller);
+  dependencies_.log("motion commands of " + (name.empty() ? "a program" : name) +
+                    " are ignored: it has a publisher for the status of an actuator or controller, "
+                    "and for 2 s none has arrived, so it may be another robot's; restart it if it "
+                    "is of this one");
+}
+
+// No reply to another robot: its program takes the first one, which is that of its own manager.
+void MotionShell::TakeIfMeant(transport::ParticipantId caller, std::int32_t source,
+                              const Result<MotionRequests>& requests, const OnAnswer& on_answer,
+                              std::function<void()> take) {
+  if (!other_machines_ || HasStop(requests)) return take();
+  const Time arrived = dependencies_.node.loop().Now();
+  const auto once_known = [this, caller, source, on_answer, arrived, stops = stops_,
+                           take = std::move(take)](bool known) {
+    if (known && IsForAnother(caller)) return;
+    const bool late = dependencies_.node.loop().Now() - arrived > kKnownWithin;
+    if (!known || late) return LogUnknown(caller);
+    const auto may = CheckNotStopped(stops);
+    if (!may) return Play(source, may.error(), on_answer);
+    take();
+  };
+  other_machines_->OnceKnown(caller, kKnownWithin, once_known);
+}
+
+// A command from before a stop must not end it, as recovery stand would.
+Result<> MotionShell::CheckNotStopped(std::uint64_t stops) const {
+  if (stops_ == stops) return Ok();
+  return Error{MotionCode(MotionKey::kEstop),
+               "the body was stopped after it was requested; request it again"};
 }
 
 void MotionShell::Play(std::int32_t source, const Result<MotionRequests>& requests,
@@ -151,8 +258,7 @@ void MotionShell::Play(std::int32_t source, const Result<MotionRequests>& reques
                       std::to_string(requests.error().code) + ")");
     return on_answer({0, 0, requests.error().code, requests.error().message});
   }
-  const bool stops = std::ranges::count(requests.value(), kEmergencyStop, &MotionRequest::id) > 0;
-  const auto fresh = stops ? Ok() : CheckFresh();
+  const auto fresh = HasStop(requests) ? Ok() : CheckFresh();
   if (const auto may = fresh ? CheckDefined(requests.value()) : fresh; !may) {
     return Play(source, may.error(), std::move(on_answer));
   }
@@ -164,7 +270,10 @@ Result<> MotionShell::CheckDefined(const MotionRequests& requests) const {
   if (!backend_->TakesGaits()) return Ok();
   for (const auto& request : requests) {
     const Motion* motion = dependencies_.table.Find(request.id);
-    if (motion == nullptr || !PlaysUserGait(*motion) || defined_ == request.id) continue;
+    if (motion == nullptr || !PlaysUserGait(*motion)) continue;
+    const auto read = CheckRead(request.id, MotionCode(MotionKey::kSequenceDefinition));
+    if (!read) return read;
+    if (defined_ == request.id) continue;
     return Error{MotionCode(MotionKey::kSequenceDefinition), "the board has no gait of motion " +
                                                                  std::to_string(request.id) +
                                                                  ": its DEFINITION is first"};
@@ -173,6 +282,12 @@ Result<> MotionShell::CheckDefined(const MotionRequests& requests) const {
 }
 
 // --- gaits of users ---
+
+Result<> MotionShell::CheckRead(std::int32_t id, std::int32_t code) const {
+  if (!reading_.contains(id)) return Ok();
+  return Error{code, "the gait of motion " + std::to_string(id) +
+                         " is being read from its files; request it again"};
+}
 
 // A gait is defined only where its motion could begin: a definition replaces the one in execution.
 void MotionShell::Define(std::int32_t source, std::int32_t id, const Result<UserGait>& gait,
@@ -201,32 +316,40 @@ void MotionShell::Define(std::int32_t source, std::int32_t id, const Result<User
   });
 }
 
+// The files are read beside the loop: a board without frames lies down after half a second.
 void MotionShell::DefineFromFiles(const msg::MotionCustomCmd::Request& request,
                                   OnAnswer on_answer) {
   const std::int32_t id = request.motion_id;
-  Define(request.cmd_source, id, GaitOfFiles(id),
-         [id, on_answer = std::move(on_answer)](const Result<>& defined) {
-           on_answer(defined ? motion_action::Answer{0, id, kCodeOk, ""}
-                             : motion_action::Answer{0, id, defined.error().code,
-                                                     defined.error().message});
-         });
-}
-
-Result<UserGait> MotionShell::GaitOfFiles(std::int32_t id) const {
+  const auto define = [this, source = request.cmd_source, id,
+                       on_answer = std::move(on_answer)](const Result<UserGait>& gait) {
+    Define(source, id, gait, [id, on_answer](const Result<>& defined) {
+      on_answer(defined
+                    ? motion_action::Answer{0, id, kCodeOk, ""}
+                    : motion_action::Answer{0, id, defined.error().code, defined.error().message});
+    });
+  };
   const Motion* motion = dependencies_.table.Find(id);
   if (motion == nullptr || !PlaysUserGait(*motion)) {
-    return Error{MotionCode(KeyCode::kUnSupport),
-                 "motion " + std::to_string(id) + " cannot be defined: it does not play gait 110"};
+    return define(
+        Error{MotionCode(KeyCode::kUnSupport),
+              "motion " + std::to_string(id) + " cannot be defined: it does not play gait 110"});
   }
-  const std::string begin = dependencies_.config.gaits + "/" + std::to_string(id);
-  std::array<std::string, 2> texts;
-  for (std::size_t i = 0; i < texts.size(); ++i) {
-    const std::string file = begin + (i == 0 ? ".sections.toml" : ".steps.toml");
-    auto text = config_toml::ReadModuleText(file);
-    if (!text) return Error{MotionCode(KeyCode::kUnSupport), file + ": " + text.error().message};
-    texts[i] = std::move(text).value();
-  }
-  return ReadUserGait(texts[0], texts[1]);
+  const auto read = CheckRead(id, MotionCode(KeyCode::kTargetBusy));
+  if (!read) return define(read.error());
+  reading_.insert(id);
+  const Time asked = dependencies_.node.loop().Now();
+  dependencies_.in_background([this, alive = std::weak_ptr<bool>(alive_), asked, id, define,
+                               files = dependencies_.config.gaits + "/" + std::to_string(id)] {
+    return [this, alive, asked, id, define, gait = ReadGaitFiles(files)] {
+      if (alive.expired()) return;
+      reading_.erase(id);
+      const Duration took = dependencies_.node.loop().Now() - asked;
+      if (took <= kShortestBreak) return define(gait);
+      define(Error{MotionCode(KeyCode::kTimeout),
+                   "its files were read in " + std::to_string(ToMilliseconds(took) / 1000) +
+                       " s, and its caller may have given up; request it again"});
+    };
+  });
 }
 
 void MotionShell::PlayUserGait(const msg::MotionSequenceShow::Request& sequence,
@@ -239,10 +362,15 @@ void MotionShell::PlayUserGait(const msg::MotionSequenceShow::Request& sequence,
     gait = Error{MotionCode(KeyCode::kUnSupport),
                  "motion " + std::to_string(id) + " does not play the gait of a sequence"};
   }
+  const auto read = CheckRead(id, MotionCode(KeyCode::kTargetBusy));
+  if (gait && !read) gait = read.error();
   Define(source, id, gait,
-         [this, source, id, on_answer = std::move(on_answer)](const Result<>& defined) {
-           if (defined) return Play(source, MotionRequests{{id, {}}}, on_answer);
-           on_answer({0, id, defined.error().code, defined.error().message});
+         [this, source, id, stops = stops_,
+          on_answer = std::move(on_answer)](const Result<>& defined) {
+           if (!defined) return on_answer({0, id, defined.error().code, defined.error().message});
+           const auto may = CheckNotStopped(stops);
+           if (!may) return Play(source, may.error(), on_answer);
+           Play(source, MotionRequests{{id, {}}}, on_answer);
          });
 }
 
@@ -285,9 +413,16 @@ void MotionShell::Do(const MotionEvent& event) {
       std::holds_alternative<motion_event::OtherGait>(event)) {
     defined_.reset();
   }
-  for (const MotionAction& action : Step(Rules(), core_, event, dependencies_.clock.Now())) {
-    Perform(action);
-  }
+  const auto is_frame = [](const MotionAction& action) {
+    return std::holds_alternative<motion_action::Send>(action);
+  };
+  const bool was_stopped = core_.emergency_stop;
+  MotionActions actions = Step(Rules(), core_, event, dependencies_.clock.Now());
+  if (IsStop(event) || (core_.emergency_stop && !was_stopped)) ++stops_;
+  // Frames first: a line of the log may wait for a disk, or for the reader of a pipe, and a stop
+  // must not.
+  std::stable_partition(actions.begin(), actions.end(), is_frame);
+  for (const MotionAction& action : actions) Perform(action);
   Arm();
   std::string trouble = StopTrouble(Rules(), core_);
   if (trouble == stop_trouble_) return;

@@ -30,7 +30,10 @@ class Stay {
     const CheckRules& rules = course_.check;
     const int most = std::max(MostSteps(check.usual), MostSteps(check.after_turn));
     const Duration look = rules.settle + rules.picture;
-    return look + check.max_corrections.value_or(rules.max_corrections) * (look + Walk(most));
+    const Duration stay =
+        look + check.max_corrections.value_or(rules.max_corrections) * (look + Walk(most));
+    if (!rules.step_back || check.required) return stay;
+    return stay + look + Walk(rules.step_back->away.count) + Walk(rules.step_back->back.count);
   }
   Duration operator()(const WaitStep& step) const {
     const Wait& wait = course_.waits[step.wait];

@@ -104,6 +104,15 @@ struct Check {
   Accepted accepted{};
   std::optional<int> max_corrections;  // else that of CheckRules
   bool required = false;               // given up, it is a fault
+  // A check of another camera that sees the same: a picture whose correction is the opposite of
+  // that one's is in doubt.
+  std::optional<Index> agrees_with;
+};
+
+// Once, where a check has no word, before it is given up: it looks from farther away.
+struct StepBack {
+  Stretch away;
+  Stretch back;  // to its place again, where the check does not correct the way itself
 };
 
 // Keeps a walk in the middle between two lines: it turns towards their middle.
@@ -124,6 +133,7 @@ struct CheckRules {
   Duration silent = Milliseconds(10'000);  // a wanted detector without a sample has failed
   int most_given_up = 0;                   // of a run; one more is a fault. 0: no limit
   int agreeing = 2;                        // pictures in a row with the same word, until it counts
+  std::optional<StepBack> step_back;       // nothing: a check is given up where it stands
 };
 
 // Walks by the distance that odometry shows, and not by their time alone.
@@ -251,6 +261,7 @@ struct SayStep {
   // Said instead where the result of the speech is its default, or, of a speech without one, where
   // a check of this state or of the one before was given up.
   std::optional<Index> unsure;
+  std::optional<Index> only;  // as of MoveStep
 };
 struct CountStep {
   Index counter = 0;

@@ -16,14 +16,14 @@ namespace {
 constexpr std::size_t kMostCases = 100'000;  // of the conditions of one state
 
 // Not so what may be skipped: the wait for a result that is known, a walk of which no step is left
-// or whose sight was not found, the speech about a result that is not known.
+// or whose sight was not found, the speech about a result that is not known or about such a sight.
 bool TakesTime(const Course& course, const Step& step) {
   if (const auto* move = std::get_if<MoveStep>(&step)) return !move->less && !move->only;
   if (const auto* wait = std::get_if<WaitStep>(&step)) return !course.waits[wait->wait].detector;
   if (const auto* say = std::get_if<SayStep>(&step)) {
     const bool of_result = course.speeches[say->speech].result ||
                            course.speeches[say->unsure.value_or(say->speech)].result;
-    return !of_result;
+    return !of_result && !say->only;
   }
   return !std::holds_alternative<CountStep>(step);
 }

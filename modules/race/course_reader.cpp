@@ -173,7 +173,33 @@ class CourseReader {
         row::Time("silent_ms", rules.silent),
         row::Integer("most_given_up", rules.most_given_up, 0, 1000),
         row::Integer("agreeing_pictures", rules.agreeing, 1, 100),
+        [this](TableReader& table) { ReadStepBack(table); },
     };
+  }
+
+  void ReadStepBack(TableReader& table) {
+    auto reader = table.Sub("step_back");
+    if (!reader) return;
+    const char* const walk = "a walk, as in { move = \"backward\", count = 3 }";
+    reader->Require("away", walk);
+    reader->Require("back", walk);
+    const auto away = StretchAt(*reader, "away", reading_);
+    const auto back = StretchAt(*reader, "back", reading_);
+    reader->RefuseOthers();
+    if (away && back) course().check.step_back = StepBack{*away, *back};
+  }
+
+  // By the corrections of both it is known whether they contradict each other.
+  void ReadAgreement(TableReader& table, Check& check) {
+    const auto other = Reference(table, "agrees_with", "check", course().checks);
+    if (!other) return;
+    check.agrees_with = other;
+    const char* const key = "agrees_with";
+    if (&course().checks[*other] == &check) {
+      table.Fault(table.At(key), key, "expected another check, of another camera");
+    } else if (check.by == Check::By::kBox) {
+      table.Fault(table.At(key), key, "expected a check of lines, found one of a box");
+    }
   }
 
   // `or_text`: a detector of words will do, too.
@@ -244,6 +270,7 @@ class CourseReader {
           if (most) check.max_corrections = static_cast<int>(*most);
         },
         row::Bool("required", check.required),
+        [this, &check](TableReader& table) { ReadAgreement(table, check); },
         corrections(check.usual),
         [&check](TableReader& table) { ReadAccepted(table, check); },
         [&check](TableReader&) { check.after_turn = check.usual; },

@@ -38,7 +38,7 @@ void Detectors::Subscribe(Index detector, std::function<void(const M&)> handler)
       course_.detectors[detector].topic,
       [this, detector, handler = std::move(handler)](const M& sample,
                                                      transport::EndpointId publisher) {
-        Note(detector, publisher);
+        if (open_[detector].publishers.Note(publisher)) handlers_.on_two_publishers(detector);
         handler(sample);
       },
       [](transport::EndpointId) {}, transport::kSensorDataQos);
@@ -65,14 +65,6 @@ void Detectors::Subscribe(Index detector) {
   if (const Result<>& opened = open.endpoints->opened(); !opened) {
     handlers_.log("no subscription to " + rule.topic + ": " + opened.error().message);
   }
-}
-
-void Detectors::Note(Index detector, transport::EndpointId publisher) {
-  Open& open = open_[detector];
-  if (publisher == open.newest) return;
-  const bool takes_turns = publisher == open.other && publisher != 0;
-  open.other = std::exchange(open.newest, publisher);
-  if (takes_turns) handlers_.on_two_publishers(detector);
 }
 
 std::vector<std::string> Detectors::TopicsWith(

@@ -14,6 +14,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/race/course.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/publisher_turns.hpp"
 
 namespace musher::race {
 
@@ -23,7 +24,7 @@ class Detectors {
     std::function<void(Index detector, const msg::Sighting&)> on_sighting;
     std::function<void(Index detector, const msg::YellowLines&)> on_lines;
     std::function<void(Index detector, const std::string& text)> on_text;
-    // Samples of two publishers take turns.
+    // Samples of two publishers are received alternately.
     std::function<void(Index detector)> on_two_publishers;
     std::function<void(const std::string&)> log;
   };
@@ -45,17 +46,13 @@ class Detectors {
   struct Open {
     std::unique_ptr<transport::Endpoints> endpoints;
     transport::Subscription* subscription = nullptr;
-    // Publishers of the last samples: the newest, and another one before it.
-    transport::EndpointId newest = 0;
-    transport::EndpointId other = 0;
+    transport::PublisherTurns publishers;
   };
 
   void Update();
   void Subscribe(Index detector);
   template <msg::Message M>
   void Subscribe(Index detector, std::function<void(const M&)> handler);
-  // A publisher that was restarted is another one, and the one before it never comes again.
-  void Note(Index detector, transport::EndpointId publisher);
   std::vector<std::string> TopicsWith(const std::function<bool(int publishers)>& fits) const;
 
   transport::Node& node_;

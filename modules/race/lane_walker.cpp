@@ -17,6 +17,9 @@ constexpr Duration kLatestBegin = Milliseconds(5000);
 
 // The end of a walk that a STOP has ended, an emergency stop, or a state other than Active.
 constexpr std::string_view kStopped = "stopped";
+// And of one whose process has ended: the new one does not know the lane, and would approach it
+// without a line.
+constexpr std::string_view kRestarted = "no walk: it was restarted";
 
 // Of odometry: a sample that is older says nothing of the present place, and one that is farther
 // from the one before than a body moves is a jump.
@@ -82,7 +85,8 @@ LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
     if (!ended_at_) ended_at_ = now;
     if (now - *ended_at_ < kStopGrace) return End::kNone;
     reason = "the line walker has ended with " + Printable(end_);
-    const bool by_others = running_ && end_ == kStopped;  // the race has sent no STOP
+    // The race has sent no STOP.
+    const bool by_others = running_ && (end_ == kStopped || end_ == kRestarted);
     if (by_others || tries_ >= walk.retries) return End::kOther;
     reason += ": retry " + std::to_string(++tries_) + " of " + std::to_string(walk.retries);
     Pause();
@@ -148,7 +152,7 @@ void LaneWalker::OnStatus(Index walk, std::string_view status) {
   if (!end_.empty()) return;
   const bool idle = status.find("Active:False") != std::string_view::npos;
   if (!idle) running_ = true;
-  if (idle && running_) end_ = "no walk: it was restarted";
+  if (idle && running_) end_ = kRestarted;
 }
 
 }  // namespace musher::race

@@ -29,7 +29,7 @@ class LaneWalker {
   void Begin(Index walk, const LaneProgress& progress = {});
   // Each tick until an end. kGood: see arrived(); kOther: another end, kStopGrace after it and
   // after all retries, or the limit; kLost: no status. `reason` has the last two as text, and with
-  // kNone that it is started once more. A walker that others stop is not started again.
+  // kNone that it is started once more. A walker that others stop, or that was restarted, is not.
   End Advance(Duration now, std::string& reason);
   // STOP, if START was sent.
   void Stop();

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/base/break_watch.hpp"
+#include "musher/base/code.hpp"
 #include "musher/cyberdog/codes/module_codes.hpp"  // names modules in texts
 #include "musher/messages/protocol/motion.hpp"
 
@@ -19,6 +21,12 @@ constexpr Duration kLatestMove = Milliseconds(1500);
 // The slip of a way is known after so long a walk, and forgotten with about this time.
 constexpr Duration kLeastOfWay = Milliseconds(2000);
 constexpr Duration kMostOfWay = std::chrono::seconds(30);
+// A body without a frame for so long stands: the motion manager ends the stream.
+constexpr Duration kLongestFrame = Milliseconds(200);
+// The motion manager could not run, and refuses for so long what may have waited.
+constexpr std::int32_t kMayBeLate =
+    MakeCode(cyberdog::module_code::kMotionManager, KeyCode::kTimeout);
+constexpr Duration kRefusedAsLate = BreakWatch::kArriveWithin;
 constexpr int kBadReports = 3;  // in a row: 0.3 s of motion_status
 constexpr Index kSwitchNames = 15;
 
@@ -98,6 +106,9 @@ bool Locomotion::AdvanceWalk(Duration now, Time time) {
     refused_from_.reset();
     refused_ = false;
     odometer_.Begin(now);
+  } else if (refused_ && refused_code_ == kMayBeLate) {
+    stream_from_ = now;  // the body stands yet
+    odometer_.Begin(now);
   } else {
     CountProgress(now);
   }
@@ -117,8 +128,9 @@ bool Locomotion::AdvanceWalk(Duration now, Time time) {
 
 // The body takes up a speed slowly, and gives it up as slowly after the end: both are left to time.
 void Locomotion::CountProgress(Duration now) {
-  walk_->walked += now - frame_at_;
-  unmeasured_ += now - frame_at_;
+  const Duration passed = std::min(now - frame_at_, kLongestFrame);
+  walk_->walked += passed;
+  unmeasured_ += passed;
   if (!course_.odometry.used()) return Measure(std::exchange(unmeasured_, {}));
   const Movement& movement = course_.movements[walk_->movement];
   const Twist& twist = movement.twist;
@@ -278,7 +290,8 @@ void Locomotion::OnMotionDone(std::uint64_t number, const Result<>& done) {
   if (!call_ || call_->number != number) return;
   const Call call = *std::exchange(call_, std::nullopt);
   const Movement& movement = course_.movements[call.movement];
-  if (done) lying_ = movement.motion_id == msg::MotionId::kGetDown;
+  const bool lies_down = movement.motion_id == msg::MotionId::kGetDown;
+  if (done || lies_down) lying_ = lies_down;  // one that failed may have laid it down in part
   Motion* waiting = nullptr;
   if (motion_ && motion_->call == number) waiting = &*motion_;
   if (stands_ && stands_->call == number) waiting = &*stands_;
@@ -309,7 +322,11 @@ void Locomotion::Resume(bool stand, Duration now) {
   paused_ = false;
   bad_reports_ = 0;
   stands_again_ = stand;
-  if (stand) StandFirst(now);
+  if (stand) {
+    StandFirst(now);
+  } else {
+    lying_ = true;  // perhaps, by an emergency stop or another program
+  }
 }
 
 // Clears the latch of an emergency stop, too, which refuses every other motion, also that of a
@@ -366,7 +383,8 @@ std::optional<std::string> Locomotion::Fault(Duration now) {
     return std::nullopt;
   }
   if (!refused_from_) refused_from_ = now;
-  if (now - *refused_from_ < course_.body.refused) return std::nullopt;
+  const Duration extra = refused_code_ == kMayBeLate ? kRefusedAsLate : Duration(0);
+  if (now - *refused_from_ < course_.body.refused + extra) return std::nullopt;
   return "the motion manager refuses to walk: " + CodeText(refused_code_);
 }
 

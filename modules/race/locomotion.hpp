@@ -9,7 +9,8 @@
 //
 // A pause ends the stream; the walk continues with what is left of it. A motion that failed in a
 // pause, or less than kStopGrace before it, is repeated. Before anything continues the robot stands
-// up, unless it was lying; and before a walk where it is lying, because a command has led there.
+// up, unless it was lying; and before a walk where it is lying, because a command has led there, or
+// may be since a pause in which nothing was under way.
 //
 // Times are those of the machine, which stands still in a pause. One thread.
 

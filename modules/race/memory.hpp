@@ -69,7 +69,7 @@ class Memory {
   void GiveUpCheck() { ++given_up_; }
 
   bool completed() const { return completed_; }
-  void Complete() { completed_ = true; }
+  void SetCompleted(bool completed) { completed_ = completed; }
 
   // Results, counters, reservations and completion.
   void Forget() { *this = Memory(course_); }

@@ -20,7 +20,8 @@ struct Sighting {
   double distance_m = 0;  // NaN: not known
   std::string phase;
   std::string text;
-  double offset = 0;  // of its middle from that of the picture, -0.5 to 0.5 of the width
+  double offset = 0;      // of its middle from that of the picture, -0.5 to 0.5 of the width
+  double confidence = 0;  // 0.5 to 1 of what is seen; 0: nothing is, or not known
 };
 
 // The yellow lines of a picture, as of musher_msgs/YellowLines.

@@ -132,7 +132,7 @@ void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
     Record(input::kSighting,
            {std::to_string(detector), std::to_string((taken - *first_start_).count()),
             sighting.seen ? "1" : "0", NumberText(sighting.distance_m), sighting.phase,
-            sighting.text, NumberText(sighting.offset)});
+            sighting.text, NumberText(sighting.offset), NumberText(sighting.confidence)});
   }
   runner_.perception().OnSighting(detector, std::move(sighting), taken, now);
 }
@@ -162,6 +162,10 @@ void Race::Clean(Index detector, Sighting& sighting) {
   if (sighting.distance_m < 0 || std::isinf(sighting.distance_m)) {
     refuse("distance of " + NumberText(sighting.distance_m) + " m");
     sighting.distance_m = std::numeric_limits<double>::quiet_NaN();
+  }
+  if (!(sighting.confidence >= 0 && sighting.confidence <= 1)) {
+    refuse("confidence of " + NumberText(sighting.confidence) + "; expected 0 to 1");
+    sighting.confidence = 0;
   }
 }
 
@@ -266,7 +270,7 @@ void Race::OnServoReply(bool accepted, std::int32_t code, Time now) {
   runner_.locomotion().OnServoReply(accepted, code);
 }
 
-void Race::OnCommand(std::string_view text, Time now) {
+void Race::OnCommand(std::string_view text, Time now, const Result<>& timely) {
   now_ = now;
   const std::string_view typed = Trimmed(text);
   if (typed.empty() || typed.size() > kMostText) {
@@ -275,6 +279,10 @@ void Race::OnCommand(std::string_view text, Time now) {
   const Result<std::string> meant = CommandOf(course_, typed);
   if (!meant) return Refuse("command", "the command is refused: " + meant.error().message);
   const std::string& word = meant.value();
+  const bool only_ends = word == command::kStop || word == command::kReset;
+  if (!timely && !only_ends) {
+    return Refuse("late", word + " is refused: " + timely.error().message);
+  }
   if (word != command::kStart) {
     if (!first_start_ && early_commands_.size() < kMostEarly) early_commands_.push_back(word);
     Record(input::kCommand, {word});
@@ -404,13 +412,15 @@ void Race::Pause(Time now) {
   Record(input::kRest, {});
   if (!std::exchange(resting_, true)) rested_at_ = now;
   start_counts_ = false;
-  if (jump_ && jump_->state != course_.start) {
-    outputs_.Log("START:" + course_.states[jump_->state].name +
-                 " is dropped: the race is paused before the body was free for it");
-    jump_ = Jump{course_.start, false};
-  }
+  DropJump("the race is paused before the body was free for it");
   runner_.Pause(now);
   ExecuteJump();
+}
+
+void Race::DropJump(const std::string& why) {
+  if (!jump_ || jump_->state == course_.start) return;
+  outputs_.Log("START:" + course_.states[jump_->state].name + " is dropped: " + why);
+  jump_ = Jump{course_.start, false};
 }
 
 void Race::Resume(Time now) {
@@ -425,14 +435,37 @@ void Race::Resume(Time now) {
   const std::optional<Time> rested_at = std::exchange(rested_at_, std::nullopt);
   const Duration within = course_.robot.resume_within;
   const bool charged = std::exchange(charged_, false) || on_charger_;
-  const bool was_long = rested_at && within > Duration(0) && now - *rested_at > within;
+  const Duration asleep = std::exchange(rest_breaks_, {});
+  const bool was_long = rested_at && within > Duration(0) && now - *rested_at + asleep > within;
   if (!under_way() || (!charged && !was_long)) return;
+  Hold(charged ? "it was, or is, on a charger"
+               : "the pause was longer than " + std::to_string(ToMilliseconds(within)) + " ms");
+}
+
+// The body has stood without frames. Its place is not known, as no odometry was received.
+void Race::OnBreak(Duration length, Time now) {
+  const bool holds = under_way() && !waits_for_start();
+  const bool drops = start_counts_ || (jump_ && jump_->state != course_.start);
+  if (!resting_ && !holds && !drops) return;
+  now_ = now;
+  Record(input::kBreak, {std::to_string(length.count())});
+  if (resting_) {
+    rest_breaks_ += length;
+    return;
+  }
+  start_counts_ = false;
+  DropJump("this process could not run");
+  if (!holds) return;
+  runner_.Pause(now);
+  runner_.Resume(machine_->time());
+  ExecuteJump();
+  if (!under_way()) return;
+  Hold("this process could not run for " + std::to_string(ToMilliseconds(length)) + " ms");
+}
+
+void Race::Hold(const std::string& why) {
   if (!held_from_) held_from_ = machine_->time();
-  outputs_.Log(
-      course_.states[runner_.state()].name + ": " +
-      (charged ? "it was, or is, on a charger"
-               : "the pause was longer than " + std::to_string(ToMilliseconds(within)) + " ms") +
-      ": it goes on after START");
+  outputs_.Log(course_.states[runner_.state()].name + ": " + why + ": it goes on after START");
 }
 
 void Race::GoOn() {

@@ -45,8 +45,9 @@ class Race : private fsm::Listener, private fsm::InputListener {
   //     without sense the rest counts ---
 
   // START, START:<name or number>, STOP, RESET, SET_<result>:<value>, SET_<result>_DEFAULT, those
-  // of the course, and what command_words.hpp takes for one of them.
-  void OnCommand(std::string_view text, Time now);
+  // of the course, and what command_words.hpp takes for one of them. `timely`: fails where the
+  // command may have waited for long; then only STOP and RESET count.
+  void OnCommand(std::string_view text, Time now, const Result<>& timely = Ok());
   // `taken`: when the picture was taken, of the same clock as `now`.
   void OnSighting(Index detector, Sighting sighting, Time taken, Time now);
   // A word of another node: "A-1", "left".
@@ -63,7 +64,7 @@ class Race : private fsm::Listener, private fsm::InputListener {
   void OnBody(int switch_status, int motion_id, Time now);
   // Whether it is on a charger: the battery's message.
   void OnCharger(bool on, Time now);
-  // Samples of two publishers of a detector take turns.
+  // Samples of two publishers of a detector are received alternately.
   void OnTwoPublishers(Index detector, Time now);
   // motion_servo_response.
   void OnServoReply(bool accepted, std::int32_t code, Time now);
@@ -75,6 +76,10 @@ class Race : private fsm::Listener, private fsm::InputListener {
   // Everything stands still until Resume(); until then the machine is not ticked.
   void Pause(Time now);
   void Resume(Time now);
+  // This process could not run for so long (base/break_watch.hpp): under way it goes on by START,
+  // a command that waits is dropped, and a pause was longer by that. Once for each break, and not
+  // within a tick.
+  void OnBreak(Duration length, Time now);
   bool resting() const { return resting_; }
   // Periodically, also while paused.
   void PassTime(Time now) { log_.Tick(now); }
@@ -105,8 +110,9 @@ class Race : private fsm::Listener, private fsm::InputListener {
     const Index state = runner_.state();
     return running() && state != course_.start && state != course_.end && state != course_.error;
   }
-  // By START, where it waits for that.
-  void GoOn();
+  // It stands where it is, and waits for START.
+  void Hold(const std::string& why);
+  void GoOn();  // by START
   bool waits_for_start() const { return held_from_.has_value(); }
   void Execute(std::string_view command);
   void Stop();
@@ -116,6 +122,7 @@ class Race : private fsm::Listener, private fsm::InputListener {
   void GoTo(std::string_view target);
   void JumpTo(const Jump& jump);
   void ExecuteJump();
+  void DropJump(const std::string& why);
   std::string DefaultsText() const;
   std::string ReservationsText() const;
   void Clean(Index detector, Sighting& sighting);
@@ -138,9 +145,12 @@ class Race : private fsm::Listener, private fsm::InputListener {
   bool resting_ = true;
   bool has_run_ = false;  // since the process began
   std::optional<Time> rested_at_;
+  // Breaks in this pause: the clock does not count a suspension. A stop of the process, which it
+  // counts, makes the pause longer than it was: START is wanted sooner.
+  Duration rest_breaks_{};
   bool on_charger_ = false;
   bool charged_ = false;               // it was put on a charger in this pause
-  std::optional<Duration> held_from_;  // of the machine: after a long pause, until START
+  std::optional<Duration> held_from_;  // of the machine: until START, see Hold()
   Time now_{};
 };
 

@@ -23,6 +23,7 @@ constexpr const char* kModuleName = "race";
 FsmActuator::Options OptionsOf(const Course& course) {
   FsmActuator::Options options;
   options.rate_hz = kRateHz;
+  options.ends_after_break = false;  // a race waits for START after a shorter one
   options.resume =
       course.robot.from_start ? FsmActuator::Resume::kFromStart : FsmActuator::Resume::kWhereItWas;
   return options;
@@ -50,7 +51,7 @@ Result<> RaceRobot::Record(fsm::Machine& machine) {
 }
 
 void RaceRobot::OpenTopics(transport::Endpoints& topics) {
-  const auto wire = std::make_shared<Wire>();
+  const auto wire = std::make_shared<Wire>(topics.node().loop());
   wire->info = topics.Advertise<msg::String>(topic::kInfo);
   wire->servo = topics.Advertise<msg::MotionServoCmd>(topic::kServo);
   wire->motion = topics.OpenClient<msg::MotionResultCmd>(topic::kMotion);
@@ -63,6 +64,7 @@ void RaceRobot::OpenTopics(transport::Endpoints& topics) {
   wire_ = wire;
   topics.Keep(wire);
   topics.Every(kInfoPeriod, [this] {
+    CheckBreak();  // also in a pause
     race_.PassTime(Now());
     const auto open = wire_.lock();
     if (open) static_cast<void>(open->info->Publish({race_.InfoText()}));
@@ -80,8 +82,9 @@ void RaceRobot::OpenWalkers(transport::Endpoints& topics, Wire& wire) {
 }
 
 void RaceRobot::Subscribe(transport::Endpoints& topics) {
-  topics.Subscribe<msg::String>(topic::kCommand,
-                                [this](const auto& text) { race_.OnCommand(text.data, Now()); });
+  topics.Subscribe<msg::String>(topic::kCommand, [this](const auto& text) {
+    race_.OnCommand(text.data, Now(), CheckNotLate());
+  });
   topics.Subscribe<msg::MotionStatus>(topic::kBody, [this](const auto& body) {
     race_.OnBody(body.switch_status, body.motion_id, Now());
   });
@@ -120,7 +123,7 @@ Detectors::Handlers RaceRobot::DetectorHandlers() {
               [this](Index detector, const msg::Sighting& found) {
                 race_.OnSighting(detector,
                                  {found.seen, found.distance_m, found.phase, found.text,
-                                  found.x + found.width / 2 - 0.5},
+                                  found.x + found.width / 2 - 0.5, found.confidence},
                                  TakenAt(found.header.stamp), Now());
               },
           .on_lines =
@@ -231,6 +234,12 @@ void RaceRobot::CommandWalker(const LaneWalk& walk, bool start) {
   } else if (lane_walk_ == index) {
     lane_walk_.reset();
   }
+}
+
+void RaceRobot::CheckBreak() {
+  const auto wire = wire_.lock();
+  if (!wire) return;
+  if (const auto length = wire->breaks.Take()) race_.OnBreak(*length, Now());
 }
 
 void RaceRobot::AfterTick(Time now) {

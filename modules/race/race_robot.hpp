@@ -22,6 +22,7 @@
 #include "musher/modules/race/race.hpp"
 #include "musher/modules/race/self_check.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/loop_breaks.hpp"
 
 namespace musher::race {
 
@@ -33,6 +34,9 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
  private:
   // The endpoints while the topics are open.
   struct Wire {
+    explicit Wire(transport::EventLoop& loop) : breaks(loop) {}
+
+    transport::LoopBreaks breaks;
     transport::Publisher<msg::String>* info = nullptr;
     transport::Publisher<msg::MotionServoCmd>* servo = nullptr;
     transport::Client<msg::MotionResultCmd>* motion = nullptr;
@@ -45,10 +49,15 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
   Result<> BuildMachine(fsm::Machine& machine) override;
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> SelfCheck() override;
+  void BeforeTick(Time /*now*/) override { CheckBreak(); }
   void AfterTick(Time now) override;
   void OnPause() override { race_.Pause(Now()); }
-  void OnResume() override { race_.Resume(Now()); }
+  void OnResume() override {
+    CheckBreak();  // one in the pause counts as part of it
+    race_.Resume(Now());
+  }
 
+  void CheckBreak();
   Result<> Record(fsm::Machine& machine);
   void Subscribe(transport::Endpoints& topics);
   void OnOdometry(const msg::Odometry& sample);

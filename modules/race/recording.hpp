@@ -15,7 +15,8 @@
 namespace musher::race {
 
 namespace input {
-// detector, when it was taken in ns, seen 0 or 1, distance in m, phase, text
+// detector, when it was taken in ns, seen 0 or 1, distance in m, phase, text, offset, confidence (a
+// recording of an earlier version has none)
 inline constexpr std::string_view kSighting = "sighting";
 // detector, when it was taken in ns, contours, ycy, dy, middle offset, doubt (a recording of an
 // earlier version has none)
@@ -33,6 +34,7 @@ inline constexpr std::string_view kTwoPublishers = "two_publishers";  // detecto
 inline constexpr std::string_view kCommand = "command";               // its text
 inline constexpr std::string_view kRest = "rest";
 inline constexpr std::string_view kResume = "resume";
+inline constexpr std::string_view kBreak = "break";  // its length in ns
 }  // namespace input
 
 std::string NumberText(double number);

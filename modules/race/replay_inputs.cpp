@@ -10,7 +10,7 @@ struct Kind {
   std::string_view name;
   std::size_t words;
 };
-constexpr std::array<Kind, 13> kKinds = {{{input::kSighting, 7},
+constexpr std::array<Kind, 14> kKinds = {{{input::kSighting, 8},
                                           {input::kLines, 7},
                                           {input::kWalker, 2},
                                           {input::kMotionDone, 3},
@@ -22,7 +22,8 @@ constexpr std::array<Kind, 13> kKinds = {{{input::kSighting, 7},
                                           {input::kTwoPublishers, 1},
                                           {input::kCommand, 1},
                                           {input::kRest, 0},
-                                          {input::kResume, 0}}};
+                                          {input::kResume, 0},
+                                          {input::kBreak, 1}}};
 
 constexpr std::int64_t kMostNs = 1'000'000'000'000'000'000;  // 31 years
 
@@ -74,9 +75,10 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
     return Error{kCodeFailed, "the race has no input '" + std::string(input) + "'"};
   }
   Result<InputWords> read = ReadInput(text, kind->words);
-  if (!read && input == input::kLines) {  // of an earlier version, without a doubt
+  const bool has_grown = input == input::kLines || input == input::kSighting;
+  if (!read && has_grown) {  // of an earlier version, without a doubt or a confidence
     read = ReadInput(text, kind->words - 1);
-    if (read) read.value().words.emplace_back();
+    if (read) read.value().words.emplace_back(input == input::kLines ? "" : "0");
   }
   if (!read) return read.error();
   if (!first_start_) return Error{kCodeFailed, "an input before the first start"};
@@ -88,7 +90,8 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
   const Time now = *first_start_ + read.value().at;
   if (input == input::kSighting) {
     OnSighting(numbers.Integer<Index>(0),
-               {numbers.Integer<int>(2) != 0, numbers.Real(3), words[4], words[5], numbers.Real(6)},
+               {numbers.Integer<int>(2) != 0, numbers.Real(3), words[4], words[5], numbers.Real(6),
+                numbers.Real(7)},
                taken(), now);
   } else if (input == input::kLines) {
     OnLines(numbers.Integer<Index>(0), numbers.Integer<std::uint32_t>(2), words[3], words[4],
@@ -114,6 +117,8 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
     OnCommand(words[0], now);
   } else if (input == input::kRest) {
     Pause(now);
+  } else if (input == input::kBreak) {
+    OnBreak(numbers.Nanoseconds(0), now);
   } else {
     Resume(now);
   }

@@ -16,9 +16,11 @@ namespace {
 constexpr int kLook = 1;
 constexpr int kCorrect = 2;
 constexpr int kRetry = 2;
+constexpr int kStepBack = 3;
+constexpr int kReturn = 4;  // to the place of a check that has stepped back
 
-// Of a sighting: something is before the thing.
-constexpr std::string_view kHidden = "hidden";
+// Of a sighting: something is before the thing; and the thing has left the picture.
+constexpr std::string_view kHidden = "hidden", kDisappeared = "disappeared";
 
 // Of the lane in which a walk keeps.
 constexpr int kUnseenTimes = 4;
@@ -54,6 +56,14 @@ std::optional<Index> ValueOf(const ResultRule& result, const std::string& text) 
 std::string MetresText(double metres) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f m", metres);
+  return text;
+}
+
+// Of a detector that says none it is 0.
+std::string ConfidenceText(double confidence) {
+  if (confidence <= 0) return {};
+  char text[32];
+  std::snprintf(text, sizeof text, " (confidence %.2f)", confidence);
   return text;
 }
 
@@ -99,7 +109,8 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     state_ = state;
     previous_ = interrupted.previous;
     at_ = interrupted.activity;
-    unsure_ = interrupted.unsure;
+    // Also after a pause in the light's states.
+    unsure_ = unsure_ || unsure_before_ || interrupted.unsure;
     unsure_before_ = interrupted.unsure_before;
     by_command_ = interrupted.by_command;
     if (interrupted.lane) {
@@ -128,7 +139,8 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   state_ = state;
   at_ = {};
   at_.since = now;
-  if (state == course_.end) memory_.Complete();
+  // A command that leads back into the course begins another run.
+  if (state != course_.start) memory_.SetCompleted(state == course_.end);
   if (state == course_.end || state == course_.error) ReportReservations();
 }
 
@@ -177,11 +189,11 @@ void Runner::Pause(Time time) {
 }
 
 void Runner::Resume(Duration now) {
-  const bool under_way = !idle() && state_ != course_.error && at_.step < rule().steps.size();
+  const bool under_way = !idle() && state_ != course_.error;
   locomotion_.Resume(under_way, now);
   const bool was_paused = std::exchange(paused_at_, std::nullopt).has_value();
-  if (idle() || state_ == course_.error) moved_.clear();
-  if (!was_paused || idle() || state_ == course_.error || !course_.odometry.used()) return;
+  if (!under_way) moved_.clear();
+  if (!was_paused || !under_way || !course_.odometry.used()) return;
   if (!rest_pose_) ReservePose();
   ComparePose(now);
 }
@@ -207,6 +219,7 @@ void Runner::ReservePose() {
       "whether it was moved in the pause is not known: no odometry on " + course_.odometry.topic;
   Reserve(reason);
   Log(reason);
+  unsure_ = true;
 }
 
 bool Runner::PoseOfRestAt(Time time) const {
@@ -551,12 +564,17 @@ void Runner::WantNext() {
   if (next >= rule().steps.size()) return;
   const Step& step = rule().steps[next];
   if (const auto* check = std::get_if<CheckStep>(&step)) {
-    perception_.Want(course_.checks[check->check].detector);
+    WantForCheck(course_.checks[check->check]);
   } else if (const auto* wait = std::get_if<WaitStep>(&step)) {
     if (const auto detector = course_.waits[wait->wait].detector) perception_.Want(*detector);
   } else if (const auto* until = std::get_if<UntilStep>(&step)) {
     perception_.Want(course_.untils[until->until].detector);
   }
+}
+
+void Runner::WantForCheck(const Check& check) {
+  perception_.Want(check.detector);
+  if (check.agrees_with) perception_.Want(course_.checks[*check.agrees_with].detector);
 }
 
 Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
@@ -592,17 +610,20 @@ Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
     at_.after = std::max(at_.after, locomotion_.walked_until() + course_.check.settle);
     Phase(kLook, now);
   }
-  perception_.Want(check.detector);
+  WantForCheck(check);
   if (at_.phase == kLook) return Look(check, step.after_turn, now);
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
+  if (at_.phase == kReturn) {
+    return at_.given_up.empty() ? Outcome::kDone : GiveUpCheck(check, at_.given_up);
+  }
   at_.after = locomotion_.walked_until() + course_.check.settle;
   Phase(kLook, now);
   return Outcome::kRunning;
 }
 
 // By pictures that are new enough; nothing where they show no line, or not the thing.
-std::optional<LineWord> Runner::Word(const Check& check) {
+std::optional<LineWord> Runner::Word(const Check& check, bool after_turn) {
   std::optional<LineWord> word;
   bool clear = true;
   if (check.by == Check::By::kBox) {
@@ -614,9 +635,36 @@ std::optional<LineWord> Runner::Word(const Check& check) {
     if (lines == nullptr) return std::nullopt;
     clear = lines->doubt.empty();
     if (clear && lines->contours > 0) word = check.by == Check::By::kDy ? lines->dy : lines->ycy;
+    if (word) at_.contradiction = Contradiction(check, *word, after_turn);
+    if (word && !at_.contradiction.empty()) {
+      clear = false;
+      word.reset();
+    }
   }
   const auto index = word ? std::optional(static_cast<Index>(*word)) : std::nullopt;
   return Agreed(check.detector, index, clear) ? word : std::nullopt;
+}
+
+std::string Runner::Contradiction(const Check& check, LineWord word, bool after_turn) const {
+  if (!check.agrees_with) return {};
+  const Check& other = course_.checks[*check.agrees_with];
+  const Lines* lines = perception_.LinesSince(other.detector, at_.after);
+  if (lines == nullptr || !lines->doubt.empty() || lines->contours == 0) return {};
+  const LineWord other_word = other.by == Check::By::kDy ? lines->dy : lines->ycy;
+  const auto twist_of = [&](const Check& each, LineWord its_word) -> std::optional<Twist> {
+    if (its_word == LineWord::kCenter) return std::nullopt;
+    const Corrections& corrections = after_turn ? each.after_turn : each.usual;
+    const auto& correction = corrections.at(static_cast<std::size_t>(its_word));
+    return correction ? std::optional(course_.movements[correction->movement].twist) : std::nullopt;
+  };
+  const auto one = twist_of(check, word), two = twist_of(other, other_word);
+  if (!one || !two) return {};
+  const double product = one->forward_m_s * two->forward_m_s + one->left_m_s * two->left_m_s +
+                         one->yaw_rad_s * two->yaw_rad_s;
+  if (product >= 0) return {};
+  return "two cameras do not agree: " + std::string(Name(word)) + " by " +
+         course_.detectors[check.detector].name + ", " + std::string(Name(other_word)) + " by " +
+         course_.detectors[other.detector].name;
 }
 
 std::optional<LineWord> Runner::BoxWord(const Check& check, const Sighting& sighting) const {
@@ -657,7 +705,7 @@ bool Runner::HasSample(const Check& check) const {
 // Perception::EndTick(), until that is a fault.
 Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) {
   const CheckRules& rules = course_.check;
-  const std::optional<LineWord> word = Word(check);
+  const std::optional<LineWord> word = Word(check, after_turn);
   if (!word) {
     const bool has_sample = HasSample(check);
     if (has_sample && !at_.sampled_since) at_.sampled_since = now;
@@ -674,19 +722,25 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) 
     }
     const Lines* lines = perception_.LinesSince(check.detector, at_.after);
     const bool in_doubt = lines != nullptr && !lines->doubt.empty();
-    return GiveUpCheck(check, "check " + check.name + ": no picture of it within " +
-                                  std::to_string(ToMilliseconds(rules.picture)) + " ms" +
-                                  (in_doubt ? ": " + lines->doubt : ""));
+    const std::string& doubt = in_doubt ? lines->doubt : at_.contradiction;
+    return LookFromBehind(check, after_turn,
+                          "check " + check.name + ": no picture of it within " +
+                              std::to_string(ToMilliseconds(rules.picture)) + " ms" +
+                              (doubt.empty() ? "" : ": " + doubt),
+                          now);
   }
-  if (*word == LineWord::kCenter) return Outcome::kDone;
+  if (*word == LineWord::kCenter) return EndCheck(check, after_turn, "", now);
   const Corrections& corrections = after_turn ? check.after_turn : check.usual;
   const auto index = static_cast<std::size_t>(*word);
-  if (check.accepted.at(index)) return Outcome::kDone;
+  if (check.accepted.at(index)) return EndCheck(check, after_turn, "", now);
   const auto& correction = corrections.at(index);
   const std::string found = "check " + check.name + ": " + std::string(Name(*word));
-  if (!correction) return GiveUpCheck(check, found + ", for which it has no correction");
+  const auto give_up = [&](const std::string& why) {
+    return EndCheck(check, after_turn, found + why, now);
+  };
+  if (!correction) return give_up(", for which it has no correction");
   if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
-    return GiveUpCheck(check, found + " after " + std::to_string(at_.tries) + " corrections");
+    return give_up(" after " + std::to_string(at_.tries) + " corrections");
   }
   ++at_.tries;
   Log(found + ", correction " + std::to_string(at_.tries) + ": " +
@@ -694,6 +748,41 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) 
   locomotion_.Walk(*correction);
   Phase(kCorrect, now);
   return Outcome::kRunning;
+}
+
+// One that is required is of a place that the robot may not be at: it does not move there.
+Runner::Outcome Runner::LookFromBehind(const Check& check, bool after_turn, const std::string& why,
+                                       Duration now) {
+  const auto& step_back = course_.check.step_back;
+  if (!step_back || check.required || at_.stepped_back) {
+    return EndCheck(check, after_turn, why, now);
+  }
+  Log(why + "; it steps back once, and looks again");
+  at_.stepped_back = at_.is_behind = true;
+  at_.contradiction.clear();
+  locomotion_.Walk(step_back->away);
+  Phase(kStepBack, now);
+  return Outcome::kRunning;
+}
+
+Runner::Outcome Runner::EndCheck(const Check& check, bool after_turn, const std::string& why,
+                                 Duration now) {
+  const bool is_corrected = why.empty() && CorrectsTheWay(check, after_turn);
+  if (at_.is_behind && !is_corrected) {
+    at_.is_behind = false;
+    at_.given_up = why;
+    locomotion_.Walk(course_.check.step_back->back);
+    Phase(kReturn, now);
+    return Outcome::kRunning;
+  }
+  return why.empty() ? Outcome::kDone : GiveUpCheck(check, why);
+}
+
+bool Runner::CorrectsTheWay(const Check& check, bool after_turn) const {
+  const Corrections& corrections = after_turn ? check.after_turn : check.usual;
+  return std::ranges::any_of(corrections, [&](const auto& correction) {
+    return correction && course_.movements[correction->movement].twist.forward_m_s != 0;
+  });
 }
 
 // The race goes on with a reservation, but not with too many of them: then it is lost.
@@ -750,7 +839,7 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
     const bool once = course_.detectors[*wait.detector].kind == Detector::Kind::kText;
     if (value && (once || Agreed(*wait.detector, value, true))) {
       memory_.Set(wait.result, *value);
-      Log(result.name + " is " + result.values[*value]);
+      Log(result.name + " is " + result.values[*value] + ConfidenceText(sighting->confidence));
       return Outcome::kDone;
     }
     if (!value) ReportUnknown(wait, sighting->text);
@@ -802,9 +891,10 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   };
   const Sighting* sighting = perception_.SightingSince(until.detector, time - blind());
   const bool of_walk = perception_.SightingSince(until.detector, at_.after) != nullptr;
-  if (sighting != nullptr && of_walk && SameWord(sighting->phase, until.phase)) {
+  if (sighting != nullptr && of_walk && Ends(until, *sighting)) {
     memory_.SetMissed(step.until, false);
-    Log(until.name + " after " + store(locomotion_.Halt(time)));
+    Log(until.name + " after " + store(locomotion_.Halt(time)) +
+        ConfidenceText(sighting->confidence));
     return Outcome::kDone;
   }
   if (WaitsForSight(until, sighting, now)) {
@@ -817,6 +907,13 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   if (outcome != Outcome::kDone) return outcome;
   memory_.SetMissed(step.until, true);
   return GiveUp(until.otherwise, "no " + until.name + " within " + store(locomotion_.ended_walk()));
+}
+
+// A detector that others have kept open may still report what disappeared before this walk.
+bool Runner::Ends(const Until& until, const Sighting& sighting) {
+  const bool is_phase = SameWord(sighting.phase, until.phase);
+  if (!is_phase) at_.other_phase = true;
+  return is_phase && (at_.other_phase || !SameWord(until.phase, kDisappeared));
 }
 
 bool Runner::WaitsForSight(const Until& until, const Sighting* sighting, Duration now) {
@@ -859,11 +956,14 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time time) {
 
 Runner::Outcome Runner::Run(const SayStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
+    const std::string& name = course_.speeches[step.speech].name;
+    if (LeftOut(step.only, name)) return Outcome::kSkipped;
     const auto result = course_.speeches[step.speech].result;
     const bool unsure =
         step.unsure && (result ? memory_.IsDefault(*result) : unsure_ || unsure_before_);
     if (unsure && !result)
-      Log("it is not sure of the place: a check on the way was given up, or a walk not confirmed");
+      Log("it is not sure of the place: a check on the way was given up, or a walk or a pause not "
+          "confirmed");
     voice_.Begin(unsure ? *step.unsure : step.speech, memory_, now);
     Phase(1, now);
   }

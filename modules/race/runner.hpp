@@ -83,12 +83,18 @@ class Runner {
     Duration since{};  // of the phase
     Time after{};      // pictures taken before do not count
     int tries = 0;     // corrections or retries
+    // Of a check: it has stepped back, and is still behind its place; why it is given up there.
+    bool stepped_back = false;
+    bool is_behind = false;
+    std::string given_up{};
+    std::string contradiction{};  // of two cameras
     Agreement agreed{};
     std::optional<Duration> sampled_since{};  // of a look: the first picture that counts
     // Of a walk until a sight: there is no new picture, or the thing is hidden, since then.
     std::optional<Duration> stale_since{};
     std::optional<Duration> hidden_since{};
     bool hidden_over = false;  // it is not waited for until it was seen
+    bool other_phase = false;  // a picture of the walk had another phase than the wanted one
   };
   struct Interrupted {
     Index state = 0;
@@ -122,6 +128,8 @@ class Runner {
   Outcome Run(const CheckStep& step, Duration now, Time time);
   Outcome Run(const WaitStep& step, Duration now, Time time);
   Outcome Run(const UntilStep& step, Duration now, Time time);
+  // Whether the sighting of a walk until a sight is its end.
+  bool Ends(const Until& until, const Sighting& sighting);
   // Whether a walk until a sight stands until there is a new picture, or what hides the thing is
   // gone.
   bool WaitsForSight(const Until& until, const Sighting* sighting, Duration now);
@@ -160,9 +168,12 @@ class Runner {
   bool Unseen(Duration now);
   bool WalkEndsSoon() const;
   void WantNext();
+  void WantForCheck(const Check& check);
   // Once for each text, at most some of a state.
   void ReportUnknown(const Wait& wait, const std::string& text);
-  std::optional<LineWord> Word(const Check& check);
+  std::optional<LineWord> Word(const Check& check, bool after_turn);
+  // What the check of another camera says against this word; empty: nothing.
+  std::string Contradiction(const Check& check, LineWord word, bool after_turn) const;
   // By the box of a thing whose text is a value that its detector is to find.
   std::optional<LineWord> BoxWord(const Check& check, const Sighting& sighting) const;
   // The word, where the last pictures with one have the same, and no more of the pictures were
@@ -171,6 +182,12 @@ class Runner {
   Outcome Look(const Check& check, bool after_turn, Duration now);
   // A sample that is new enough for the present check.
   bool HasSample(const Check& check) const;
+  // Where it stands now no word was found: it looks from farther away, or ends.
+  Outcome LookFromBehind(const Check& check, bool after_turn, const std::string& why, Duration now);
+  // The check is over, without a reason or given up: first it goes back to its place.
+  Outcome EndCheck(const Check& check, bool after_turn, const std::string& why, Duration now);
+  // Whether its corrections lead ahead or back: then it needs no way back to its place.
+  bool CorrectsTheWay(const Check& check, bool after_turn) const;
   Outcome GiveUpCheck(const Check& check, const std::string& why);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
   Outcome GiveUp(const Otherwise& otherwise, const std::string& what);
@@ -218,8 +235,10 @@ class Runner {
   std::optional<Duration> unseen_since_;  // its lane
   bool unseen_said_ = false;              // in the log
   std::string unseen_why_;
-  bool by_time_ = false;        // a walk of this run went by its time, without odometry
-  bool unsure_ = false;         // a check of this state was given up, or a walk not confirmed
+  bool by_time_ = false;  // a walk of this run went by its time, without odometry
+  // A check of this state was given up, a walk not confirmed, or the place after a pause is not
+  // known.
+  bool unsure_ = false;
   bool unsure_before_ = false;  // one of the state before
   bool by_command_ = false;     // this state was entered by a command, wherever the robot was
   Index target_ = 0;

@@ -143,7 +143,8 @@ class StateReader {
   void ReadSay(TableReader& step) {
     const auto speech = Reference(step, "say", "speech", course().speeches);
     const auto unsure = Reference(step, "unsure", "speech", course().speeches);
-    if (speech) state_.steps.emplace_back(SayStep{*speech, unsure});
+    const auto only = OnlyAt(step);
+    if (speech) state_.steps.emplace_back(SayStep{*speech, unsure, only});
   }
 
   // The walk until a sight without which the step is left out.

@@ -56,7 +56,7 @@ void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
 }
 
 Result<> SkillsActuator::CheckMayMove() const {
-  Result<> may = CheckTicking();
+  Result<> may = CheckMayStart();
   const std::string low = robot_.LowBattery();
   if (may && !low.empty()) may = Error{kCodeProtectedError, low};
   return may;

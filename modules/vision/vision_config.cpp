@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/file.hpp"
+#include "musher/base/toml/names.hpp"
 #include "musher/base/toml/rows.hpp"
 
 namespace musher::vision {
@@ -92,33 +94,34 @@ void CheckRate(TableReader& root, const VisionConfig& config) {
                  std::to_string(ToMilliseconds(forget)) + " ms");
 }
 
-VisionConfig Read(const Table& table, Findings& findings) {
+VisionConfig Read(const Table& table, const std::filesystem::path& folder, Findings& findings) {
   VisionConfig config;
   TargetRules& target = config.faces.target;
   TableReader root(table, {1, 1}, "", findings);
-  ReadRows(root,
-           {row::Topic("picture", config.picture, kTopic),
-            row::Topic("camera_info", config.camera_info, kTopic),
-            row::Topic("publish_under", config.publish_under, kTopic),
-            row::Text("frame_id", config.frame_id),
-            [&](TableReader& reader) {
-              if (const auto degrees = reader.Number("hfov_deg", 1, 170)) {
-                config.hfov_rad = *degrees * M_PI / 180;
-              }
-            },
-            [&](TableReader& reader) { ReadStates(reader, config.look_in); },
-            row::Number("rate_hz", config.rate_hz, 0, 1000),
-            row::Time("self_check_ms", config.self_check_time),
-            row::Time("silence_ms", config.silence), row::Time("still_ms", config.still, 0),
-            RefuseStillPictures, row::Sub("detector", DetectorRows(config.cascade, config.limits)),
-            row::Sub("faces", FaceRows(config.faces)),
-            row::Sub("target", {row::Time("lost_ms", target.lost),
-                                row::Number("nearer", target.nearer, 0, 0.99)}),
-            row::Sub("too_close", ClosenessRows(config.faces.closeness)),
-            row::Bool("detect_faces", config.detect_faces),
-            [&](TableReader& reader) {
-              config.detectors = ReadCourseEntries(reader, findings, FaceTopicNames(config));
-            }});
+  ReadRows(
+      root,
+      {row::Topic("picture", config.picture, kTopic),
+       row::Topic("camera_info", config.camera_info, kTopic),
+       row::Topic("publish_under", config.publish_under, kTopic),
+       row::Text("frame_id", config.frame_id),
+       [&](TableReader& reader) {
+         if (const auto degrees = reader.Number("hfov_deg", 1, 170)) {
+           config.hfov_rad = *degrees * M_PI / 180;
+         }
+       },
+       [&](TableReader& reader) { ReadStates(reader, config.look_in); },
+       row::Number("rate_hz", config.rate_hz, 0, 1000),
+       row::Time("self_check_ms", config.self_check_time), row::Time("silence_ms", config.silence),
+       row::Time("still_ms", config.still, 0), RefuseStillPictures,
+       row::Sub("detector", DetectorRows(config.cascade, config.limits)),
+       row::Sub("faces", FaceRows(config.faces)),
+       row::Sub("target",
+                {row::Time("lost_ms", target.lost), row::Number("nearer", target.nearer, 0, 0.99)}),
+       row::Sub("too_close", ClosenessRows(config.faces.closeness)),
+       row::Bool("detect_faces", config.detect_faces),
+       [&](TableReader& reader) {
+         config.detectors = ReadCourseEntries(reader, findings, folder, FaceTopicNames(config));
+       }});
   for (CourseEntry& entry : config.detectors) entry.still = config.still;
   CheckRate(root, config);
   CheckAny(root, config);
@@ -135,7 +138,10 @@ bool VisionConfig::LooksIn(std::string_view state) const {
 }
 
 Parsed<VisionConfig> ReadVisionText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<Parsed<VisionConfig>>(text, path, Read);
+  return config_toml::ReadTextWith<Parsed<VisionConfig>>(
+      text, path, [folder = config_toml::FolderOf(path)](const Table& table, Findings& findings) {
+        return Read(table, folder, findings);
+      });
 }
 
 Parsed<VisionConfig> ReadVisionFile(const std::string& path) {

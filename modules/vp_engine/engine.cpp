@@ -142,6 +142,7 @@ Result<> Engine::RunProgram(const msg::ManageProgram::Request& request) {
                                         CurrentState() +
                                         (HeldByStop() ? ", held by the emergency stop" : "")};
   }
+  if (Result<> timely = CheckNotLate(); !timely) return timely;
   const Result<std::string> text = programs_.Runnable(request.program);
   if (!text) return text.error();
   Entries entries;
@@ -178,6 +179,12 @@ void Engine::StopLost() {
   Log(LogLevel::kWarning, "Groot2 is lost, and its hooks held or replaced a node: stopped");
   Halt();
   if (!programs_.running().empty()) programs_.Ended(ProgramState::kStopped, "Groot2 is lost");
+}
+
+void Engine::OnBreak() {
+  if (programs_.running().empty()) return;
+  Halt();
+  programs_.Ended(ProgramState::kStopped, "its process could not run for more than a minute");
 }
 
 void Engine::AfterTick(Time /*now*/, tree::Status status) {

@@ -29,6 +29,7 @@ class Engine : public TreeActuator {
   void OpenTopics(transport::Endpoints& topics) override;
   void AfterTick(Time now, tree::Status status) override;
   void OnPause() override;
+  void OnBreak() override;
   // START is refused: the tree would run, and the table of programs would show none.
   Result<> OnStartCommand() override;
 

@@ -119,9 +119,12 @@ void Show::OnFaces(std::string_view json, Time now) {
   }
 }
 
-void Show::OnCommand(std::string_view word, Time now) {
+void Show::OnCommand(std::string_view word, Time now, const Result<>& timely) {
   Note(now);
   const std::string command = Tidy(word);
+  const bool only_ends =
+      command == command::kStop || command == command::kIdle || command == command::kReset;
+  if (!timely && !only_ends) return Refuse("late", timely);
   if (command == command::kReset) return Refuse("command", Reset(now));
   const auto event = machine_ == nullptr ? std::nullopt : machine_->FindEvent(command);
   if (!event) {
@@ -133,14 +136,15 @@ void Show::OnCommand(std::string_view word, Time now) {
   Refuse("no room", machine_->Send(*event));
 }
 
-void Show::OnVoiceCommand(std::string_view word, Time now) {
+void Show::OnVoiceCommand(std::string_view word, Time now, const Result<>& timely) {
   Note(now);
   const std::string voice = Tidy(word);
   for (const std::string_view known :
        {std::string_view("none"), command::kStop, command::kPhoto, command::kInterview}) {
     if (voice != known) continue;
+    if (!timely && known != "none" && known != command::kStop) return Refuse("late", timely);
     data_.audio.voice_command = known;
-    if (known != "none") OnCommand(known, now);
+    if (known != "none") OnCommand(known, now, timely);
     return;
   }
   log_.Log("voice", "voice command " + Shown(voice) + ": none, stop, photo or interview are known",

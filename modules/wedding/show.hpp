@@ -65,10 +65,11 @@ class Show : private fsm::Listener, private fsm::InputListener {
   void OnTooClose(bool too_close, Time now, PublisherId publisher = 0);
   void OnTooClosePublisherLost(PublisherId publisher, Time now);
   void OnFaces(std::string_view json, Time now);
-  // stop, idle, photo, tracking, reset; those of the extensions; in upper or lower case.
-  void OnCommand(std::string_view word, Time now);
-  // photo, interview, stop; none.
-  void OnVoiceCommand(std::string_view word, Time now);
+  // stop, idle, photo, tracking, reset; those of the extensions; in upper or lower case. `timely`:
+  // why it may be old; then only stop, idle and reset count.
+  void OnCommand(std::string_view word, Time now, const Result<>& timely = Ok());
+  // photo, interview, stop; none. `timely`: the same.
+  void OnVoiceCommand(std::string_view word, Time now, const Result<>& timely = Ok());
   // Energy of the microphone's signal, 0 to 1.
   void OnVoiceLevel(double level, Time now);
   // In any order, with names; without names all 24 in the standard order. `stamp`: when measured.

@@ -110,10 +110,12 @@ void WeddingRobot::Subscribe(transport::Endpoints& topics, Wire& wire) {
       [this](transport::EndpointId publisher) {
         show_.OnTooClosePublisherLost(PublisherId(publisher.value()), Now());
       });
-  topics.Subscribe<msg::String>(topic::kCommand,
-                                [this](const auto& word) { show_.OnCommand(word.data, Now()); });
-  topics.Subscribe<msg::String>(
-      topic::kVoiceCommand, [this](const auto& word) { show_.OnVoiceCommand(word.data, Now()); });
+  topics.Subscribe<msg::String>(topic::kCommand, [this](const auto& word) {
+    show_.OnCommand(word.data, Now(), CheckNotLate());
+  });
+  topics.Subscribe<msg::String>(topic::kVoiceCommand, [this](const auto& word) {
+    show_.OnVoiceCommand(word.data, Now(), CheckNotLate());
+  });
   topics.Subscribe<msg::Float32>(
       topic::kVoiceLevel, [this](const auto& level) { show_.OnVoiceLevel(level.data, Now()); });
 }

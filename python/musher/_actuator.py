@@ -18,6 +18,7 @@ from musher._node import Node
 
 _FAILED = 101  # Robot (100) + FAILED
 _STATE_INVALID = 103
+LONGEST_BREAK_S = 60.0  # of a process, after which what ran goes on; as in base/break_watch.hpp
 
 #: The methods that are callbacks of the built-in states.
 STATE_METHODS = {
@@ -96,7 +97,8 @@ class Actuator:
         self._actuator.checkpoint(allowance_s)
 
     def stop_requested(self) -> bool:
-        """In a long callback: whether the controller no longer waits for it; return at the next safe point."""
+        """In a long callback: whether the controller no longer waits for it, or an emergency stop was engaged on its
+        way up; return at the next safe point."""
         return self._actuator.stop_requested()
 
     def report_degraded(self, code: int, reason: str) -> None:
@@ -145,7 +147,7 @@ class Actuator:
     def on_emergency_stop(self) -> None:
         """Stop all motion now. Runs on a thread of its own, also beside a running callback, and again at the
         end of the one that was running: must be idempotent, use only data that is safe to use from any thread,
-        and return at once."""
+        and return at once. Until a callback on the way up has ended, the stop is not confirmed."""
 
     # For a program that does more than run one actuator; else musher.run().
 

@@ -4,7 +4,7 @@ import time
 from typing import Any, Callable, Dict, List, Optional
 
 from musher import _native, fsm
-from musher._actuator import Actuator
+from musher._actuator import LONGEST_BREAK_S, Actuator
 from musher._errors import Failure, ProcessKilled
 from musher._log import ERROR, INFO, WARNING, where
 from musher._node import Endpoint
@@ -37,6 +37,7 @@ class FsmActuator(Actuator):
         all others     is paused, its time stands still; on_pause()
         an emergency stop: on_pause() as soon as the tick that runs has ended, and it is paused until the stop is
                        released and Active is set again
+        its process could not run for more than a minute: is stopped; on_pause(). It begins at its start state
 
     A machine that stops because its safe state failed, or because it has none, ends the process with a non-zero exit
     code, so that its restart policy applies. Musher's loop never waits for a state; a tick that computes for ever is
@@ -227,6 +228,7 @@ class FsmActuator(Actuator):
             raise Failure(_STATE_INVALID, "an emergency stop was engaged meanwhile")
         if self._ticking:
             return
+        self._end_after_break()
         self._has_ended |= self._has_begun and not self.machine.running  # it was stopped in a pause
         self._waits = self._has_ended
         if self._waits:
@@ -248,8 +250,31 @@ class FsmActuator(Actuator):
         self._ticking = True
         ticks.start(self.rate_hz)
 
+    def _end_after_break(self) -> bool:
+        """As after a restart: what ran long ago does not go on by itself. Whether the machine was ended."""
+        could_not_run_s = self._ticks.take_break_s() if self._ticks is not None else None
+        if could_not_run_s is None or could_not_run_s <= LONGEST_BREAK_S or not self.machine.running:
+            return False
+        self._limited(WARNING, f"the machine is ended: its process could not run for {could_not_run_s:.0f} s")
+        self._pause_machine()
+        self._quietly(self.machine.stop)
+        self._guard("on_pause", self.on_pause)
+        self._has_begun = False
+        return True
+
+    def _begin_after_break(self) -> None:
+        try:
+            self._start_or_resume()
+        except Failure as failure:
+            self._has_ended = self._waits = True
+            self._limited(ERROR, f"waits for START: {failure.reason}")
+        self._publish()
+
     def _on_tick(self, item: _native.Item) -> None:
         if not self._ticking:
+            return
+        if self._end_after_break():
+            self._begin_after_break()
             return
         machine = self.machine
         self._in_tick = True
@@ -362,6 +387,10 @@ class FsmActuator(Actuator):
 
     def _send_requested(self, request: "SendCommand.Request") -> "SendCommand.Response":
         try:
+            urgent = self._ticks is None or self.machine.is_urgent(request.command)
+            late = None if urgent or self._ticks is None else self._ticks.may_be_late()
+            if late is not None:
+                raise Failure(_STATE_INVALID, late)
             self.send(request.command)
         except Failure as failure:
             return SendCommand.Response(False, failure.reason)

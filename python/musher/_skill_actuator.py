@@ -6,7 +6,7 @@ from typing import Any, Dict, Iterable, List, Optional
 
 from musher import _native
 from musher._action import GoalCanceled, ServerGoal
-from musher._actuator import Actuator
+from musher._actuator import LONGEST_BREAK_S, Actuator
 from musher._errors import Failure, ProcessKilled
 from musher._log import where
 from musher.musher_msgs.msg import SkillDetail, SkillFeedback, SkillOffer, SkillOffers
@@ -179,6 +179,7 @@ class SkillActuator(Actuator):
             raise Failure(_STATE_INVALID, "an emergency stop was engaged meanwhile")
         if self._stepping:
             return
+        self._end_after_break()
         self._stepping = True
         if self._ticks is not None:
             self._ticks.start(self.rate_hz)
@@ -207,6 +208,7 @@ class SkillActuator(Actuator):
         if not self._stepping:
             return
         self._now_s = item.token / 1e9
+        self._end_after_break()
         well = self._guard("before_step", self.before_step)
         for name in self.manager.running() if well else ():
             if not self._stepping:  # an emergency stop was engaged on another thread
@@ -242,6 +244,9 @@ class SkillActuator(Actuator):
             own = self.robot_name
             if own and wanted.robot_id not in ("", own, self.name):
                 raise SkillError(f"the skill is for the robot '{wanted.robot_id[:80]}', and this is {own}")
+            self._check_not_late()
+            if request.goal.cancel_requested:  # while the node's thread was busy
+                raise SkillError("cancelled before it started")
             if len(wanted.skill_list) != 1:
                 raise SkillError(f"expected one skill in skill_list, found {len(wanted.skill_list)}")
             self._begin(wanted.skill_list[0], request)
@@ -305,6 +310,7 @@ class SkillActuator(Actuator):
                 self.manager.pause_skill(request.skill)
             else:
                 self._check_stepping()
+                self._check_not_late()
                 self.manager.resume_skill(request.skill)
         except SkillError as error:
             self.log.warning(f"{'pause' if request.pause else 'resume'} refused: {error}")
@@ -330,6 +336,18 @@ class SkillActuator(Actuator):
         if not self._stepping:
             held = ", held by the emergency stop" if self.held_by_stop else ""
             raise SkillError(f"{self.name} runs no skills in {self.current_state}{held}")
+
+    def _end_after_break(self) -> None:
+        """As after a restart: what ran long ago does not go on by itself."""
+        could_not_run_s = self._ticks.take_break_s() if self._ticks is not None else None
+        if could_not_run_s is not None and could_not_run_s > LONGEST_BREAK_S:
+            self.manager.cancel_all_now(f"it does not go on: its process could not run for {could_not_run_s:.0f} s")
+
+    def _check_not_late(self) -> None:
+        """What waited while this process was stopped, or its computer suspended, begins nothing."""
+        late = self._ticks.may_be_late() if self._ticks is not None else None
+        if late is not None:
+            raise SkillError(late)
 
     def _message(self, name: str) -> SkillFeedback:
         feedback = self.manager.feedback_of(name) or {"status": PROCESSING, "state": "IDLE", "progress": 0,

@@ -29,11 +29,12 @@ Threads: one at a time.
 
 import dataclasses
 import enum
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, Union
 
 from musher import _native
 from musher._log import Log, log, where
 
+Archive = _native.FsmArchive
 Change = _native.FsmChange
 Next = _native.FsmNext
 Tick = _native.FsmTick
@@ -95,6 +96,14 @@ class State:
 
     def on_exit(self, tick: Tick) -> None:
         """The state is left, also when the machine is forced, made safe or stopped; not when on_enter failed."""
+
+    def persist(self, archive: Archive) -> None:
+        """Saves and restores what another process needs to continue from here: for Machine.save(), and for restore().
+        The same function does both, a line for each field:
+
+            self.greeted = archive.field("greeted", self.greeted)                # a bool, an int, a float or a str
+            self.lost_for_s = archive.duration_s("lost_for", self.lost_for_s)
+        """
 
 
 class Nested(State):
@@ -169,6 +178,7 @@ class Machine:
     def __init__(self, name: str = "machine", *, history: int = 64, commands: int = 32, commands_per_tick: int = 1,
                  longest_transition_s: float = 10.0) -> None:
         self._native = _native.FsmMachine(name, history, commands, commands_per_tick, longest_transition_s)
+        self._urgent: Set[str] = set()
         self._log_to(log)
 
     def _log_to(self, where_to: Log) -> None:
@@ -204,12 +214,24 @@ class Machine:
         """A command by its name. An urgent one is handled before all queued ones, and drops them. `data`: the dataclass
         that it carries, whose fields are bool, int, float or str and have defaults; a state reads it as tick.data."""
         self._native.add_event(name, urgent, data)
+        if urgent:
+            self._urgent.add(name)
+
+    def is_urgent(self, event: str) -> bool:
+        """Whether there is an event of that name, and it was registered as urgent."""
+        return event in self._urgent
 
     def add_safety_check(self, name: str, is_safe: Callable[[Tick], bool]) -> None:
         """Called at the beginning and at the end of each tick; False leads to the safe state."""
         if not callable(is_safe):
             raise TypeError(f"the safety check {name} is a function, not {is_safe!r}")
         self._native.add_safety_check(name, is_safe)
+
+    def add_data(self, name: str, persist: Callable[[Archive], None]) -> None:
+        """Data that several states share, saved and restored with them: `persist` does so as State.persist()."""
+        if not callable(persist):
+            raise TypeError(f"the data {name} is saved by a function, not by {persist!r}")
+        self._native.add_data(name, persist)
 
     def build(self, start: str) -> None:
         """Calls declare() of the states, and checks the machine: dead ends, traps, unknown names. Raises musher.Failure
@@ -284,6 +306,19 @@ class Machine:
         where the recording does not fit, and while the machine runs. The machine stays as it is at the end of the
         recording. Continues after a difference."""
         return Replayed(*self._native.replay(recording, file, apply or _no_input))
+
+    def save(self) -> str:
+        """The machine between two ticks: state, times, queued commands with their data, history, and what persist() of
+        its states and add_data() save, also of the machines inside. A TOML text that a person can read and edit, and
+        that a machine of C++ with the same states and fields reads, too. Raises musher.Failure, naming the state, when
+        one cannot save itself, and in a tick."""
+        return self._native.save()
+
+    def restore(self, saved: str, now_s: float, *, file: str = "saved") -> None:
+        """Continues from the text of save(), also from one of C++, as if the last tick had been at `now_s`. No state is
+        entered. The machine is built like the saved one, and does not run. Raises musher.Failure with all errors, a
+        line each, as "file:line:column: error: …"; then nothing has changed."""
+        self._native.restore(saved, file, _ns(now_s))
 
     # Status.
 
@@ -369,7 +404,7 @@ def _hooks(state: State, base: type, check: str) -> Tuple[Optional[Callable[...,
         inherited = name not in getattr(state, "__dict__", ()) and getattr(type(state), name) is getattr(base, name)
         return None if inherited else function
 
-    return tuple(own(name) for name in ("declare", "on_enter", "run", check, "transition", "on_exit"))
+    return tuple(own(name) for name in ("declare", "on_enter", "run", check, "transition", "on_exit", "persist"))
 
 
 def _event_fields(data: type) -> List[str]:
@@ -398,5 +433,5 @@ def _ns(seconds: float) -> int:
     return round(seconds * 1e9)
 
 
-__all__ = ["Change", "Into", "Listener", "Machine", "Nested", "Next", "Replayed", "Role", "State", "Tick",
+__all__ = ["Archive", "Change", "Into", "Listener", "Machine", "Nested", "Next", "Replayed", "Role", "State", "Tick",
            "Transitions"]

@@ -312,7 +312,7 @@ class Stop : public OnLoop<EngagedStop> {
     Run([&](EngagedStop& stop) { withdrawn = stop.latch->withdrawn(); });
     return withdrawn;
   }
-  // It names a machine: a release may withdraw it.
+  // It names a machine: a release withdraws it at once.
   bool NamesMachine() const { return !message_.machine.empty(); }
   // Whether a machine that releases the stops with these ids releases it as a whole: it is for no
   // other machine. One by a name is for each robot of that name that was found.

@@ -155,6 +155,9 @@ void AddValues(py::module_& native) {
       .def("find", [](const FsmTransitions& t,
                       const std::string& event) { return t.Get().Find(event).has_value(); })
       .def("refuse", [](const FsmTransitions& t, const std::string& why) { t.Get().Refuse(why); });
+  py::class_<FsmArchive>(native, "FsmArchive")
+      .def("field", &FsmArchive::Field)
+      .def("duration_s", &FsmArchive::FieldOfSeconds);
   py::class_<FsmChange>(native, "FsmChange")
       .def_readonly("at_s", &FsmChange::at_s)
       .def_readonly("tick", &FsmChange::tick)
@@ -183,6 +186,7 @@ void AddCommands(FsmMachineClass& machine_class) {
            })
       .def("add_event", &Self::AddEvent)
       .def("add_safety_check", &Self::AddSafetyCheck)
+      .def("add_data", &Self::AddData)
       .def("build", &Self::Build)
       .def("built", &Self::built)
       .def("warnings", [](const Self& self) { return self.machine().warnings(); })
@@ -217,6 +221,9 @@ void AddCommands(FsmMachineClass& machine_class) {
              const fsm::Replayed replayed = self.Replay(recording, file, apply);
              return py::make_tuple(replayed.ticks, replayed.changes, replayed.difference);
            })
+      .def("save", &Self::Save)
+      .def("restore", [](Self& self, const std::string& text, const std::string& file,
+                         std::int64_t ns) { self.Restore(text, file, At(ns)); })
       .def("report_exceptions", &Self::ReportExceptions);
 }
 

@@ -6,6 +6,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/behavior/fsm/recorder.hpp"
+#include "musher/behavior/fsm/toml/snapshot_toml.hpp"
 
 namespace musher::python {
 namespace {
@@ -135,13 +136,22 @@ void FsmMachine::Send(const std::string& command, const py::object& data) {
 void FsmMachine::AddSafetyCheck(const std::string& name, const py::object& is_safe) {
   fsm::Machine& machine = Unbuilt();
   auto function = std::make_shared<py::object>(is_safe);
-  checks_.push_back(function);
+  functions_.push_back(function);
   machine.AddSafetyCheck(name, [&machine, function, errors = errors_](const fsm::Tick& tick) {
     const py::object safe = errors->Call(*function, MakeTick(machine, tick));
     if (py::isinstance<py::bool_>(safe)) return safe.cast<bool>();
     throw std::runtime_error("it returned a " +
                              py::type::of(safe).attr("__name__").cast<std::string>() +
                              ", not whether it is safe");
+  });
+}
+
+void FsmMachine::AddData(const std::string& name, const py::object& persist) {
+  fsm::Machine& machine = Unbuilt();
+  auto function = std::make_shared<py::object>(persist);
+  functions_.push_back(function);
+  machine.AddData(name, [function, errors = errors_](fsm::Archive& archive) {
+    CallPersist(*errors, *function, archive);
   });
 }
 
@@ -206,6 +216,23 @@ fsm::Replayed FsmMachine::Replay(const std::string& recording, const std::string
   return replayed;
 }
 
+std::string FsmMachine::Save() {
+  std::string text;
+  Change([&](fsm::Machine& machine) -> Result<> {
+    const Result<fsm::Snapshot> saved = machine.Save();
+    if (!saved) return saved.error();
+    Result<std::string> written = fsm::WriteSnapshot(saved.value());
+    if (!written) return written.error();
+    text = std::move(written).value();
+    return Ok();
+  });
+  return text;
+}
+
+void FsmMachine::Restore(const std::string& text, const std::string& file, Time now) {
+  Change([&](fsm::Machine& machine) { return fsm::RestoreSnapshot(machine, text, file, now); });
+}
+
 int FsmMachine::Visit(visitproc visit, void* arg) const {
   if (!owned_) return 0;  // visited by that of the machine around it
   return VisitAll(visit, arg);
@@ -224,7 +251,7 @@ int FsmMachine::VisitAll(visitproc visit, void* arg) const {
     if (const int result = recorder_->Visit(visit, arg); result != 0) return result;
   }
   if (const int result = all(states_); result != 0) return result;
-  for (const auto& check : checks_) Py_VISIT(check->ptr());
+  for (const auto& function : functions_) Py_VISIT(function->ptr());
   for (const auto& inside : inside_) {
     if (const int result = inside->VisitAll(visit, arg); result != 0) return result;
   }
@@ -238,7 +265,7 @@ void FsmMachine::Clear() {
   owned_.reset();
   listeners_.clear();
   states_.clear();
-  checks_.clear();
+  functions_.clear();
   inside_.clear();
   errors_->Report(py::none());
 }

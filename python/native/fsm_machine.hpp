@@ -35,6 +35,8 @@ class FsmMachine {
   // `data_class`: None, or see PyEventType.
   void AddEvent(const std::string& name, bool urgent, const py::object& data_class);
   void AddSafetyCheck(const std::string& name, const py::object& is_safe);
+  // `persist`: a function of Python with an FsmArchive.
+  void AddData(const std::string& name, const py::object& persist);
   void Build(const std::string& start);
   bool built() const { return built_; }
 
@@ -66,6 +68,9 @@ class FsmMachine {
   // Repeats a recording; `apply` gets the name and the text of each input.
   fsm::Replayed Replay(const std::string& recording, const std::string& file,
                        const py::object& apply);
+  // The machine as a text of toml/snapshot_toml.hpp, and back; `now` as in Machine::Restore().
+  std::string Save();
+  void Restore(const std::string& text, const std::string& file, Time now);
   // Gets each exception of a state, a check or a listener.
   void ReportExceptions(const py::object& function) { errors_->Report(function); }
 
@@ -85,7 +90,7 @@ class FsmMachine {
   std::shared_ptr<PythonErrors> errors_ = std::make_shared<PythonErrors>();
   std::vector<std::unique_ptr<PyListener>> listeners_;
   std::vector<std::shared_ptr<StateCalls>> states_;
-  std::vector<std::shared_ptr<py::object>> checks_;
+  std::vector<std::shared_ptr<py::object>> functions_;  // safety checks, and those of AddData()
   std::vector<std::shared_ptr<FsmMachine>> inside_;
   std::unique_ptr<PyRecorder> recorder_;  // after Record()
   std::unique_ptr<fsm::Machine> owned_;   // none: a state of another machine has it

@@ -1,16 +1,18 @@
 #include "musher/python/native/fsm_state.hpp"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/python/native/numbers.hpp"
 
 namespace musher::python {
 namespace {
 
 const char* NameOf(StateCalls::Hook hook) {
   constexpr std::array<const char*, StateCalls::kHooks> kNames{
-      "declare", "on_enter", "run", "check_transition", "transition", "on_exit"};
+      "declare", "on_enter", "run", "check_transition", "transition", "on_exit", "persist"};
   return kNames[hook];
 }
 
@@ -34,6 +36,44 @@ fsm::Transitions& FsmTransitions::Get() const {
 
 void FsmTransitions::To(const std::string& state, const std::string& when, fsm::Into into) const {
   calls->AddTarget(state, into, Get().To(state, when, into));
+}
+
+fsm::Archive& FsmArchive::Get() const {
+  if (archive == nullptr) {
+    Raise("Failure", {kCodeStateInvalid, "fields are saved and restored in persist() only"});
+  }
+  return *archive;
+}
+
+py::object FsmArchive::Field(const std::string& name, const py::object& value) const {
+  const auto pass = [&](auto field) -> py::object {
+    Get().Field(name, field);
+    return py::cast(field);
+  };
+  if (py::isinstance<py::bool_>(value)) return pass(value.cast<bool>());
+  if (py::isinstance<py::int_>(value)) {
+    const auto whole = ToNumber<std::int64_t>(value);
+    if (!whole) throw py::value_error(name + ": it is not " + NumberText<std::int64_t>());
+    const py::object passed = pass(*whole);
+    const bool is_plain = PyLong_CheckExact(value.ptr()) != 0;
+    return is_plain ? passed : py::type::of(value)(passed);  // an IntEnum stays one
+  }
+  if (py::isinstance<py::float_>(value)) return pass(value.cast<double>());
+  if (py::isinstance<py::str>(value)) return pass(value.cast<std::string>());
+  throw py::type_error(name + ": a saved field is a bool, an int, a float or a str, not " +
+                       Shown(value));
+}
+
+double FsmArchive::FieldOfSeconds(const std::string& name, double value_s) const {
+  if (!(std::abs(value_s) <= 1e9)) {
+    throw py::value_error(name + ": a saved time is at most 1e9 seconds, not " +
+                          Shown(py::float_(value_s)));
+  }
+  // Rounded: a restored time is saved as the same number.
+  const Duration before(std::llround(value_s * 1e9));
+  Duration time = before;
+  Get().Field(name, time);
+  return time == before ? value_s : ToSeconds(time);
 }
 
 PyEventType::PyEventType(py::object data_class)
@@ -111,6 +151,20 @@ int PythonErrors::Visit(visitproc visit, void* arg) const {
   return 0;
 }
 
+void CallPersist(PythonErrors& errors, const py::object& function, fsm::Archive& archive) {
+  const py::object passed = py::cast(FsmArchive{&archive});
+  const auto end = [&] { passed.cast<FsmArchive&>().archive = nullptr; };
+  py::object returned;
+  try {
+    returned = errors.Call(function, passed);
+  } catch (...) {
+    end();
+    throw;
+  }
+  end();
+  if (!returned.is_none()) ThrowReturned("persist", returned, "it returns nothing");
+}
+
 StateCalls::StateCalls(const fsm::Machine& machine, std::shared_ptr<PythonErrors> errors,
                        const py::tuple& hooks)
     : machine_(machine), errors_(std::move(errors)) {
@@ -168,6 +222,10 @@ bool StateCalls::Transition(const fsm::Tick& tick) const {
     ThrowReturned(NameOf(kTransition), returned, "it returns whether the transition is complete");
   }
   return returned.cast<bool>();
+}
+
+void StateCalls::Persist(fsm::Archive& archive) const {
+  if (Has(kPersist)) CallPersist(*errors_, hooks_[kPersist], archive);
 }
 
 int StateCalls::Visit(visitproc visit, void* arg) const {

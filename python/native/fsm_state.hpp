@@ -81,6 +81,20 @@ struct FsmChange {
   std::string command;
 };
 
+// fsm::Archive, as long as a `persist` of Python runs.
+struct FsmArchive {
+  fsm::Archive* archive = nullptr;
+
+  // A saving archive reads the value and returns it; a restoring one returns the saved value, or
+  // the same one where it has none. A bool, an int, a float or a str; another one is a TypeError.
+  py::object Field(const std::string& name, const py::object& value) const;
+  // A time in seconds, saved as that of a Duration.
+  double FieldOfSeconds(const std::string& name, double value_s) const;
+
+ private:
+  fsm::Archive& Get() const;
+};
+
 class StateCalls;
 
 // fsm::Transitions, as long as the state declares itself.
@@ -110,11 +124,15 @@ class PythonErrors {
   std::optional<py::error_already_set> kept_;
 };
 
+// Calls `function` of Python, which saves and restores fields. Throws std::runtime_error with the
+// text of what it raised.
+void CallPersist(PythonErrors& errors, const py::object& function, fsm::Archive& archive);
+
 // The functions of the Python object of a state. Those that its class does not have are None.
 class StateCalls {
  public:
-  enum Hook { kDeclare, kEnter, kRun, kCheck, kTransition, kExit };
-  static constexpr std::size_t kHooks = 6;
+  enum Hook { kDeclare, kEnter, kRun, kCheck, kTransition, kExit, kPersist };
+  static constexpr std::size_t kHooks = 7;
 
   // `machine` owns the state.
   StateCalls(const fsm::Machine& machine, std::shared_ptr<PythonErrors> errors,
@@ -128,6 +146,7 @@ class StateCalls {
   void Call(Hook hook, const fsm::Tick& tick) const;
   fsm::Next Check(const fsm::Tick& tick) const;
   bool Transition(const fsm::Tick& tick) const;
+  void Persist(fsm::Archive& archive) const;
   int Visit(visitproc visit, void* arg) const;
 
  private:
@@ -153,6 +172,7 @@ class PyState final : public fsm::State {
   fsm::Next CheckTransition(const fsm::Tick& tick) override { return calls_->Check(tick); }
   bool Transition(const fsm::Tick& tick) override { return calls_->Transition(tick); }
   void OnExit(const fsm::Tick& tick) override { calls_->Call(StateCalls::kExit, tick); }
+  void Persist(fsm::Archive& archive) override { calls_->Persist(archive); }
 
  private:
   const std::shared_ptr<StateCalls> calls_;
@@ -178,6 +198,10 @@ class PyNested final : public fsm::Nested {
   }
   bool Transition(const fsm::Tick& tick) override { return calls_->Transition(tick); }
   void OnExit(const fsm::Tick& tick) override;
+  void Persist(fsm::Archive& archive) override {
+    Nested::Persist(archive);
+    calls_->Persist(archive);
+  }
 
  protected:
   fsm::Next Decide(const fsm::Tick& tick) override { return calls_->Check(tick); }

@@ -11,14 +11,8 @@
 namespace musher::examples_test {
 
 template <class Application>
-class Peeked : public Application {
+class Peeked : public Application, public testing::Inspected<Peeked<Application>> {
  public:
-  template <class Look>
-  auto Of(Look look) {
-    decltype(look(*this)) found{};
-    this->RunOnLoop([&] { found = look(*this); });
-    return found;
-  }
   using Application::Now;
 };
 

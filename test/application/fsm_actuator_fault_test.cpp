@@ -134,19 +134,12 @@ TEST_F(AFaultyFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
 
     bool paused_ = false;
   };
-  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
-  harness_.node().RunOnLoop([&] {
-    button = transport::MakePublisher<msg::EmergencyStop>(
-                 harness_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
-                 .value();
-    static_cast<void>(button->Publish({7, true, "a test", ""}));
-  });
+  harness_.PressEmergencyStop();
   ActuatorRunner<Early> show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   EXPECT_TRUE(show.Start().ok());
   EXPECT_TRUE(show.stop_seen);
   EXPECT_FALSE(show.paused_early);
-  harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
 TEST_F(AFaultyFsmActuator, LogsAFaultOfTearDownOnce) {

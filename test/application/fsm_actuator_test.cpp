@@ -3,10 +3,12 @@
 
 #include <future>
 
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/test/application/show.hpp"
+#include "musher/test/application/suspended_thread.hpp"
 #include "musher/test/support/refusals.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -20,6 +22,25 @@ using testing::Show;
 class AnFsmActuator : public testing::WithHarness {
  protected:
   bool Go(const State& state) { return harness_.controller().Switch(state).done(); }
+  // By its service; "": it is not refused.
+  std::string WhyRefused(const std::string& command) {
+    std::unique_ptr<transport::Client<msg::SendCommand>> client;
+    std::optional<std::string> reply;
+    harness_.node().RunOnLoop([&] {
+      client = transport::MakeClient<msg::SendCommand>(harness_.node().node(), "show/send_command")
+                   .value();
+      client->Call({command}, std::chrono::seconds(20), [&](const auto& answer) {
+        reply = answer ? answer.value().message : answer.error().message;
+      });
+    });
+    EXPECT_TRUE(testing::Until([&] {
+      bool done = false;
+      harness_.node().RunOnLoop([&] { done = reply.has_value(); });
+      return done;
+    }));
+    harness_.node().RunOnLoop([&] { client.reset(); });
+    return reply.value_or("no reply");
+  }
 };
 
 TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
@@ -65,6 +86,54 @@ TEST_F(AnFsmActuator, WaitsForStartWhereItsMachineWasStoppedInAPause) {
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "nothing begins by itself";
   EXPECT_TRUE(show.Of([](Show& s) { return s.Send("START"); }));
   EXPECT_EQ(show.Path(), "GREET");
+}
+
+// A show played on by itself when the computer was opened an hour later.
+TEST_F(AnFsmActuator, BeginsAtItsStartAfterALongSuspension) {
+  const auto thread = std::make_shared<testing::SuspendedThread>();
+  ActuatorRunner<Show> show({.rate_hz = 50});
+  harness_.Open(show, thread);
+  ASSERT_TRUE(Go("SelfCheck"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(show, 6);
+  ASSERT_EQ(show.Path(), "PLAY");
+  thread->Suspend(std::chrono::seconds(50));
+  harness_.Tick(show, 1);
+  ASSERT_EQ(show.Path(), "PLAY") << "less than a minute";
+  show.TakeLog();
+  thread->Suspend(std::chrono::minutes(2));
+  harness_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "GREET");
+  EXPECT_THAT(show.TakeLog(), ElementsAre("PLAY leaves", "pauses", "resumes", "GREET enters"));
+  EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); }));
+}
+
+TEST_F(AnFsmActuator, WaitsForStartAfterALongSuspensionInAPause) {
+  const auto thread = std::make_shared<testing::SuspendedThread>();
+  ActuatorRunner<Show> show({.rate_hz = 50, .begin = musher::Begin::kOnCommand});
+  harness_.Open(show, thread);
+  ASSERT_TRUE(Go("SelfCheck"));
+  ASSERT_TRUE(Go("Active"));
+  ASSERT_TRUE(show.Of([](Show& s) { return s.Send("START"); }));
+  ASSERT_TRUE(Go("LowPower"));
+  thread->Suspend(std::chrono::minutes(2));
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "nothing begins by itself";
+  EXPECT_EQ(show.Path(), "");
+}
+
+// A door opened by a command that had waited in the kernel while the computer was suspended.
+TEST_F(AnFsmActuator, RefusesACommandThatMayBeLate) {
+  const auto thread = std::make_shared<testing::SuspendedThread>();
+  ActuatorRunner<Show> show({.rate_hz = 50});
+  harness_.Open(show, thread);
+  ASSERT_TRUE(Go("SelfCheck"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(show, 6);
+  ASSERT_EQ(show.Path(), "PLAY");
+  thread->SuspendEachTime(std::chrono::seconds(9));
+  EXPECT_THAT(WhyRefused("again"), testing::HasRefusal(ApplicationRefusal::kMayBeLate));
+  thread->SuspendEachTime({});
 }
 
 TEST_F(AnFsmActuator, StampsWithTheTimeOfItsMachine) {
@@ -140,13 +209,7 @@ TEST_F(AnFsmActuator, LeavesItsStateAtTearDown) {
 TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease) {
   ActuatorRunner<Show> show;
   Begin(show);
-  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
-  harness_.node().RunOnLoop([&] {
-    button = transport::MakePublisher<msg::EmergencyStop>(
-                 harness_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
-                 .value();
-    static_cast<void>(button->Publish({7, true, "a test", ""}));
-  });
+  harness_.PressEmergencyStop();
   ASSERT_TRUE(testing::Until([&] { return !show.Of([](Show& s) { return s.ticking(); }); }));
   EXPECT_EQ(show.TakeLog().back(), "pauses");
   std::unique_ptr<transport::Client<msg::ReleaseEmergencyStop>> release;
@@ -167,10 +230,7 @@ TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRele
   EXPECT_NE(sent.error().message.find("held by the emergency stop"), std::string::npos);
   ASSERT_TRUE(Go("Active"));
   EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); }));
-  harness_.node().RunOnLoop([&] {
-    release.reset();
-    button.reset();
-  });
+  harness_.node().RunOnLoop([&] { release.reset(); });
 }
 
 TEST_F(AnFsmActuator, StandsInActiveUntilItIsCommandedWithThatOption) {

@@ -32,17 +32,11 @@ constexpr const char* kWithSubtree = R"(<root BTCPP_format="4" main_tree_to_exec
 </root>
 )";
 
-class Watched : public TreeActuator {
+class Watched : public TreeActuator, public testing::Inspected<Watched> {
  public:
   explicit Watched(groot2::ServeOptions options)
       : TreeActuator("show", {.rate_hz = 50, .begin = Begin::kAtActive}),
         served_(std::move(options)) {}
-  template <class Look>
-  auto Of(Look look) {
-    decltype(look(*this)) found{};
-    RunOnLoop([&] { found = look(*this); });
-    return found;
-  }
   std::vector<std::string> TakeLog() {
     return Of([](Watched& self) { return std::exchange(self.data_.log, {}); });
   }

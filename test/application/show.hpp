@@ -21,6 +21,7 @@
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
+#include "musher/test/application/inspected.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
@@ -77,18 +78,11 @@ class Scene : public fsm::State {
   fsm::EventId again_ = fsm::kNoEvent;
 };
 
-class Show : public FsmActuator {
+class Show : public FsmActuator, public Inspected<Show> {
  public:
   explicit Show(Options options = {.rate_hz = 50}) : FsmActuator("show", std::move(options)) {}
 
   ShowData& data() { return data_; }  // before Start(), or by RunOnLoop()
-  // The result of `look`, between two ticks.
-  template <class Look>
-  auto Of(Look look) {
-    decltype(look(*this)) found{};
-    RunOnLoop([&] { found = look(*this); });
-    return found;
-  }
   std::string Path() {
     return Of([](Show& show) { return show.machine().Path(); });
   }
@@ -176,10 +170,11 @@ class Harness {
   transport::NodeThread& node() { return *node_; }
   MachineController& controller() { return controller_; }
 
-  // The show, or another actuator with its name, is set up and has received /clock.
+  // The show, or another actuator with its name, is set up and has received /clock. `node`: its
+  // own.
   template <class Application>
-  void Open(Application& show) {
-    const Result<> ready = show.Init(path());
+  void Open(Application& show, std::shared_ptr<transport::NodeThread> node = nullptr) {
+    const Result<> ready = show.Init(path(), std::move(node));
     ASSERT_TRUE(ready) << ready.error().message;
     const Result<> started = show.Start();
     ASSERT_TRUE(started) << started.error().message;

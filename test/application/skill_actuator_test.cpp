@@ -9,6 +9,7 @@
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/test/application/skill_tasks.hpp"
+#include "musher/test/application/suspended_thread.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 #include "musher/test/support/refusals.hpp"
@@ -22,6 +23,7 @@ using testing::HasRefusal;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::StartsWith;
+using testing::SuspendedThread;
 using Tasks = testing::SkillTasks;
 
 class ASkillActuator : public testing::SkillActuatorTest {};
@@ -129,6 +131,37 @@ TEST_F(APauseOfOneSkill, StopsItsTimeAndKeepsItsGoalUntilItIsResumed) {
   EXPECT_EQ(Ask("wait", false), "true WAITING");
   harness_.Tick(tasks, 30);
   EXPECT_EQ(EndOf(sent), "succeeded true completed: Waited (100%)");
+}
+
+// A goal that waited in the kernel was executed when the robot's computer ran again.
+TEST_F(APauseOfOneSkill, IsNotEndedAndNoGoalBegunByWhatWaitedWhileTheComputerWasSuspended) {
+  const auto thread = std::make_shared<SuspendedThread>();
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks, thread);
+  const auto sent = Send("wait", {{"duration_s", "0.5"}});
+  AwaitAccepted(sent);
+  thread->SuspendEachTime(std::chrono::seconds(9));
+  EXPECT_EQ(Ask("wait", true), "true WAITING");
+  EXPECT_THAT(Ask("wait", false), HasRefusal(ApplicationRefusal::kMayBeLate));
+  EXPECT_THAT(EndOf(Send("fail")), HasRefusal(ApplicationRefusal::kMayBeLate));
+  EXPECT_EQ(tasks.StateOf("fail"), "IDLE");
+  const auto own = tasks.Of([](Tasks& t) { return t.CheckMayStart(); });
+  EXPECT_THAT(own ? "" : own.error().message, HasRefusal(ApplicationRefusal::kMayBeLate))
+      << "a request of the application's own";
+  thread->SuspendEachTime({});
+}
+
+// A drive went on by itself when the robot's computer was opened an hour later.
+TEST_F(APauseOfOneSkill, EndsAsCancelledByALongSuspension) {
+  const auto thread = std::make_shared<SuspendedThread>();
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks, thread);
+  const auto sent = Send("wait", {{"duration_s", "0.5"}});
+  AwaitAccepted(sent);
+  thread->SuspendEachTime(std::chrono::minutes(2));
+  harness_.Tick(tasks, 2);
+  EXPECT_THAT(EndOf(sent), HasSubstr("it does not go on: its process could not run for "));
+  thread->SuspendEachTime({});
 }
 
 TEST_F(APauseOfOneSkill, LastsOverAPauseOfTheRobotAndIsResumedInActiveOnly) {
@@ -402,16 +435,9 @@ TEST_F(ASkillActuator, CancelsItsSkillsAtOnceByAnEmergencyStop) {
   Begin(tasks);
   const auto sent = Send("wait", {{"duration_s", "9"}});
   AwaitAccepted(sent);
-  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
-  harness_.node().RunOnLoop([&] {
-    button = transport::MakePublisher<msg::EmergencyStop>(
-                 harness_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
-                 .value();
-    static_cast<void>(button->Publish({7, true, "a test", ""}));
-  });
+  harness_.PressEmergencyStop();
   EXPECT_EQ(EndOf(sent), "aborted false cancelled: emergency stop (0%)");
   EXPECT_FALSE(tasks.Of([](Tasks& t) { return t.ticking(); }));
-  harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
 TEST_F(ASkillActuator, DoesNotConfirmAnEmergencyStopAtWhichTheEndOfASkillThrows) {

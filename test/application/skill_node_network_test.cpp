@@ -10,6 +10,7 @@
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
+#include "musher/test/transport/node_with_peers.hpp"
 #include "musher/transport/action.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -375,31 +376,6 @@ TEST_F(RunSkill, StartsNoSkillByAnActionThatTwoMachinesServe) {
   EXPECT_THAT(cat.log, IsEmpty());
 }
 
-// A node that knows the processes of other participants, as on DDS.
-class NodeWithPeers : public transport::Node {
- public:
-  explicit NodeWithPeers(std::unique_ptr<transport::Node> node) : node_(std::move(node)) {}
-
-  transport::EventLoop& loop() override { return node_->loop(); }
-  transport::ParticipantId participant() const override { return node_->participant(); }
-  Result<std::unique_ptr<transport::RawWriter>> MakeRawWriter(
-      const std::string& topic, const std::string& type, const transport::Qos& qos,
-      transport::WriterCallbacks callbacks) override {
-    return node_->MakeRawWriter(topic, type, qos, std::move(callbacks));
-  }
-  Result<std::unique_ptr<transport::RawReader>> MakeRawReader(
-      const std::string& topic, const std::string& type, const transport::Qos& qos,
-      transport::ReaderCallbacks callbacks) override {
-    return node_->MakeRawReader(topic, type, qos, std::move(callbacks));
-  }
-  std::vector<transport::PeerInfo> Peers() const override { return peers; }
-
-  std::vector<transport::PeerInfo> peers;
-
- private:
-  std::unique_ptr<transport::Node> node_;
-};
-
 // With security keys an actuator receives no statuses of actuators, but the reports of controllers.
 class RunSkillWithKeys : public RunSkill {
  protected:
@@ -424,7 +400,7 @@ class RunSkillWithKeys : public RunSkill {
     knowing_.peers.push_back({robot.node().participant(), pid, "", 0, ""});
   }
 
-  NodeWithPeers knowing_{network_.MakeNode("desk")};
+  testing::NodeWithPeers knowing_{network_.MakeNode("desk")};
   transport::Endpoints with_peers_{knowing_, ""};
   std::vector<std::unique_ptr<transport::Publisher<msg::MachineStatus>>> reports_;
 };

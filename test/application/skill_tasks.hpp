@@ -32,16 +32,10 @@ class Grip : public skill::Skill {
 };
 
 // Has the name that the harness has a config for.
-class SkillTasks : public SkillActuator {
+class SkillTasks : public SkillActuator, public Inspected<SkillTasks> {
  public:
   explicit SkillTasks(const Options& options = {.rate_hz = 50}) : SkillActuator("show", options) {}
 
-  template <class Look>
-  auto Of(Look look) {
-    decltype(look(*this)) found{};
-    RunOnLoop([&] { found = look(*this); });
-    return found;
-  }
   std::string StateOf(const std::string& skill) {
     return Of([&](SkillTasks& tasks) { return tasks.manager().StateOf(skill).value_or("?"); });
   }
@@ -53,6 +47,7 @@ class SkillTasks : public SkillActuator {
   bool throws_when_paused = false;
   bool grips = false;  // has the skill `grip`
 
+  using SkillActuator::CheckMayStart;
   using SkillActuator::manager;
   using SkillActuator::Now;
   using SkillActuator::ticking;
@@ -96,8 +91,8 @@ class SkillActuatorTest : public ::testing::Test {
   }
 
   template <class Application>
-  void Begin(Application& tasks) {
-    harness_.Open(tasks);
+  void Begin(Application& tasks, std::shared_ptr<transport::NodeThread> node = nullptr) {
+    harness_.Open(tasks, std::move(node));
     ASSERT_TRUE(Go("SelfCheck"));
     ASSERT_TRUE(Go("Active"));
     harness_.node().RunOnLoop([this] {

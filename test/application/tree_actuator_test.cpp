@@ -6,6 +6,7 @@
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
+#include "musher/test/application/suspended_thread.hpp"
 #include "musher/test/application/tree_course.hpp"
 #include "musher/test/support/refusals.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -16,14 +17,17 @@ using ::testing::Contains;
 using testing::Course;
 using ::testing::Each;
 using ::testing::ElementsAre;
+using testing::HasRefusal;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using tree::Status;
 
 class ATreeActuator : public ::testing::Test {
  protected:
   bool Go(const State& state) { return harness_.controller().Switch(state).done(); }
-  void Begin(ActuatorRunner<Course>& course) {
-    harness_.Open(course);
+  void Begin(ActuatorRunner<Course>& course,
+             std::shared_ptr<transport::NodeThread> node = nullptr) {
+    harness_.Open(course, std::move(node));
     ASSERT_TRUE(Go("SelfCheck"));
     ASSERT_TRUE(Go("Active"));
   }
@@ -79,6 +83,69 @@ TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThen
   course.RunOnLoop([&] { course.Restart(); });
   harness_.Tick(course, 1);
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+}
+
+// A match drove on by itself when the computer was opened an hour later.
+TEST_F(ATreeActuator, RestsAfterALongSuspensionUntilACommand) {
+  const auto thread = std::make_shared<testing::SuspendedThread>();
+  ActuatorRunner<Course> course({.rate_hz = 50, .begin = Begin::kOnCommand});
+  Begin(course, thread);
+  course.RunOnLoop([&] { course.Restart(); });
+  harness_.Tick(course, 1);
+  thread->Suspend(std::chrono::seconds(50));
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning, Status::kRunning));
+  course.TakeLog();
+  thread->Suspend(std::chrono::minutes(2));
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kIdle));
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first halted", "pauses"));
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(course, 1);
+  EXPECT_EQ(course.Result(), Status::kIdle) << "a pause is no command";
+}
+
+TEST_F(ATreeActuator, RestsAfterALongSuspensionInAPause) {
+  const auto thread = std::make_shared<testing::SuspendedThread>();
+  ActuatorRunner<Course> course({.rate_hz = 50, .begin = Begin::kOnCommand});
+  Begin(course, thread);
+  course.RunOnLoop([&] { course.Restart(); });
+  harness_.Tick(course, 1);
+  ASSERT_TRUE(Go("LowPower"));
+  course.TakeTicks();
+  thread->Suspend(std::chrono::minutes(2));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kIdle));
+}
+
+TEST_F(ATreeActuator, BeginsAtItsRootAfterALongSuspensionWhereItBeginsByItself) {
+  const auto thread = std::make_shared<testing::SuspendedThread>();
+  ActuatorRunner<Course> course({.rate_hz = 50, .begin = Begin::kAtActive});
+  Begin(course, thread);
+  harness_.Tick(course, 1);
+  course.TakeLog();
+  thread->Suspend(std::chrono::minutes(2));
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first halted", "pauses", "first starts"));
+}
+
+// A match was begun by a request that had waited meanwhile.
+TEST_F(ATreeActuator, DoesNotBeginByAStartThatMayBeLate) {
+  const auto thread = std::make_shared<testing::SuspendedThread>();
+  ActuatorRunner<Course> course({.rate_hz = 50, .begin = Begin::kOnCommand});
+  Begin(course, thread);
+  EXPECT_TRUE(course.Of([](Course& c) { return c.CheckNotLate().ok(); }));
+  thread->SuspendEachTime(std::chrono::seconds(9));
+  EXPECT_FALSE(course.Of([](Course& c) { return c.CheckNotLate().ok(); }));
+  EXPECT_THAT(Send(kStartCommand), HasRefusal(ApplicationRefusal::kMayBeLate));
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), Not(Contains("first starts")));
+  thread->SuspendEachTime({});
+  EXPECT_TRUE(testing::Until([&] { return Send(kStartCommand).empty(); })) << "it is a new one";
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), Contains("first starts"));
 }
 
 TEST_F(ATreeActuator, TicksAtOnceWhereANodeWakesItUp) {
@@ -199,6 +266,24 @@ TEST_F(ATreeActuator, StandsInActiveUntilItIsCommanded) {
   EXPECT_THAT(course.TakeLog(), ElementsAre("first starts")) << "a pause is no restart";
 }
 
+// It was halted in the middle of its work, and began at its root.
+TEST_F(ATreeActuator, IsNotSentBackToItsRootByASecondStart) {
+  ActuatorRunner<Course> course({.rate_hz = 50});
+  Begin(course);
+  EXPECT_EQ(Send("START"), "");
+  harness_.Tick(course, 1);
+  course.TakeLog();
+  EXPECT_EQ(Send("START"), Refused<ApplicationRefusal::kUnderWay>("show").message);
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  harness_.Tick(course, 5);
+  ASSERT_EQ(course.Result(), Status::kSuccess);
+  course.TakeLog();
+  EXPECT_EQ(Send("START"), "") << "it has ended";
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+}
+
 TEST_F(ATreeActuator, BeginsAgainAtOnceWithThatOption) {
   ActuatorRunner<Course> course(
       {.rate_hz = 50, .begin = Begin::kAtActive, .restart_after_end = true});
@@ -254,18 +339,11 @@ TEST_F(ATreeActuator, IsHaltedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRele
   ActuatorRunner<Course> course;
   Begin(course);
   harness_.Tick(course, 2);
-  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
-  harness_.node().RunOnLoop([&] {
-    button = transport::MakePublisher<msg::EmergencyStop>(
-                 harness_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
-                 .value();
-    static_cast<void>(button->Publish({7, true, "a test", ""}));
-  });
+  harness_.PressEmergencyStop();
   Await([&] { return !course.Of([](Course& c) { return c.ticking(); }); });
   EXPECT_THAT(course.TakeLog(), ElementsAre("resumes", "first starts", "first halted", "pauses"));
   harness_.Tick(course, 2);
   EXPECT_THAT(course.TakeLog(), ElementsAre());
-  harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
 TEST_F(ATreeActuator, DoesNotConfirmAnEmergencyStopAtWhichANodeHasThrownInItsHalt) {
@@ -451,7 +529,9 @@ TEST_F(ATreeActuator, DoesNotBeginAgainWhereANodeThatIsHaltedForThatThrows) {
   course.data().throws["first halted"] = "the leg is stuck";
   Begin(course);
   harness_.Tick(course, 2);
-  EXPECT_THAT(Send("START"), HasSubstr("Course/Sequence/first: the leg is stuck"));
+  course.RunOnLoop([&] { course.Restart(); });
+  EXPECT_THAT(course.Of([](Course& c) { return c.last_fault(); }),
+              HasSubstr("Course/Sequence/first: the leg is stuck"));
   course.TakeLog();
   harness_.Tick(course, 2);
   EXPECT_THAT(course.TakeLog(), ElementsAre()) << "what moves below it is not known";

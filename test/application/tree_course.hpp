@@ -62,19 +62,12 @@ class Walk : public tree::StatefulAction {
   int left_ = 0;
 };
 
-class Course : public TreeActuator {
+class Course : public TreeActuator, public Inspected<Course> {
  public:
   explicit Course(Options options = {.rate_hz = 50, .begin = Begin::kAtActive})
       : TreeActuator("show", std::move(options)) {}
 
   CourseData& data() { return data_; }  // before Start(), or by RunOnLoop()
-  // The result of `look`, between two ticks.
-  template <class Look>
-  auto Of(Look look) {
-    decltype(look(*this)) found{};
-    RunOnLoop([&] { found = look(*this); });
-    return found;
-  }
   std::vector<std::string> TakeLog() {
     return Of([](Course& course) { return std::exchange(course.data_.log, {}); });
   }
@@ -91,6 +84,7 @@ class Course : public TreeActuator {
     });
   }
 
+  using TreeActuator::CheckNotLate;
   using TreeActuator::Halt;
   using TreeActuator::last_fault;
   using TreeActuator::Load;

@@ -28,16 +28,10 @@ class Patrol : public TreeActuator {
   std::function<void(const msg::String&)> publish_;
 };
 
-class Peeked : public Patrol {
+class Peeked : public Patrol, public testing::Inspected<Peeked> {
  public:
-  using Patrol::Patrol;
-  template <class Look>
-  auto Of(Look look) {
-    decltype(look(*this)) found{};
-    RunOnLoop([&] { found = look(*this); });
-    return found;
-  }
   using Patrol::Now;
+  using Patrol::Patrol;
   using Patrol::result;
 };
 

@@ -42,7 +42,35 @@ TEST_F(CheckCommand, ReportsEveryFaultWithItsPosition) {
   EXPECT_THAT(ran.out, HasSubstr(file + ":2:14: error: "));
   EXPECT_THAT(ran.out, HasSubstr(file + ":3:11: error: "));
   EXPECT_THAT(ran.out, HasSubstr(file + ":4:16: error: "));
-  EXPECT_THAT(ran.out, Not(HasSubstr("ok")));
+  EXPECT_THAT(ran.out, Not(HasSubstr("ok: ")));
+}
+
+TEST_F(CheckCommand, ReportsAFaultOfTheRulesWithItsPositionInEitherFile) {
+  const std::string config =
+      Write("dog.toml", std::string(kRobotToml) + "\n[safety]\nrules = \"rules.txt\"\n");
+  const Ran missing = RunProgram({"check", config});
+  EXPECT_EQ(missing.exit, 2);
+  EXPECT_THAT(missing.out, HasSubstr(config + ":21:1: error: safety.rules: " +
+                                     folder_ / "rules.txt" + ": the file cannot be read"));
+  const std::string rules = Write("rules.txt", "\nnever eyse Active\n");
+  const Ran wrong = RunProgram({"check", config});
+  EXPECT_EQ(wrong.exit, 2);
+  EXPECT_THAT(wrong.out, HasSubstr(rules + ":2:7: error: "));
+  EXPECT_THAT(wrong.out, HasSubstr("did you mean 'eyes'?"));
+  Write("rules.txt", "never eyes Active while legs is LowPower\n");
+  const Ran right = RunProgram({"check", config});
+  EXPECT_EQ(right.exit, 0) << right.out;
+}
+
+// Of a config that is not valid itself, the actuators that a rule may name are not known.
+TEST_F(CheckCommand, LeavesTheRulesOfAnInvalidConfigAlone) {
+  Write("rules.txt", "never eyse Active\n");
+  const Ran ran = RunProgram(
+      {"check", Write("dog.toml", std::string(kRobotToml) + "[safety]\nrules = \"rules.txt\"\n"
+                                                            "permit_ms = 1\n")});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr("safety.permit_ms"));
+  EXPECT_THAT(ran.out, Not(HasSubstr("rules.txt")));
 }
 
 TEST_F(CheckCommand, LetsWarningsPass) {
@@ -65,7 +93,7 @@ TEST_F(CheckCommand, NamesThePlaceOfALogGroupThatThisHostDoesNotHave) {
   EXPECT_THAT(ran.out, HasSubstr(file + ":" + std::to_string(line) +
                                  ":1: error: controller.log_group: this host has no group "
                                  "'no_such_group'"));
-  EXPECT_THAT(ran.out, Not(HasSubstr("ok")));
+  EXPECT_THAT(ran.out, Not(HasSubstr("ok: ")));
   text.replace(text.find("no_such_group"), 13, "root");
   EXPECT_EQ(RunProgram({"check", Write("dog.toml", text)}).exit, 0);
 }

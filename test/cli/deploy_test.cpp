@@ -28,6 +28,7 @@ namespace musher::cli::deploy_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 namespace fs = std::filesystem;
 
@@ -601,6 +602,41 @@ TEST_F(Deployed, KeysAreBesideTheConfigThatNamesThem) {
   ASSERT_EQ(ran.exit, 0) << ran.err;
   EXPECT_TRUE(fs::exists(Slot("vision") + "/etc/keys/eyes.key"));
   EXPECT_TRUE(fs::exists(Slot("payload") + "/keys/ears.key"));
+}
+
+TEST_F(Deployed, RulesAreBesideTheConfigThatNamesThem) {
+  Write("robot.toml", ReadFile(folder_ / "robot.toml") + "[safety]\nrules = \"etc/rules.txt\"\n");
+  Write("etc/rules.txt", "never ears Active while eyes is exited\n");
+  Edit(Slot("vision") + "/robot.toml", Slot("vision") + "/in/robot.toml");
+  const Ran ran = Deploy("1.0.0");
+  ASSERT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_THAT(ran.err, Not(HasSubstr("rules")));
+  for (const std::string& slot : {Slot("vision") + "/in", Slot("payload")}) {
+    EXPECT_EQ(ReadFile(slot + "/etc/rules.txt"), ReadFile(folder_ / "etc/rules.txt"));
+    EXPECT_THAT(RunProgram({"check", slot + "/robot.toml"}).out, Not(HasSubstr("rules.txt")));
+  }
+}
+
+TEST_F(Deployed, RulesThatAreNotCopiedAreNamed) {
+  const std::string robot = ReadFile(folder_ / "robot.toml");
+  for (const auto& [rules, reason] :
+       {std::pair("missing.txt", "it is missing here"), std::pair("../ssh", "it is not below ")}) {
+    Write("dog/robot.toml", robot + "[safety]\nrules = \"" + rules + "\"\n");
+    const Ran ran = RunProgram({"deploy", folder_ / "dog/robot.toml", "--version", "1.0.0", "--key",
+                                folder_ / "dog.key", "--from", folder_ / "from"});
+    EXPECT_EQ(ran.exit, 0) << ran.err;
+    EXPECT_THAT(ran.err, HasSubstr(reason));
+    fs::remove_all(Root("vision"));
+    fs::remove_all(Root("payload"));
+  }
+}
+
+// The bytes of a key are no rules; `deploy` reads them before any other program does.
+TEST_F(Deployed, PrivateKeyThatIsNamedAsRulesIsRefused) {
+  Write("robot.toml", ReadFile(folder_ / "robot.toml") + "[safety]\nrules = \"dog.key\"\n");
+  const Ran ran = Deploy("1.0.0");
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("dog.key is a private key"));
 }
 
 TEST_F(Deployed, KeyOfAnotherUserThanTheLoginIsRefused) {

@@ -113,6 +113,16 @@ TEST(Compare, ShowsTransitionsOnlyWhereAFileHasItsOwn) {
               ElementsAre("transition/from → to:  > LowPower → Active"));
 }
 
+TEST(Compare, RulesNeedATakeover) {
+  const std::string robot = std::string(kRobotToml) + "[safety]\npermit_ms = 500\n";
+  const ConfigDiff added = Compare(Read(robot), Read(robot + "rules = \"/etc/rules.txt\"\n"));
+  EXPECT_THAT(Changes(added), ElementsAre("safety/rules: none > /etc/rules.txt"));
+  EXPECT_FALSE(added.needs_new_start);
+  const ConfigDiff alone = DiffTo(std::string(kRobotToml) + "[safety]\nrules = \"rules.txt\"\n");
+  EXPECT_THAT(Changes(alone), ElementsAre("safety/:  > "));
+  EXPECT_FALSE(alone.needs_new_start);
+}
+
 TEST(Compare, ShowsTheTablesThatTheFileHas) {
   const ConfigDiff diff = DiffTo(std::string(kRobotToml) +
                                  "[policy.battery]\nprotected_at = 30\n[policy.reboot]\ncommand = "

@@ -402,7 +402,8 @@ TEST(Diagnose, WhatIsNotKnownOrNotUsedDoesNotCount) {
 
 TEST(Diagnose, SaysWhyTimesAreNotKnown) {
   DoctorFacts facts = Healthy();
-  EXPECT_THAT(Check(facts, "time limits").reason, HasSubstr("120 commands in the last 7 days"));
+  EXPECT_THAT(Check(facts, "time limits").reason,
+              HasSubstr("120 commands and starts in the last 7 days"));
   facts.times = {"", 0};
   EXPECT_EQ(Check(facts, "time limits").health, CheckStatus::kNotApplicable);
   facts.times = {"the disk did not answer within 2000 ms"};

@@ -3,6 +3,7 @@
 // it: its heartbeat, what it publishes of the machine, and the services that a test gives it.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -46,6 +47,14 @@ class FakeController {
   FakeController(const FakeController&) = delete;
   FakeController& operator=(const FakeController&) = delete;
 
+  // It has started the machine from that file.
+  void SetConfigFile(const std::string& config_file) {
+    thread_->RunOnLoop([&] {
+      status_.config_file = config_file;
+      statuses_(status_);
+    });
+  }
+
   // Offers a service, such as "get_status". The handler runs on the thread of the loop.
   template <msg::Service S>
   void Serve(const std::string& service, typename transport::Server<S>::Handler handler) {
@@ -66,8 +75,9 @@ class FakeController {
         transport::ControllerHeartbeatTopic(""), transport::kLatchedQos);
     beat(heartbeat_);
     endpoints_->Every(kPeriod, [this, beat] { beat(heartbeat_); });
-    endpoints_->PublishFunction<msg::MachineStatus>(transport::MachineStatusTopic(""),
-                                                    transport::kLatchedQos)(status_);
+    statuses_ = endpoints_->PublishFunction<msg::MachineStatus>(transport::MachineStatusTopic(""),
+                                                                transport::kLatchedQos);
+    statuses_(status_);
     // It is not resolved in the namespace.
     infos_ = transport::MakePublisher<msg::MachineInfo>(
                  thread_->node(), std::string(transport::kMachinesTopic), transport::kLatchedQos)
@@ -80,6 +90,7 @@ class FakeController {
   const std::string name_space_;
   msg::MachineStatus status_;
   msg::ControllerHeartbeat heartbeat_;
+  std::function<void(const msg::MachineStatus&)> statuses_;
   std::shared_ptr<transport::NodeThread> thread_;
   std::unique_ptr<transport::Publisher<msg::MachineInfo>> infos_;
   std::unique_ptr<transport::Endpoints> endpoints_;

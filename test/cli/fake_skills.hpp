@@ -23,6 +23,19 @@
 
 namespace musher::cli {
 
+// Latches the status of an actuator of that machine, of another host.
+inline void PublishStatusOf(transport::Endpoints& endpoints, const std::string& actuator,
+                            const MachineIdentity& machine) {
+  msg::ActuatorStatus status;
+  status.name = actuator;
+  status.state = "Active";
+  status.host = "another boot/1";
+  status.machine = machine.name;
+  status.machine_id = machine.id;
+  endpoints.PublishFunction<msg::ActuatorStatus>(transport::ActuatorStatusTopic(""),
+                                                 transport::kLatchedQos)(status);
+}
+
 class FakeSkills {
  public:
   using Goal = transport::ServerGoal<msg::SkillExecution>;
@@ -33,15 +46,7 @@ class FakeSkills {
       : actuator_(std::move(actuator)), thread_(transport::NodeThread::Start().value()) {
     thread_->RunOnLoop([&] {
       Open(name_space);
-      if (machine.name.empty()) return;
-      msg::ActuatorStatus status;
-      status.name = actuator_;
-      status.state = "Active";
-      status.host = "another boot/1";
-      status.machine = machine.name;
-      status.machine_id = machine.id;
-      endpoints_->PublishFunction<msg::ActuatorStatus>(transport::ActuatorStatusTopic(""),
-                                                       transport::kLatchedQos)(status);
+      if (!machine.name.empty()) PublishStatusOf(*endpoints_, actuator_, machine);
     });
   }
   ~FakeSkills() {

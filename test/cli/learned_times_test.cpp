@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "musher/cli/machine/command_times.hpp"
 #include "musher/cli/render/times.hpp"
+#include "musher/lifecycle/event_name.hpp"
 
 namespace musher::cli::learned_times_test {
 
@@ -173,6 +175,74 @@ TEST_F(Learning, OfAStateThatTheConfigDoesNotListProposesNothing) {
 TEST_F(Learning, TakesARestOfZeroMilliseconds) {
   Took(200, 0);
   EXPECT_EQ(Active().proposed_ms, 100) << "the least margin";
+}
+
+// --- SetUp, which is no command ---
+
+class LearningSetUp : public Learning {
+ protected:
+  void Add(std::int64_t ms, EventName event, const std::string& data = "", Epoch epoch = 1) {
+    JournalEntry entry;
+    entry.wall_ns = entry.steady_ns = ms * 1'000'000;
+    entry.epoch = epoch;
+    entry.actuator = "legs";
+    entry.event = NameOf(event);
+    entry.data = data;
+    entries_.push_back(entry);
+  }
+  std::vector<CommandTime> Times() const { return CommandTimesOf(entries_, "a.sqlite"); }
+
+  std::vector<JournalEntry> entries_;
+};
+
+TEST_F(LearningSetUp, TakesFromTheStartOfAProcessUntilItsActuatorIsPresent) {
+  Add(1000, EventName::kProcessStarted);
+  Add(1300, EventName::kActuatorPresent);
+  Add(9000, EventName::kActuatorPresent);  // its connection was lost meanwhile
+  ASSERT_EQ(Times().size(), 1U);
+  EXPECT_EQ(Times()[0].actuator, "legs");
+  EXPECT_EQ(Times()[0].state, "SetUp");
+  EXPECT_EQ(Times()[0].took_ms, 300);
+  EXPECT_FALSE(Times()[0].overdue);
+  EXPECT_EQ(Times()[0].journal, "a.sqlite");
+  const LearnedTime row = LearnTimes(Times(), config_, {}).at(0);
+  EXPECT_EQ(row.limit_ms, 9000);
+  EXPECT_THAT(TimesText({row}, config_, false), HasSubstr("99 more starts needed for a limit"));
+}
+
+TEST_F(LearningSetUp, IsOverdueAtItsLimit) {
+  Add(1000, EventName::kProcessStarted);
+  Add(9990, EventName::kNotAnnounced, R"({"arguments": {"within_ms": 9000}})");
+  Add(9999, EventName::kActuatorPresent);  // too late
+  ASSERT_EQ(Times().size(), 1U);
+  EXPECT_TRUE(Times()[0].overdue);
+  EXPECT_EQ(LearnTimes(Times(), config_, {}).at(0).overdue_at_limit, 1U);
+  EXPECT_THAT(TimeWarnings(LearnTimes(Times(), config_, {})),
+              ElementsAre("legs: SetUp was overdue in 1 of 1 start, its limit is 9000 ms"));
+}
+
+TEST_F(LearningSetUp, IsNotLearnedFromWhatHasNoBeginOrNoEnd) {
+  Add(1000, EventName::kProcessStarted);
+  Add(1200, EventName::kProcessExited);
+  Add(1500, EventName::kActuatorPresent);  // started by hand
+  Add(2000, EventName::kProcessStarted);
+  Add(2500, EventName::kActuatorPresent, "", 2);  // of the next controller
+  Add(3000, EventName::kProcessStarted);
+  entries_.back().message = "legs runs on host arm already (pid 7)";
+  Add(3100, EventName::kActuatorPresent);
+  EXPECT_THAT(Times(), IsEmpty());
+}
+
+// Of the starts those after a boot are few, and the slow ones.
+TEST_F(LearningSetUp, ProposesNoLimitBelowTheLongestStart) {
+  for (int i = 0; i < 2000; ++i) {
+    const std::int64_t begin = 20'000 * i;
+    Add(begin + 1, EventName::kProcessStarted);
+    Add(begin + 1 + (i == 700 ? 4000 : 200), EventName::kActuatorPresent);
+  }
+  const LearnedTime row = LearnTimes(Times(), config_, {}).at(0);
+  EXPECT_EQ(row.p999_ms, 200);
+  EXPECT_EQ(row.proposed_ms, 6000);
 }
 
 }  // namespace musher::cli::learned_times_test

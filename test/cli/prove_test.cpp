@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -49,6 +50,9 @@ constexpr const char* kSixTimes = "times = [1000, 1000, 1000, 1000, 1000, 1000]\
 
 class Proving : public ::testing::Test {
  protected:
+  Proving() { setenv("XDG_CACHE_HOME", (folder_ / "cache").c_str(), 1); }
+  ~Proving() override { unsetenv("XDG_CACHE_HOME"); }
+
   std::string Config(const std::string& text) const {
     std::ofstream(folder_ / "robot.toml") << text;
     return folder_ / "robot.toml";
@@ -63,7 +67,35 @@ class Proving : public ::testing::Test {
                         "restart = \"no\"\n"));
   }
 
+  // The proof from DeActive, ended by its budget once a search has finished.
+  Ran Interrupted(const std::string& file) const {
+    for (double budget_s = 0.5;; budget_s *= 2) {
+      Ran ran = RunProgram({"prove", file, "--from", "DeActive", "--faults", "9", "--budget",
+                            std::to_string(budget_s), "--json"});
+      EXPECT_EQ(ran.exit, 5) << ran.out << ran.err;
+      const auto json = nlohmann::json::parse(ran.out);
+      for (const auto& search : json["searches"]) {
+        if (search["complete"] == true) return ran;
+      }
+      if (HasFailure()) return ran;
+    }
+  }
+  // Continues it up to no fault; how many searches are those of the earlier run.
+  int Resume(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {
+        "prove",   folder_ / "robot.toml", "--from", "DeActive", "--faults", "0", "--json",
+        "--resume"};
+    words.insert(words.end(), more.begin(), more.end());
+    resumed_ = RunProgram(words);
+    EXPECT_EQ(resumed_.exit, 0) << resumed_.out << resumed_.err;
+    const auto json = nlohmann::json::parse(resumed_.out);
+    int earlier = 0;
+    for (const auto& search : json["searches"]) earlier += search["earlier_run"] == true ? 1 : 0;
+    return earlier;
+  }
+
   TempFolder folder_;
+  Ran resumed_;
 };
 
 TEST_F(Proving, AValidRobotIsProvedForOneFault) {
@@ -81,7 +113,9 @@ TEST_F(Proving, TheJsonHasEverySearchAndTheResult) {
   EXPECT_EQ(json["proved_faults"], 1);
   EXPECT_EQ(json["from"], "DeActive");
   EXPECT_TRUE(json["rules"].is_null());
-  EXPECT_TRUE(json["left_out"].empty());
+  EXPECT_TRUE(json["rule_coverage"].is_null());
+  EXPECT_THAT(json["left_out"].dump(), HasSubstr("another machine (--other-machine"));
+  EXPECT_EQ(json["left_out"].size(), 1U);
   EXPECT_TRUE(json["counter_example"].is_null());
   EXPECT_GE(json["searches"].size(), 8U);
   for (const auto& search : json["searches"]) EXPECT_EQ(search["from"], "DeActive");
@@ -188,21 +222,126 @@ TEST_F(Proving, WhatIsLeftOutOfTheConfigIsNamed) {
   EXPECT_EQ(ran.exit, 0) << ran.out << ran.err;
   EXPECT_THAT(ran.out, HasSubstr("not searched: [safety] permit_ms; checkpoints of lamp"));
   const Ran json = RunProgram({"prove", file, "--faults", "0", "--json"});
-  EXPECT_EQ(nlohmann::json::parse(json.out)["left_out"].size(), 2U) << json.out;
+  EXPECT_EQ(nlohmann::json::parse(json.out)["left_out"].size(), 3U) << json.out;
+}
+
+TEST_F(Proving, MessagesOfAnotherMachineAreFaultsWhereTheyAreToBeSearched) {
+  const std::vector<std::string> words = {"prove", Valid(), "--from", "DeActive", "--json"};
+  std::vector<std::string> with = words;
+  with.emplace_back("--other-machine");
+  const Ran ran = RunProgram(with);
+  EXPECT_EQ(ran.exit, 0) << ran.out << ran.err;
+  const auto json = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(json["result"], "proved");
+  EXPECT_TRUE(json["left_out"].empty()) << json["left_out"];
+  const auto without = nlohmann::json::parse(RunProgram(words).out);
+  EXPECT_GT(json["transitions"], without["transitions"]);
+}
+
+// Its path counts the events of another machine.
+TEST_F(Proving, TheCommandThatReplaysNamesTheOtherMachineToo) {
+  const Ran ran = RunProgram({"prove", WithoutFallback(), "--other-machine"});
+  EXPECT_EQ(ran.exit, 1) << ran.out << ran.err;
+  EXPECT_THAT(ran.out, ::testing::ContainsRegex("Replay it: musher prove [^ ]+ --other-machine "
+                                                "--from [A-Za-z]+ --to [A-Za-z]+ --faults 1 "));
 }
 
 // As if by Ctrl-C: the signal waits for the program to take it.
-TEST_F(Proving, WhatIsProvedIsSaidWhereItIsInterrupted) {
+Ran RunInterrupted(const std::vector<std::string>& words) {
   sigset_t interrupt;
   sigset_t before;
   sigemptyset(&interrupt);
   sigaddset(&interrupt, SIGINT);
   pthread_sigmask(SIG_BLOCK, &interrupt, &before);
   raise(SIGINT);
-  const Ran ran = RunProgram({"prove", Valid(), "--faults", "9"});
+  Ran ran = RunProgram(words);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   EXPECT_EQ(ran.exit, 130) << ran.out;
-  EXPECT_THAT(ran.out, HasSubstr("Not finished: it was interrupted; "));
+  return ran;
+}
+
+TEST_F(Proving, WhatIsProvedIsSaidWhereItIsInterrupted) {
+  const Ran ran = RunInterrupted({"prove", Valid(), "--faults", "9"});
+  EXPECT_THAT(ran.out,
+              AllOf(HasSubstr("Not finished: it was interrupted; "), Not(HasSubstr("--resume"))));
+}
+
+TEST_F(Proving, AnInterruptedProofIsContinuedByTheCommandThatItPrints) {
+  const std::string file = Valid();
+  const auto interrupted = nlohmann::json::parse(Interrupted(file).out);
+  EXPECT_EQ(interrupted["resume"], "musher prove " + file + " --from DeActive --faults 9 --resume");
+  const std::vector<std::string> words = {"prove", file, "--from", "DeActive", "--faults", "0"};
+  std::vector<std::string> as_json = words;
+  as_json.emplace_back("--json");
+  const auto fresh = nlohmann::json::parse(RunProgram(as_json).out);
+  EXPECT_GT(Resume(), 0);
+  const auto resumed = nlohmann::json::parse(resumed_.out);
+  EXPECT_EQ(resumed["result"], "proved");
+  EXPECT_TRUE(resumed["resume"].is_null());
+  EXPECT_EQ(resumed["states"], fresh["states"]);
+  EXPECT_EQ(resumed["transitions"], fresh["transitions"]);
+  EXPECT_EQ(resumed["searches"].size(), fresh["searches"].size());
+}
+
+// The file also has the searches from other states.
+TEST_F(Proving, AProofThatIsInterruptedAtOnceCountsOnlyTheSearchesThatItCanUse) {
+  const std::string file = Valid();
+  Interrupted(file);
+  const auto from = [&file](const std::string& state) {
+    const Ran ran =
+        RunInterrupted({"prove", file, "--from", state, "--faults", "9", "--resume", "--json"});
+    return nlohmann::json::parse(ran.out)["resume"];
+  };
+  EXPECT_TRUE(from("Active").is_null());
+  EXPECT_FALSE(from("DeActive").is_null());
+}
+
+TEST_F(Proving, TheTextNamesTheCommandThatContinues) {
+  const std::string file = Valid();
+  Interrupted(file);
+  std::string text;
+  for (int budget_s = 1; text.find("Continue: ") == std::string::npos && budget_s < 100;) {
+    text = RunProgram({"prove", file, "--from", "DeActive", "--faults", "9", "--resume", "--budget",
+                       std::to_string(budget_s *= 2)})
+               .out;
+  }
+  EXPECT_THAT(text, AllOf(HasSubstr("made by an earlier run"),
+                          HasSubstr("kept. Continue: musher prove " + file +
+                                    " --from DeActive --faults 9 --resume\n")));
+}
+
+TEST_F(Proving, WhatAnotherConfigOrOtherRulesHaveKeptDoesNotCount) {
+  const std::string file = Valid();
+  Interrupted(file);
+  const std::string none =
+      "--resume: no finished searches of this config, its rules and this build "
+      "of Musher are kept; all searches are made";
+  std::ofstream(folder_ / "rules.txt") << "never lamp Active while legs is exited\n";
+  EXPECT_EQ(Resume({"--rules", folder_ / "rules.txt"}), 0);
+  EXPECT_THAT(resumed_.err, HasSubstr(none));
+  EXPECT_EQ(Resume({"--other-machine"}), 0);
+  EXPECT_THAT(resumed_.err, HasSubstr(none));
+  std::ofstream(file, std::ios::app) << "# changed\n";
+  EXPECT_EQ(Resume(), 0);
+  EXPECT_THAT(resumed_.err, HasSubstr(none));
+}
+
+TEST_F(Proving, ADamagedFileOfFinishedSearchesIsNamedAndAllIsSearchedAgain) {
+  Interrupted(Valid());
+  const auto kept = EntriesOf(folder_ / "cache/musher/prove");
+  ASSERT_EQ(kept.size(), 1U);
+  std::ofstream(kept.front(), std::ios::app) << "x";
+  EXPECT_EQ(Resume(), 0);
+  EXPECT_THAT(resumed_.err,
+              HasSubstr(kept.front().string() + ": it is damaged; all searches are made\n"));
+}
+
+TEST_F(Proving, SearchesThatCannotBeKeptAreSaid) {
+  const std::string file = Valid();
+  setenv("XDG_CACHE_HOME", file.c_str(), 1);  // which is no folder
+  const Ran ran = Interrupted(file);
+  EXPECT_TRUE(nlohmann::json::parse(ran.out)["resume"].is_null());
+  EXPECT_THAT(ran.err, HasSubstr("finished searches are not kept: can't make the folder "));
 }
 
 TEST_F(Proving, ABudgetThatIsUsedUpSaysWhatIsProved) {
@@ -228,6 +367,85 @@ TEST_F(Proving, ARuleOfItsUserIsChecked) {
   const Ran bad = RunProgram({"prove", Valid(), "--rules", rules, "--from", "Active"});
   EXPECT_EQ(bad.exit, 1) << bad.out;
   EXPECT_THAT(bad.out, HasSubstr("✗ your rule: never lamp Protected while legs is Protected"));
+}
+
+TEST_F(Proving, TheRulesThatTheConfigNamesAreChecked) {
+  const std::string file =
+      Config(Robot(kAllStates, std::string(kSixTimes) + "on_lost = \"Active\"\n") +
+             "[safety]\nrules = \"rules.txt\"\n");
+  std::ofstream(folder_ / "rules.txt") << "never lamp Protected while legs is Protected\n";
+  const Ran bad = RunProgram({"prove", file, "--from", "Active"});
+  EXPECT_EQ(bad.exit, 1) << bad.out << bad.err;
+  EXPECT_THAT(bad.out, AllOf(HasSubstr("✗ your rule: never lamp Protected while legs is Protected"),
+                             Not(HasSubstr("--rules"))));
+  std::ofstream(folder_ / "others.txt") << "never lamp Active while legs is exited\n";
+  const Ran others =
+      RunProgram({"prove", file, "--from", "Active", "--rules", folder_ / "others.txt"});
+  EXPECT_EQ(others.exit, 0) << others.out;
+}
+
+// That it holds says nothing then: without a fault legs are never exited in a stable state.
+TEST_F(Proving, ARuleWhoseConditionIsNeverReachedIsNamed) {
+  const std::string rules = folder_ / "rules.txt";
+  std::ofstream(rules) << "never lamp Active while legs is exited\n"
+                          "never lamp Protected while legs is not Protected\nnever lamp SetUp\n";
+  const std::vector<std::string> words = {"prove",  Valid(),  "--rules",  rules,
+                                          "--from", "Active", "--faults", "0"};
+  const Ran ran = RunProgram(words);
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_THAT(ran.out,
+              AllOf(HasSubstr("  UNTESTED  never lamp Active while legs is exited: its condition "
+                              "holds in none of "),
+                    HasSubstr("  rule      never lamp Protected while legs is not Protected: its "
+                              "condition holds in "),
+                    HasSubstr("  rule      never lamp SetUp: lamp is in SetUp in 0 of ")));
+  std::vector<std::string> as_json = words;
+  as_json.emplace_back("--json");
+  const auto coverage = nlohmann::json::parse(RunProgram(as_json).out)["rule_coverage"];
+  ASSERT_EQ(coverage.size(), 3U);
+  EXPECT_EQ(coverage[0]["tested"], false);
+  EXPECT_EQ(coverage[0]["condition"], 0);
+  EXPECT_GT(coverage[0]["stable_states"], 0);
+  EXPECT_EQ(coverage[1]["tested"], true);
+  EXPECT_GT(coverage[1]["condition"], 0);
+  EXPECT_GT(coverage[1]["forbidden"], 0) << "lamp was in Protected, beside legs in Protected";
+  EXPECT_EQ(coverage[2]["tested"], true);
+  EXPECT_TRUE(coverage[2]["condition"].is_null());
+  EXPECT_EQ(coverage[2]["forbidden"], 0);
+}
+
+TEST_F(Proving, ARuleWithATimeIsRefusedWithWhereItIsChecked) {
+  const std::string rules = folder_ / "rules.txt";
+  std::ofstream(rules) << "never lamp Active while legs is exited\n"
+                          "within 5 s of DeActive lamp in DeActive\n";
+  const Ran ran = RunProgram({"prove", Valid(), "--rules", rules});
+  EXPECT_EQ(ran.exit, 2) << ran.out;
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("rules.txt:2:1: error: 'within 5 s of DeActive lamp in "
+                                       "DeActive' has a time"),
+                             HasSubstr("`musher simulate` checks it")));
+}
+
+// The others are proved.
+TEST_F(Proving, ARuleWithATimeThatTheConfigNamesIsSaidToBeLeftOut) {
+  std::ofstream(folder_ / "rules.txt") << "never lamp Active while legs is exited\n"
+                                          "within 5 s of DeActive lamp in DeActive\n";
+  const std::string file =
+      Config(Robot(kAllStates, std::string(kSixTimes) + "on_lost = \"Active\"\n") +
+             "[safety]\nrules = \"rules.txt\"\n");
+  const std::vector<std::string> words = {"prove", file, "--from", "Active", "--faults", "0"};
+  const Ran ran = RunProgram(words);
+  EXPECT_EQ(ran.exit, 0) << ran.out << ran.err;
+  const std::string said =
+      "the rule 'within 5 s of DeActive lamp in DeActive', which `musher simulate` and the "
+      "controller check";
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("1 rule of your own"), HasSubstr("not searched: " + said)));
+  std::vector<std::string> as_json = words;
+  as_json.emplace_back("--json");
+  const auto json = nlohmann::json::parse(RunProgram(as_json).out);
+  EXPECT_EQ(json["rules"], 1);
+  EXPECT_EQ(json["rule_coverage"].size(), 1U);
+  ASSERT_EQ(json["left_out"].size(), 2U);
+  EXPECT_THAT(json["left_out"][0].get<std::string>(), HasSubstr(said));
 }
 
 TEST_F(Proving, AWrongRuleIsReportedWithItsPlace) {
@@ -277,6 +495,8 @@ std::vector<std::string> Shipped() {
 
 // The result of a proof of the config, as JSON; prints its figures.
 nlohmann::json Proved(const std::string& name, const std::vector<std::string>& options) {
+  static const TempFolder cache;
+  setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
   std::vector<std::string> words = {"prove", SourceDir() + "/config/" + name + ".toml", "--json"};
   words.insert(words.end(), options.begin(), options.end());
   const Ran ran = RunProgram(words);

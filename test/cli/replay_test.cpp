@@ -180,6 +180,25 @@ TEST_F(Replaying, TimesAreLearnedFromTheJournal) {
   EXPECT_TRUE(times[0]["proposed_ms"].is_null());
 }
 
+TEST_F(Replaying, TimesPrintsWhatChangesInTheConfig) {
+  std::vector<std::string> words = {"times", Config(RobotToml()), "--journal", file_, "--diff"};
+  const Ran none = RunProgram(words);
+  EXPECT_EQ(none.exit, 0) << none.err;
+  EXPECT_EQ(none.out, "");
+  EXPECT_THAT(none.err, HasSubstr("no limit changes\n"));
+  words.emplace_back("--least");
+  words.emplace_back("1");
+  const Ran ran = RunProgram(words);
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_THAT(ran.out, StartsWith("--- "));
+  EXPECT_THAT(ran.out, HasSubstr("other.toml\n+++ "));
+  EXPECT_THAT(ran.out, HasSubstr("\n@@ -"));
+  EXPECT_THAT(ran.out, HasSubstr("\n-times = ["));
+  EXPECT_THAT(ran.out, HasSubstr("\n+times = ["));
+  words.emplace_back("--json");
+  EXPECT_EQ(nlohmann::json::parse(RunProgram(words).out)["diff"], ran.out);
+}
+
 // An unknown actuator gave an empty answer and exit code 0.
 TEST_F(Replaying, HistoryOfAnUnknownActuatorIsAnError) {
   const Ran ran = RunProgram({"history", "--journal", file_, "--actuator", "lags"});

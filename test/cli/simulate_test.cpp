@@ -200,12 +200,72 @@ TEST_F(Simulating, ARuleOfItsUserIsChecked) {
   const std::string config = Config(Robot(kProvided));
   const Ran ran = RunProgram({"simulate", config, "--seeds", kFew, "--rules", rules});
   EXPECT_EQ(ran.exit, 1);
-  EXPECT_THAT(ran.out, AllOf(HasSubstr("VIOLATED  your own rules hold in every stable state"),
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("VIOLATED  your own rules hold (1 rule)"),
                              HasSubstr("✗ never voice Active while machine is Active")));
   std::ofstream(rules) << "never voice Active while machine is Error\n";
   const Ran good = RunProgram({"simulate", config, "--seeds", kFew, "--rules", rules});
   EXPECT_EQ(good.exit, 0) << good.out;
-  EXPECT_THAT(good.out, HasSubstr("holds     your own rules hold in every stable state"));
+  EXPECT_THAT(good.out, HasSubstr("holds     your own rules hold (1 rule)"));
+}
+
+TEST_F(Simulating, ARuleWhoseConditionIsNeverReachedIsNamed) {
+  const std::string rules = folder_ / "rules.txt";
+  // Once it is torn down nothing is checked: the machine is never stable in TearDown.
+  std::ofstream(rules) << "never voice Active while machine is TearDown\n"
+                          "never voice SetUp while voice is Active\n";
+  const std::string config = Config(Robot(kProvided));
+  const std::vector<std::string> words = {"simulate", config, "--seeds", kFew, "--rules", rules};
+  const Ran ran = RunProgram(words);
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_THAT(ran.out,
+              AllOf(HasSubstr("  UNTESTED  never voice Active while machine is TearDown: its "
+                              "condition holds in none of "),
+                    HasSubstr("  rule      never voice SetUp while voice is Active: its "
+                              "condition holds in ")));
+  std::vector<std::string> as_json = words;
+  as_json.emplace_back("--json");
+  const auto coverage = nlohmann::json::parse(RunProgram(as_json).out)["rule_coverage"];
+  ASSERT_EQ(coverage.size(), 2U);
+  EXPECT_EQ(coverage[0]["tested"], false);
+  EXPECT_EQ(coverage[0]["condition"], 0);
+  EXPECT_GT(coverage[0]["stable_states"], 0);
+  EXPECT_EQ(coverage[1]["tested"], true);
+  EXPECT_GT(coverage[1]["condition"], 0);
+  EXPECT_GE(coverage[1]["stable_states"], coverage[1]["condition"]);
+}
+
+TEST_F(Simulating, ARuleWithATimeIsChecked) {
+  const std::string rules = folder_ / "rules.txt";
+  std::ofstream(rules) << "within 1 ms of Active voice in Active\n";
+  const std::string config = Config(Robot(kProvided));
+  const Ran bad = RunProgram({"simulate", config, "--seeds", kFew, "--rules", rules});
+  EXPECT_EQ(bad.exit, 1);
+  EXPECT_THAT(bad.out, AllOf(HasSubstr("VIOLATED  your own rules hold (1 rule)"),
+                             HasSubstr("✗ within 1 ms of Active voice in Active")));
+  // No run is so long.
+  std::ofstream(rules) << "within 1440 min of Active voice in Active\n";
+  const std::vector<std::string> words = {"simulate", config, "--seeds", kFew, "--rules", rules};
+  const Ran good = RunProgram(words);
+  EXPECT_EQ(good.exit, 0) << good.out;
+  EXPECT_THAT(good.out, HasSubstr("  rule      within 1440 min of Active voice in Active: its "
+                                  "time begins "));
+  std::vector<std::string> as_json = words;
+  as_json.emplace_back("--json");
+  const auto coverage = nlohmann::json::parse(RunProgram(as_json).out)["rule_coverage"];
+  ASSERT_EQ(coverage.size(), 1U);
+  EXPECT_EQ(coverage[0]["tested"], true);
+  EXPECT_GT(coverage[0]["begun"], 0);
+  EXPECT_GT(coverage[0]["met"], 0);
+  EXPECT_TRUE(coverage[0]["stable_states"].is_null());
+}
+
+TEST_F(Simulating, TheRulesThatTheConfigNamesAreChecked) {
+  std::ofstream(folder_ / "rules.txt") << "never voice Active while machine is Active\n";
+  const std::string config = Config(Robot(kProvided) + "\n[safety]\nrules = \"rules.txt\"\n");
+  const Ran ran = RunProgram({"simulate", config, "--seeds", kFew});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("VIOLATED  your own rules hold (1 rule)"),
+                             Not(HasSubstr("--rules"))));
 }
 
 }  // namespace musher::cli::simulate_test

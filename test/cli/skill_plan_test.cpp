@@ -132,15 +132,7 @@ class FakeDispatcher {
         goal_.reset();
       };
       endpoints_->ServeAction<msg::PlanExecution>("plan_execution", handlers);
-      if (machine.name.empty()) return;
-      msg::ActuatorStatus status;
-      status.name = name;
-      status.state = "Active";
-      status.host = "another boot/1";
-      status.machine = machine.name;
-      status.machine_id = machine.id;
-      endpoints_->PublishFunction<msg::ActuatorStatus>(transport::ActuatorStatusTopic(""),
-                                                       transport::kLatchedQos)(status);
+      if (!machine.name.empty()) PublishStatusOf(*endpoints_, name, machine);
     });
   }
   ~FakeDispatcher() {

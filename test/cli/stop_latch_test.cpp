@@ -8,6 +8,7 @@
 
 #include <fstream>
 #include <list>
+#include <utility>
 
 #include "musher/base/host.hpp"
 #include "musher/cli/render/json.hpp"
@@ -146,6 +147,35 @@ TEST_F(Stop, IsNotConfirmedByTheStatusOfAnActuatorFromBeforeItsHostWasRebooted) 
   EXPECT_THAT(report.Missing(), ElementsAre("legs"));
   legs_->BelongTo("", "", "boot 2");
   EXPECT_TRUE(AfterASecond(listed_in("boot 2")).complete());
+}
+
+// Two processes run as legs. The last status that arrived spoke for both.
+TEST_F(Stop, IsNotConfirmedByOneOfTwoProcessesOfAnActuator) {
+  legs_->BelongTo("", "", "boot 1");
+  const auto cat = network_.MakeNode("cat");
+  std::optional<Listener> second{std::in_place, *cat, "legs"};
+  second->TurnDeaf();
+  second->BelongTo("", "", "boot 2");
+  Engage();
+  EXPECT_FALSE(AfterASecond().complete());
+  legs_->Report("");  // it publishes its status once more
+  const EstopReport report = AfterASecond();
+  EXPECT_THAT(report.Missing(), ElementsAre("legs"));
+  EXPECT_THAT(EstopText(report, false), HasSubstr("several processes run as it"));
+  second->Latch(7);
+  EXPECT_TRUE(AfterASecond().complete());
+}
+
+TEST_F(Stop, IsConfirmedOnceTheProcessOfAnActuatorThatIsNotStoppedHasEnded) {
+  legs_->BelongTo("", "", "boot 1");
+  const auto cat = network_.MakeNode("cat");
+  std::optional<Listener> second{std::in_place, *cat, "legs"};
+  second->TurnDeaf();
+  second->BelongTo("", "", "boot 2");
+  Engage();
+  EXPECT_FALSE(AfterASecond().complete());
+  second.reset();
+  EXPECT_TRUE(AfterASecond().complete());
 }
 
 TEST_F(Stop, NamesThoseThatDoNotLatchIt) {
@@ -401,6 +431,20 @@ TEST_F(Stop, BesideAnEarlierOneIsNotConfirmedBeforeItHasArrivedItself) {
   EXPECT_TRUE(AfterASecond(controller).complete());
 }
 
+// The earlier stop was released just before, and the newer status of an actuator was late: it was
+// reported as stopped before, and could move.
+TEST_F(Stop, IsNotConfirmedByAnActuatorOfWhichOnlyAReleasedStopIsKnown) {
+  legs_->Latch(3);
+  legs_->TurnDeaf();
+  Engage();
+  EXPECT_THAT(AfterASecond(Controller()).Missing(), ElementsAre("legs"));
+  EXPECT_FALSE(AfterASecond(Controller()).settled());
+  EXPECT_THAT(EstopText(AfterASecond(Controller()), false),
+              HasSubstr("only an earlier stop of it is known"));
+  legs_->Latch(7);
+  EXPECT_TRUE(AfterASecond(Controller()).complete());
+}
+
 // A person types it twice: the controller keeps the newer one. The first command waited in vain and
 // ended with an empty sentence.
 TEST_F(Stop, ThatANewerOneOfTheSamePersonHasReplacedIsConfirmedByItsActuators) {
@@ -538,7 +582,25 @@ TEST_F(Stop, IsPrintedAsJson) {
             R"({"engaged":true,"by":"alice@desk","reason":"smoke","complete":false,)"
             R"("controller":true,"earlier":{"by":"alice@desk","reason":"smoke"},"actuators":{)"
             R"("legs":{"stopped":true,"before":true,"after_ms":0.0,"trouble":null},)"
-            R"("eyes":{"stopped":false,"before":false,"after_ms":null,"trouble":null}}})");
+            R"("eyes":{"stopped":false,"before":false,"after_ms":null,"trouble":null}},)"
+            R"("machines":[]})");
+}
+
+// With two robots in range a person did not know which one had stopped.
+TEST_F(Stop, WithoutAControllerNamesTheMachinesThatHaveReceivedIt) {
+  legs_->BelongTo("dog", "5982c7ee-dog");
+  eyes_->BelongTo("dog", "5982c7ee-dog");
+  Engage();
+  EXPECT_THAT(EstopText(AfterASecond(), false),
+              HasSubstr("emergency stop engaged by alice@desk: smoke\n"
+                        "machine: dog (id 5982c7ee)\n"));
+  Listener tail(*dog_, "tail");
+  tail.BelongTo("cat");
+  const EstopReport report = AfterASecond();
+  EXPECT_THAT(EstopText(report, false), HasSubstr("machines: dog (id 5982c7ee), cat\n"));
+  EXPECT_THAT(EstopJson(report),
+              HasSubstr(R"("machines":[{"machine":"dog","machine_id":"5982c7ee-dog"},)"
+                        R"({"machine":"cat","machine_id":null}])"));
 }
 
 // `musher estop --machine 5982`: it named a machine 5982, and reached none.
@@ -900,16 +962,77 @@ TEST_F(ReleasedStop, ThatGoesToTheRobotsThatWereFoundIsPublishedNoLonger) {
   EXPECT_FALSE(legs_->stopped());
 }
 
-// Another machine may still be out of range.
-TEST_F(ReleasedStop, ThatNamesNoMachineStaysPublishedAfterEachRelease) {
+// The machine that is meant may still be out of range.
+TEST_F(ReleasedStop, ThatNamesNoMachineStaysPublishedAfterEachReleaseWhereNoneRunsHere) {
   EngageFor("");
   for (Releaser* controller : {&dog_controller_, &cat_controller_}) {
     controller->SendHeartbeat();
     controller->Release(7);
   }
-  EXPECT_FALSE(Withdrawn()) << "before the first status of an actuator";
-  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_FALSE(Withdrawn()) << "before the time to find others is over";
+  network_.RunFor(std::chrono::seconds(10));
   EXPECT_FALSE(Withdrawn());
+}
+
+// On a robot whose controller had ended it was published for a minute after its release.
+TEST_F(ReleasedStop, ThatNamesNoMachineIsPublishedUntilTheOneHereAndEachOtherHaveReleasedIt) {
+  EngageFor("");
+  for (auto* actuator : {&eyes_, &legs_}) (*actuator)->BelongTo("dog", "", HostId());
+  Listener tail(*dog_, "tail");
+  tail.BelongTo("cat");
+  dog_controller_.SendHeartbeat();
+  dog_controller_.Release(6);
+  EXPECT_FALSE(Withdrawn()) << "another stop";
+  dog_controller_.Release(7);
+  EXPECT_FALSE(Withdrawn()) << "the cat has received it, too";
+  cat_controller_.Release(7);
+  EXPECT_FALSE(Withdrawn()) << "anything may have published that";
+  cat_controller_.SendHeartbeat();
+  EXPECT_TRUE(Withdrawn());
+}
+
+TEST_F(ReleasedStop, ThatNamesNoMachineStaysPublishedUntilTheTimeToFindOthersIsOver) {
+  latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke"},
+                            {false, /*lan=*/true, {}, {}})
+               .value();
+  for (auto* actuator : {&eyes_, &legs_}) (*actuator)->BelongTo("dog", "", HostId());
+  dog_controller_.SendHeartbeat();
+  dog_controller_.Release(7);
+  network_.RunFor(std::chrono::seconds(8));
+  EXPECT_FALSE(Withdrawn());
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_TRUE(Withdrawn());
+}
+
+// Of a robot that only its program has found, its process would not wait for the release.
+TEST_F(ContinuedStop, ThatNamesNoMachineGoesOnUntilEachRobotThatItsProgramFoundHasReleasedIt) {
+  const auto engage = [this](DetachedPublisher::Notes notes) {
+    latch_ = StopLatch::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke"},
+                              {false, false, {}, std::move(notes)})
+                 .value();
+  };
+  engage({});
+  const auto notes = NotesTo([&](DetachedPublisher& publisher) {
+    latch_->ContinueWith(publisher);
+    Listener tail(*dog_, "tail");
+    tail.BelongTo("cat", "5984a000-cat");
+    Pass(std::chrono::seconds(1));
+    latch_ = nullptr;
+  });
+  ASSERT_EQ(notes.size(), 1U);
+  engage(notes);
+  Listener legs(*dog_, "legs");
+  legs.BelongTo("dog", "", HostId());
+  Releaser dog_controller(network_, "dog controller", "dog");
+  dog_controller.SendHeartbeat();
+  dog_controller.Release(7);
+  Pass(std::chrono::seconds(5));
+  EXPECT_FALSE(latch_->withdrawn());
+  Releaser cat_controller(network_, "cat controller", "cat");
+  cat_controller.SendHeartbeat();
+  cat_controller.Release(7);
+  Pass(std::chrono::seconds(1));
+  EXPECT_TRUE(latch_->withdrawn());
 }
 
 }  // namespace musher::cli::stop_latch_test

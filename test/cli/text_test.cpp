@@ -2,6 +2,7 @@
 
 #include "musher/cli/render/text.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -69,6 +70,27 @@ TEST_F(Text, NamesTheProcessesOfAnotherDdsWithTheCure) {
       ::testing::HasSubstr("process 812 of host dog1 runs Fast DDS: its topics work, its services, "
                            "actions and parameters do not; start it with "
                            "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp\n"));
+}
+
+TEST_F(Text, NamesTheRulesThatAreViolated) {
+  msg::MachineStatus status = RobotStatus();
+  status.violated_rules = {"never eyes Active while legs is exited"};
+  EXPECT_THAT(StatusText(status, false),
+              ::testing::HasSubstr("\na rule of yours is violated: never eyes Active while legs is "
+                                   "exited\n"));
+  EXPECT_THAT(StatusLine(status, 0),
+              ::testing::HasSubstr("  rule violated: never eyes Active while legs is exited"));
+}
+
+// The note of its row was "held by the stop", as if it stood.
+TEST_F(Text, NamesTheActuatorsThatHaveNotStopped) {
+  msg::MachineStatus status = RobotStatus();
+  status.emergency_stop = true;
+  status.not_stopped = {"legs: the brake does not answer"};
+  EXPECT_THAT(StatusText(status, false),
+              ::testing::HasSubstr("\nNOT STOPPED: legs: the brake does not answer\n"));
+  EXPECT_THAT(StatusLine(status, 0),
+              ::testing::HasSubstr("  NOT STOPPED: legs: the brake does not answer"));
 }
 
 TEST_F(Text, ShowsThePolicyOnOneLine) {

@@ -183,6 +183,21 @@ TEST_F(ChildProcesses, AProcessWithSeveralChildrenIsItsOwnWorker) {
   EXPECT_EQ(probe.WorkerOf(shell), shell);
 }
 
+// A shell with an editor was ended by a start from the other slot.
+TEST_F(ChildProcesses, AreNotAPersonsShellsThatHaveExportedTheirVariable) {
+  ProcessSpec spec = Script("echo ready > $PIPE; exec tail -f /dev/null");
+  spec.env["MUSHER_TEST_CONFIG"] = folder_ / "slots/a/robot.toml";
+  MustStart(spec);  // without a mark
+  WaitForLine();
+  spec.mark = mark_;
+  const pid_t dog = MustStart(spec);
+  WaitForLine();
+  const auto found = FindMarkedWith("MUSHER_TEST_CONFIG", folder_ / "slots/a/");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].pid, dog);
+  EXPECT_THAT(FindMarkedWith("MUSHER_TEST_CONFIG", folder_ / "slots/b/"), IsEmpty());
+}
+
 TEST_F(ChildProcesses, TheListOfProcessesCannotNameTheInitProcess) {
   EXPECT_THAT(ChildrenFrom("host h\nprocess 1 0 dog\n", "h"), IsEmpty());
 }

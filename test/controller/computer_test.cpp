@@ -32,6 +32,9 @@ TEST(Computer, IsAnotherOneIfBothAreKnownAndHaveNothingInCommon) {
       {"another network card", kRobot, {"mac:new", "mac:wifi"}, false},
       {"another network card, and the board", kRobot, {"mac:new", "uuid:a"}, false},
       {"its only card is all that was known", {"mac:a"}, {"mac:b"}, true},
+      {"its only card, and not the disk", {"disk:1", "mac:a"}, {"disk:1", "mac:b"}, false},
+      {"an image of it", {"disk:1", "mac:a"}, {"disk:2", "mac:b"}, true},
+      {"its card is not shown, and a disk is", {"mac:a"}, {"disk:1"}, false},
       {"an ARM board", {"device-tree:1"}, {"device-tree:2"}, true},
       {"an earlier version had stored nothing", {}, kRobot, false},
       {"a container", kRobot, {}, false},
@@ -79,6 +82,50 @@ TEST_F(ComputerFiles, ShowItsNumbersAndItsPermanentAddresses) {
   Write("proc/device-tree/serial-number", std::string("1423522012345\0", 14));
   EXPECT_THAT(Found(), ElementsAre("device-tree:1423522012345", "mac:001122334456",
                                    "mac:021122334455", "uuid:4c4c4544004248108056b2c04f4b3333"));
+}
+
+// A boot with an adapter plugged in was another computer, whose actuators on other hosts obeyed no
+// more; and an adapter that was moved made a copied image the same one.
+TEST_F(ComputerFiles, ShowNothingThatIsPluggedIntoUsb) {
+  Write("sys/devices/pci0000:00/usb1/1-2/vendor", "x");
+  AddCard("usb0", "00:11:22:33:44:60", "0", false);
+  fs::create_directory_symlink(folder_ / "sys/devices/pci0000:00/usb1/1-2",
+                               folder_ / "sys/class/net/usb0/device");
+  Write("sys/devices/pci0000:00/usb1/1-3/block/sda/device/wwid", "naa.5002538e40a1b2c3\n");
+  fs::create_directories(folder_ / "sys/block");
+  fs::create_directory_symlink(folder_ / "sys/devices/pci0000:00/usb1/1-3/block/sda",
+                               folder_ / "sys/block/sda");
+  EXPECT_THAT(Found(), IsEmpty());
+  AddCard("eth0", "00:11:22:33:44:56", "0");
+  EXPECT_THAT(Found(), ElementsAre("mac:001122334456"));
+}
+
+TEST_F(ComputerFiles, ShowTheDisksThatStayInIt) {
+  Write("sys/block/nvme0n1/device/serial", "S4EVNX0R123456     \n");
+  Write("sys/block/mmcblk0/device/serial", "0x1b2c3d4e\n");
+  Write("sys/block/mmcblk0/device/cid", "150100424a544434520a1b2c3d4e5f60\n");
+  Write("sys/block/mmcblk0boot0/device/cid", "150100424a544434520a1b2c3d4e5f60\n");
+  Write("sys/block/sda/device/wwid", "naa.5002538e40a1b2c3\n");
+  Write("sys/block/sdb/device/wwid", "t10.ATA     QEMU HARDDISK                QM00001 \n");
+  Write("sys/block/sdc/device/wwid", "naa.5002538e40a1b2c4\n");
+  Write("sys/block/sdc/removable", "1\n");
+  Write("sys/block/loop0/size", "0\n");
+  EXPECT_THAT(Found(), IsEmpty()) << "as in a container";
+  AddCard("eth0", "00:11:22:33:44:56", "0");
+  EXPECT_THAT(Found(),
+              ElementsAre("disk:150100424a544434520a1b2c3d4e5f60", "disk:naa5002538e40a1b2c3",
+                          "disk:s4evnx0r123456", "mac:001122334456"));
+}
+
+// A copy of a virtual machine has them, too.
+TEST_F(ComputerFiles, ShowNoNumberOfASimulatedDisk) {
+  AddCard("eth0", "00:11:22:33:44:56", "0");
+  Write("sys/block/nvme0n1/device/model", "QEMU NVMe Ctrl\n");
+  Write("sys/block/nvme0n1/device/serial", "deadbeef01\n");
+  Write("sys/block/nvme1n1/device/model", "VMware Virtual NVMe Disk\n");
+  Write("sys/block/nvme1n1/device/serial", "VMWare NVME_0000\n");
+  Write("sys/block/mmcblk0/device/serial", "0x00000000\n");
+  EXPECT_THAT(Found(), ElementsAre("mac:001122334456"));
 }
 
 TEST_F(ComputerFiles, WithNumbersThatAVendorHasLeftUnsetShowNone) {
@@ -135,6 +182,17 @@ TEST_F(CopiedFolder, IsNoneInOneBootWhateverIsPluggedIn) {
   }
   EXPECT_EQ(OpenOn({"mac:second"}, true).machine_id(), "5982c7ee-4f4e");
   EXPECT_TRUE(OpenOn({"mac:third"}).copied_from());
+}
+
+// Without root, and on no ARM board, its network card was all that it was known by.
+TEST_F(CopiedFolder, IsNoneWhereItsOnlyNetworkCardWasReplaced) {
+  {
+    StateStore first = OpenOn({"disk:1", "mac:first"});
+    first.SetMachineId("5982c7ee-4f4e");
+    ASSERT_TRUE(first.SaveMachineId());
+  }
+  EXPECT_EQ(OpenOn({"disk:1", "mac:second"}).machine_id(), "5982c7ee-4f4e");
+  EXPECT_TRUE(OpenOn({"disk:2", "mac:third"}).copied_from());
 }
 
 TEST_F(CopiedFolder, KeepsTheIdOfItsOwnAtTheNextStart) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/test/transport/suspended_node.hpp"
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -24,9 +25,9 @@ class StoppedController : public ::testing::Test {
         ControllerPresence::Make(*node_, config_, {1, 1, "here"}, [](const Event&) {}).value();
     presence_->Announce(1);
     network_.RunFor(seconds(2));
-    network_.Pause(*node_);
+    network_.Pause(node_->simulated());
     network_.RunFor(duration);
-    network_.Resume(*node_);
+    network_.Resume(node_->simulated());
     return Wait();
   }
   Duration Wait() {
@@ -36,7 +37,7 @@ class StoppedController : public ::testing::Test {
 
   transport::sim::Network network_{1};
   MachineConfig config_ = MachineOf(2);
-  std::unique_ptr<transport::Node> node_ = network_.MakeNode("here");
+  std::unique_ptr<SuspendedNode> node_ = std::make_unique<SuspendedNode>(network_.MakeNode("here"));
   std::unique_ptr<ControllerPresence> presence_;
 };
 
@@ -58,16 +59,13 @@ TEST_F(StoppedController, DoesNotListenAfterABreakTooShortForATakeover) {
 
 // The loop's time stands meanwhile.
 TEST_F(StoppedController, ListensAfterItsComputerWasSuspended) {
-  Duration suspended{};
   config_.transport = TransportProfile::kLan;
-  presence_ = ControllerPresence::Make(
-                  *node_, config_, {1, 1, "here"}, [](const Event&) {}, {},
-                  [&suspended] { return suspended; })
-                  .value();
+  presence_ =
+      ControllerPresence::Make(*node_, config_, {1, 1, "here"}, [](const Event&) {}).value();
   presence_->Announce(1);
   network_.RunFor(seconds(2));
   EXPECT_EQ(Wait(), Duration{});
-  suspended = seconds(9);
+  node_->loop().suspended = seconds(9);
   EXPECT_EQ(Wait(), seconds(1));
   network_.RunFor(seconds(2));
   EXPECT_EQ(Wait(), Duration{}) << "once for each suspension";
@@ -76,6 +74,44 @@ TEST_F(StoppedController, ListensAfterItsComputerWasSuspended) {
 // The lock on the machine's name excludes another controller on the same host.
 TEST_F(StoppedController, DoesNotListenWhereOnlyThisHostRunsControllers) {
   EXPECT_EQ(WaitAfterStopOf(seconds(9), TransportProfile::kLocal), Duration{});
+}
+
+// What waited meanwhile, or is repeated, arrives in the two seconds after it.
+TEST_F(StoppedController, CountsABreakOfMoreThanFiveSecondsForTwoSeconds) {
+  WaitAfterStopOf(seconds(9), TransportProfile::kLocal);
+  const auto could_not_run = presence_->RecentBreak();
+  ASSERT_TRUE(could_not_run);
+  EXPECT_GT(*could_not_run, Milliseconds(8900));
+  EXPECT_LT(*could_not_run, seconds(10));
+  network_.RunFor(Milliseconds(1900));
+  EXPECT_TRUE(presence_->RecentBreak());
+  network_.RunFor(Milliseconds(200));
+  EXPECT_FALSE(presence_->RecentBreak());
+}
+
+TEST_F(StoppedController, CountsNoShorterBreak) {
+  WaitAfterStopOf(seconds(4), TransportProfile::kLan);
+  EXPECT_FALSE(presence_->RecentBreak());
+}
+
+TEST_F(StoppedController, CountsTheTimeForWhichItsComputerWasSuspended) {
+  presence_ =
+      ControllerPresence::Make(*node_, config_, {1, 1, "here"}, [](const Event&) {}).value();
+  EXPECT_FALSE(presence_->RecentBreak()) << "it has not led yet";
+  presence_->Announce(1);
+  network_.RunFor(seconds(2));
+  EXPECT_FALSE(presence_->RecentBreak());
+  node_->loop().suspended = std::chrono::hours(8);
+  EXPECT_GE(presence_->RecentBreak(), std::chrono::hours(8));
+  network_.RunFor(seconds(3));
+  EXPECT_FALSE(presence_->RecentBreak());
+}
+
+TEST_F(StoppedController, CountsNoTimeInWhichItIsSilentOnPurpose) {
+  WaitAfterStopOf(Milliseconds(1), TransportProfile::kLan);
+  presence_->FallSilent();
+  network_.RunFor(seconds(9));
+  EXPECT_FALSE(presence_->RecentBreak());
 }
 
 class Rivals : public ::testing::Test {
@@ -262,6 +298,29 @@ TEST_F(OtherMachines, AreNoneOfTheControllersOfOneMachine) {
   ASSERT_FALSE(events_.empty());
   EXPECT_EQ(std::get<event::RivalSeen>(events_.front()).epoch, Epoch(9));
   EXPECT_TRUE(recorded_.empty());
+}
+
+// What one of another host stores is on another disk.
+TEST(ControllerPresence, DistinguishesARivalOfAnotherHostFromOneOfItsOwn) {
+  for (const std::string& host : {std::string("here"), std::string("there")}) {
+    transport::sim::Network network{1};
+    const MachineConfig config = MachineOf(2);
+    const auto first = network.MakeNode("first");
+    const auto second = network.MakeNode("second");
+    std::vector<event::RivalSeen> seen;
+    const auto ours = ControllerPresence::Make(*first, config, {1, 1, "here"}, [&](const Event& e) {
+                        if (const auto* rival = std::get_if<event::RivalSeen>(&e)) {
+                          seen.push_back(*rival);
+                        }
+                      }).value();
+    const auto theirs =
+        ControllerPresence::Make(*second, config, {2, 2, host}, [](const Event&) {}).value();
+    ours->Announce(1);
+    theirs->Announce(2);
+    network.RunFor(seconds(2));
+    ASSERT_FALSE(seen.empty());
+    EXPECT_EQ(seen.back().elsewhere, host == "there");
+  }
 }
 
 // One that takes over on another host has not got the disk.

@@ -2,8 +2,7 @@
 // ssh connection, and answers the calls of D-Bus as systemd does, for one unit. It has no process.
 //
 //   FOLDER/unit           ActiveState, MainPID, one variable of the environment, Result, and the
-//   exit
-//                         code of its last process
+//                         exit code of its last process
 //   FOLDER/system         SystemState; without it "running"
 //   FOLDER/ignore-MEMBER  the calls of this member are not answered
 //   FOLDER/refuse-MEMBER  the calls of this member are answered with the error in it

@@ -79,4 +79,25 @@ TEST_F(LeaderCalls, GoOnWithAControllerWhoseLinkIsBackSoon) {
   EXPECT_EQ(reply_->value().code, kCodeOk) << reply_->value().reason;
 }
 
+// It was kept after its end, as by the page, and sent to the next controller, whenever that came.
+TEST_F(LeaderCalls, AreNotSentAfterTheirEnd) {
+  int received = 0;
+  const auto beside = network_.MakeNode("beside");  // receives what the controller receives
+  const auto server =
+      transport::MakeServer<msg::RestartActuator>(
+          *beside, transport::MachineService("", "restart_actuator"),
+          [&received](const msg::RestartActuator::Request&, const auto&) { ++received; })
+          .value();
+  call_ = LeaderCall<msg::RestartActuator>::Make(
+              *desk_, {"", "desk", {}}, "restart_actuator", {config_.actuators.begin()->name, "me"},
+              std::chrono::seconds(2), [this](auto reply) { reply_ = std::move(reply); })
+              .value();
+  ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }));
+  ASSERT_FALSE(*reply_);
+  EXPECT_EQ(reply_->error().code, kCodeTimeout);
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  network_.RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(received, 0);
+}
+
 }  // namespace musher::testing::leader_call_test

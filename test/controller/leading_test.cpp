@@ -5,8 +5,10 @@
 
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/musher_msgs/policy_request.hpp"
 #include "musher/test/controller/two_controllers.hpp"
 #include "musher/test/support/refusals.hpp"
 #include "musher/transport/service.hpp"
@@ -16,6 +18,8 @@ namespace musher::testing::leading_test {
 
 using ::testing::Each;
 using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 constexpr Duration kLookAround = Milliseconds(1000);
 
@@ -69,6 +73,14 @@ class Leading : public TwoControllers {
     });
     RunUntil([&] { return !outcome->empty(); }, kEnough + kEnough);
     return *outcome;
+  }
+
+  std::vector<EventName> LateRecords() const {
+    std::vector<EventName> late;
+    for (const action::Record& record : records_) {
+      if (HasSentence(record.message, Refusal::kMayBeLate, false)) late.push_back(record.event);
+    }
+    return late;
   }
 
   std::map<transport::EndpointId, Epoch> status_of_;  // epoch of the latched status, by writer
@@ -172,6 +184,126 @@ TEST_F(Leading, ARequestForTearDownIsAnsweredBeforeTheServicesGo) {
   EXPECT_THAT(status_of_, IsEmpty());
 }
 
+// A request that waited in the kernel was obeyed when the controller ran again: the person had long
+// gone.
+TEST_F(Leading, ARequestThatWaitedWhileItsControllerWasStoppedRaisesNothing) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const auto restart_actuator = Client<msg::RestartActuator>("restart_actuator");
+  const auto release = Client<msg::ReleaseEmergencyStop>("release_emergency_stop");
+  ASSERT_TRUE(RunUntil(
+      [&] { return set_state_->Ready() && restart_actuator->Ready() && release->Ready(); }));
+  network_.Pause(first_.process->node());
+  std::optional<msg::SetState::Response> up;
+  std::optional<msg::RestartActuator::Response> restarted;
+  std::optional<msg::ReleaseEmergencyStop::Response> released;
+  set_state_->Call({"Active", ""}, kEnough, [&](const auto& reply) { up = reply.value(); });
+  restart_actuator->Call({config_.actuators[ActuatorIndex(0)].name, "a person"}, kEnough,
+                         [&](const auto& reply) { restarted = reply.value(); });
+  release->Call({"a person"}, kEnough, [&](const auto& reply) { released = reply.value(); });
+  network_.RunFor(std::chrono::seconds(9));
+  network_.Resume(first_.process->node());
+  ASSERT_TRUE(RunUntil([&] { return up && restarted && released; }));
+  EXPECT_THAT(*up, IsRefused(Refusal::kMayBeLate));
+  EXPECT_THAT(*restarted, IsRefused(Refusal::kMayBeLate));
+  EXPECT_THAT(*released, IsRefused(Refusal::kMayBeLate));
+}
+
+TEST_F(Leading, ARequestOfThePolicyThatWaitedWhileItsControllerWasStoppedLeadsOutOfNothing) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const auto request_policy = Client<msg::RequestPolicy>("request_policy");
+  ASSERT_TRUE(RunUntil([&] { return request_policy->Ready(); }));
+  network_.Pause(first_.process->node());
+  std::map<std::string, msg::RequestPolicy::Response> answers;
+  const auto send = [&](const std::string& name, const msg::RequestPolicy::Request& request) {
+    request_policy->Call(request, kEnough,
+                         [&answers, name](const auto& reply) { answers[name] = reply.value(); });
+  };
+  send("wake-up", {"wake-up", "", 0, false});
+  send("into OTA", {"ota", "", 0, true});
+  send("out of OTA", {"ota", "", 0, false});
+  send("keep", {"keep", "Active", 60, false});
+  send("low power", {"low-power", "", 0, true});
+  network_.RunFor(std::chrono::seconds(9));
+  network_.Resume(first_.process->node());
+  ASSERT_TRUE(RunUntil([&] { return answers.size() == 5; }));
+  for (const char* name : {"wake-up", "into OTA", "out of OTA", "keep"}) {
+    EXPECT_THAT(answers[name], IsRefused(Refusal::kMayBeLate)) << name;
+  }
+  EXPECT_THAT(answers["low power"], Not(IsRefused(Refusal::kMayBeLate)));
+}
+
+// "Automatic LowPower: off" wakes the machine up, and a keep of no time, whose stay is over, is a
+// switch: eight seconds later each of them took the machine to Active.
+TEST_F(Leading, ARequestForThePolicyThatWaitedWhileItsControllerWasStoppedRaisesNothing) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const auto policy = Client<msg::RequestPolicy>("request_policy");
+  ASSERT_TRUE(RunUntil([&] { return policy->Ready(); }));
+  network_.Pause(first_.process->node());
+  std::vector<msg::RequestPolicy::Response> answers;
+  for (const msg::RequestPolicy::Request& request :
+       {msg::RequestPolicy::Request{"wake-up", "", 0, true},
+        msg::RequestPolicy::Request{"low-power", "", 0, false},
+        msg::RequestPolicy::Request{"low-power-store", "", 0, false},
+        msg::RequestPolicy::Request{"keep", "Active", 0, true}}) {
+    policy->Call(request, kEnough, [&](const auto& reply) { answers.push_back(reply.value()); });
+  }
+  network_.RunFor(std::chrono::seconds(9));
+  network_.Resume(first_.process->node());
+  ASSERT_TRUE(RunUntil([&] { return answers.size() == 4; }));
+  EXPECT_THAT(answers, Each(IsRefused(Refusal::kMayBeLate)));
+}
+
+// A person who saw that nothing happened found no trace of the request in the history.
+TEST_F(Leading, ARequestThatIsRefusedAsLateIsRecordedOnceHoweverOftenItIsRepeated) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const auto restart_actuator = Client<msg::RestartActuator>("restart_actuator");
+  const auto release = Client<msg::ReleaseEmergencyStop>("release_emergency_stop");
+  const auto policy = Client<msg::RequestPolicy>("request_policy");
+  ASSERT_TRUE(RunUntil([&] {
+    return set_state_->Ready() && restart_actuator->Ready() && release->Ready() && policy->Ready();
+  }));
+  network_.Pause(first_.process->node());
+  int answers = 0;
+  const auto count = [&answers](const auto&) { ++answers; };
+  for (int i = 0; i < 2; ++i) {
+    set_state_->Call({"Active", ""}, kEnough, count);
+    restart_actuator->Call({config_.actuators[ActuatorIndex(0)].name, "a person"}, kEnough, count);
+    release->Call({"a person"}, kEnough, count);
+    policy->Call({"wake-up", "", 0, true}, kEnough, count);
+  }
+  network_.RunFor(std::chrono::seconds(9));
+  network_.Resume(first_.process->node());
+  ASSERT_TRUE(RunUntil([&] { return answers == 8; }));
+  EXPECT_THAT(LateRecords(),
+              UnorderedElementsAre(EventName::kSwitchRefused, EventName::kPolicyRefused,
+                                   EventName::kRequestRefused, EventName::kRequestRefused));
+}
+
+TEST_F(Leading, RequestsThatAreRefusedAsLateDoNotFloodTheJournal) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const Error late = Refused<Refusal::kMayBeLate>(9);
+  for (int i = 0; i < 1000; ++i) {
+    first_.process->shell().RecordLateRestart("actuator " + std::to_string(i), late);
+  }
+  EXPECT_EQ(LateRecords().size(), ControllerShell::kMostLate);
+  network_.RunFor(std::chrono::seconds(8));
+  first_.process->shell().RecordLateRelease(late);
+  EXPECT_EQ(LateRecords().size(), ControllerShell::kMostLate + 1) << "of another stop";
+}
+
+TEST_F(Leading, ASwitchDownIsObeyedHoweverLongItsControllerWasStopped) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_TRUE(RunUntil([&] { return set_state_->Ready(); }));
+  network_.Pause(first_.process->node());
+  std::optional<msg::SetState::Response> down;
+  set_state_->Call({"TearDown", ""}, kEnough, [&](const auto& reply) { down = reply.value(); });
+  network_.RunFor(std::chrono::seconds(9));
+  network_.Resume(first_.process->node());
+  ASSERT_TRUE(RunUntil([&] { return down.has_value(); }));
+  EXPECT_EQ(down->target, "TearDown");
+  EXPECT_NE(down->outcome, "refused") << down->reason;
+}
+
 // It was up to 20 ms older: `musher status --follow` after `musher set` began with the state
 // before.
 TEST_F(Leading, TheLatchedStatusIsNeverOlderThanAnAnswer) {
@@ -234,6 +366,25 @@ TEST_F(Leading, ATakeoverOnAnotherHostSwitchesNothingOnWhereAFolderOfStopsIsUnre
   }));
   EXPECT_EQ(second_.machine().state, "SetUp");
   EXPECT_TRUE(second_.machine().emergency.awaits_request);
+}
+
+// The status named it as held by the stop, like one that stands. Only the command that had engaged
+// the stop said that it moved on, and a panel says nothing.
+TEST_F(Leading, TheStatusNamesAnActuatorThatHasLatchedAStopAndHasNotStopped) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_EQ(OutcomeOfSet("LowPower"), "done");
+  callback_takes_ = std::chrono::seconds(3);
+  first_.process->shell().SetState("Active", std::nullopt, [](const auto&) {});
+  network_.RunFor(Milliseconds(300));
+  EXPECT_THAT(latest_.not_stopped, IsEmpty());
+  first_.process->shell().OnStop({7, true, "alice", "smoke"});
+  network_.RunFor(Milliseconds(800));
+  EXPECT_THAT(latest_.not_stopped, IsEmpty()) << "a stop needs some time";
+  ASSERT_TRUE(RunUntil([this] { return !latest_.not_stopped.empty(); }));
+  EXPECT_THAT(latest_.not_stopped.front(),
+              ::testing::HasSubstr(": its callback for Active still runs"));
+  ASSERT_TRUE(RunUntil([this] { return latest_.not_stopped.empty(); }));
+  EXPECT_TRUE(latest_.emergency_stop);
 }
 
 TEST_F(Leading, AStopThatIsEngagedAndReleasedDuringATakeoverHoldsWhatItHasSwitchedOff) {

@@ -18,9 +18,10 @@ constexpr std::uint8_t kActivate = 3;
 
 class TheMachineAsANode : public TwoControllers {
  protected:
-  TheMachineAsANode() {
+  // `activate`: the state of that transition; the machine does not have "Gone".
+  explicit TheMachineAsANode(const State& activate = "Gone") {
     callback_takes_ = Milliseconds(500);
-    config_.ros2.activate = "Gone";  // which the machine does not have
+    config_.ros2.activate = activate;
     simulation::SimulatedController::Hooks hooks;
     hooks.on_record = [this](const action::Record& record) { said_ += record.message + "\n"; };
     first_.process = std::make_unique<simulation::SimulatedController>(
@@ -73,6 +74,31 @@ TEST_F(TheMachineAsANode, RefusesATransitionToAStateThatTheMachineDoesNotHave) {
   ASSERT_TRUE(RunUntil([&] { return down.has_value(); }));
   machine_->OnRecord();
   EXPECT_THAT(SaidOnRefusal(kActivate), HasRefusal(Refusal::kNoStateOfMachine));
+}
+
+class TheMachineAsANodeOfActive : public TheMachineAsANode {
+ protected:
+  TheMachineAsANodeOfActive() : TheMachineAsANode("Active") {}
+};
+
+// A manager's transition that waited in the kernel was carried out when the controller ran again.
+TEST_F(TheMachineAsANodeOfActive, IsNotActivatedByATransitionThatWaitedWhileItsProcessWasStopped) {
+  ASSERT_NO_FATAL_FAILURE(Run());
+  std::optional<SwitchResult> down;
+  first_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { down = r; });
+  ASSERT_TRUE(RunUntil([&] { return down.has_value(); }));
+  machine_->OnRecord();
+  said_.clear();
+  network_.Pause(first_.process->node());
+  std::optional<bool> success;
+  client_->Call({{kActivate, ""}}, kEnough,
+                [&](const auto& reply) { success = !reply || reply.value().success; });
+  network_.RunFor(std::chrono::seconds(9));
+  network_.Resume(first_.process->node());
+  ASSERT_TRUE(RunUntil([&] { return success.has_value(); }));
+  EXPECT_EQ(success, false);
+  EXPECT_THAT(said_, HasRefusal(Refusal::kMayBeLate));
+  EXPECT_EQ(first_.machine().state, "LowPower");
 }
 
 TEST_F(TheMachineAsANode, HasTheProcessesOfAnotherDdsInItsStatus) {

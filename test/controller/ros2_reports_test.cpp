@@ -7,6 +7,7 @@
 #include "musher/controller/ros2/other_vendors.hpp"
 #include "musher/controller/ros2/rosout.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/test/transport/node_with_peers.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::ros2_reports_test {
@@ -79,6 +80,26 @@ TEST(Diagnostics, HaveTheReasonInTheMessage) {
   EXPECT_EQ(Of(array, "machine").level, Status::kError);
 }
 
+TEST(Diagnostics, NameTheActuatorsThatHaveNotStopped) {
+  msg::MachineStatus status = Running();
+  status.emergency_stop = true;
+  status.emergency_stop_by = "alice";
+  status.not_stopped = {"legs: the brake does not answer"};
+  EXPECT_EQ(Of(ToDiagnostics(status, {}), "machine").message,
+            "Active, emergency stop by alice, NOT STOPPED: legs: the brake does not answer");
+}
+
+TEST(Diagnostics, WarnOfTheRulesOfTheUserThatAreViolated) {
+  msg::MachineStatus status = Running();
+  status.violated_rules = {"never lamp Error", "never arm Active while legs is exited"};
+  EXPECT_EQ(Of(ToDiagnostics(status, {}), "machine").level, Status::kWarn);
+  EXPECT_EQ(Of(ToDiagnostics(status, {}), "machine").message,
+            "Active, rule violated: never lamp Error, rule violated: never arm Active while legs "
+            "is exited");
+  status.phase = "failed";
+  EXPECT_EQ(Of(ToDiagnostics(status, {}), "machine").level, Status::kError);
+}
+
 TEST(Diagnostics, HaveTheBatteryWhereAPolicyHasOne) {
   msg::MachineStatus status = Running();
   status.policy.active = true;
@@ -133,31 +154,6 @@ TEST(ParticipantsOfAnotherDds, AreNamedWithTheirProcess) {
                           "process 812 of host dog1 runs Fast DDS"));
 }
 
-// A node of the simulation with participants that a test chooses.
-class NodeWithPeers : public transport::Node {
- public:
-  explicit NodeWithPeers(std::unique_ptr<transport::Node> node) : node_(std::move(node)) {}
-
-  transport::EventLoop& loop() override { return node_->loop(); }
-  transport::ParticipantId participant() const override { return node_->participant(); }
-  Result<std::unique_ptr<transport::RawWriter>> MakeRawWriter(
-      const std::string& topic, const std::string& type, const transport::Qos& qos,
-      transport::WriterCallbacks callbacks) override {
-    return node_->MakeRawWriter(topic, type, qos, std::move(callbacks));
-  }
-  Result<std::unique_ptr<transport::RawReader>> MakeRawReader(
-      const std::string& topic, const std::string& type, const transport::Qos& qos,
-      transport::ReaderCallbacks callbacks) override {
-    return node_->MakeRawReader(topic, type, qos, std::move(callbacks));
-  }
-  std::vector<transport::PeerInfo> Peers() const override { return peers; }
-
-  std::vector<transport::PeerInfo> peers;
-
- private:
-  std::unique_ptr<transport::Node> node_;
-};
-
 class AnotherDds : public ::testing::Test {
  protected:
   // A process of this number, and no other.
@@ -168,7 +164,7 @@ class AnotherDds : public ::testing::Test {
   }
 
   transport::sim::Network network_{1};
-  NodeWithPeers node_{network_.MakeNode("robot")};
+  testing::NodeWithPeers node_{network_.MakeNode("robot")};
   std::vector<std::string> status_;
   std::vector<std::string> recorded_;
   OtherVendors vendors_{node_, [this](std::vector<std::string> all) { status_ = std::move(all); },

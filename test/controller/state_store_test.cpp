@@ -58,6 +58,24 @@ TEST_F(Store, KeepsAndDeletesTheValuesOfThePolicy) {
   EXPECT_EQ(store.LoadPolicy(), off);
 }
 
+// With a full disk `musher down` was forgotten: the next start by a supervisor led to Active.
+TEST_F(Store, KeepsTheIntentToStopOnAFullDisk) {
+  StateStore store = MustOpen();
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto ignored = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit full{0, before.rlim_max};  // files can be made, and have no block
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  EXPECT_FALSE(store.SavePolicy({true, std::nullopt, BatteryLevel::kProtected}));
+  const bool saved = store.SaveStopIntent(true).ok();
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, ignored);
+  EXPECT_TRUE(saved);
+  EXPECT_TRUE(store.LoadStopIntent());
+  ASSERT_TRUE(store.SaveStopIntent(false));
+  EXPECT_FALSE(store.LoadStopIntent());
+}
+
 TEST_F(Store, OfADamagedPolicyOnlyWhatCanBeReadCounts) {
   const StateStore store = MustOpen();
   const auto load = [&](const std::string& text) {
@@ -92,6 +110,14 @@ TEST_F(Store, KeepsTheFoldersWhoseStopsAreNotKnownAndWhatAPersonHasAnswered) {
   std::ofstream(dir_ + "/emergency_stop") << "unread x\nanswered 7\nunread 5 - /there\nend\n";
   EXPECT_EQ(store.LoadEmergencyStops().unread,
             (std::vector<UnreadFolder>{{"/there", "", 5, false}}));
+}
+
+TEST_F(Store, KeepsThatAControllerOfAnotherHostHasReplacedTheLastOne) {
+  StateStore store = MustOpen();
+  StoredStops stops{{}, {3}};
+  stops.led_elsewhere = true;
+  ASSERT_TRUE(store.SaveEmergencyStops(stops));
+  EXPECT_EQ(store.LoadEmergencyStops(), stops);
 }
 
 TEST_F(Store, KeepsTheEmergencyStopsOfAFileThatALaterVersionHasWritten) {

@@ -10,6 +10,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/test/controller/two_controllers.hpp"
+#include "musher/test/transport/suspended_node.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -281,6 +282,49 @@ TEST_F(SwitchClients, EndInTimeWhereNoControllerIs) {
   Request("LowPower");
   EXPECT_EQ(End(std::chrono::seconds(61)).kind, Kind::kUnknown);
   EXPECT_EQ(end_->result.code, kCodeTimeout);
+}
+
+// A laptop that is closed while it waits for the robot, and opened beside it on the next day.
+class SuspendedClients : public SwitchClients {
+ protected:
+  // How many requests a controller receives that appears after the suspension.
+  int ReceivedOf(const std::string& target) {
+    SuspendedNode laptop(network_.MakeNode("laptop"));
+    const auto beside = network_.MakeNode("beside");  // receives what the controller receives
+    int received = 0;
+    const auto server = transport::MakeServer<msg::SetState>(
+                            *beside, transport::MachineService("", "set_state"),
+                            [&received](const msg::SetState::Request&, const auto&) { ++received; })
+                            .value();
+    SwitchClient::Options options;
+    options.leader = {"", "laptop", kernel_.Watch()};
+    const auto client = SwitchClient::Make(
+                            laptop, options, target, "", [](const std::string&) {},
+                            [this](const SwitchEnd& end) { end_ = end; })
+                            .value();
+    network_.RunFor(std::chrono::seconds(1));
+    laptop.loop().suspended = std::chrono::hours(8);
+    Open(first_, "first");
+    first_.process->Begin(false);
+    End();
+    return received;
+  }
+};
+
+TEST_F(SuspendedClients, RequestNothingLater) {
+  EXPECT_EQ(ReceivedOf("LowPower"), 0);
+  ASSERT_TRUE(end_);
+  EXPECT_EQ(end_->kind, Kind::kUnknown);
+  EXPECT_EQ(end_->result.code, kCodeTimeout);
+  EXPECT_THAT(end_->result.reason, HasSubstr("nothing was requested"));
+}
+
+TEST_F(SuspendedClients, RequestATearDownHoweverLate) {
+  EXPECT_EQ(ReceivedOf("TearDown"), 1);
+}
+
+TEST_F(SuspendedClients, RequestErrorHoweverLate) {
+  EXPECT_EQ(ReceivedOf("Error"), 1);
 }
 
 // The controller ends with its machine, and its last answer was lost on the way.

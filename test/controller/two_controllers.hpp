@@ -7,6 +7,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "musher/simulation/simulated_controller.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
@@ -43,9 +45,11 @@ class TwoControllers : public ::testing::Test {
 
   // `disk`: of the other one, where both are of one host.
   void Open(Controller& controller, const std::string& endpoint, simulation::Disk* disk = nullptr) {
+    simulation::SimulatedController::Hooks hooks;
+    hooks.on_record = [this](const action::Record& record) { records_.push_back(record); };
     controller.process = std::make_unique<simulation::SimulatedController>(
         network_, endpoint, 0, hosts_, config_, layout_.machine_id, processes_,
-        disk == nullptr ? controller.disk : *disk, simulation::SimulatedController::Hooks{});
+        disk == nullptr ? controller.disk : *disk, std::move(hooks));
   }
   void BringUpFirst() {
     Open(first_, "first");
@@ -63,6 +67,7 @@ class TwoControllers : public ::testing::Test {
   const simulation::Layout layout_;
   simulation::Hosts hosts_;
   simulation::SimulatedProcesses processes_;
+  std::vector<action::Record> records_;  // of both
   Controller first_;
   Controller second_;
   std::unique_ptr<transport::Node> desk_;

@@ -1,6 +1,9 @@
 // The requests of the dog's app to its manager, and the replies by CyberDog's tables.
 
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/test/cyberdog/managed_robot.hpp"
+#include "musher/test/support/refusals.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::requests_test {
 
@@ -262,6 +265,143 @@ TEST_F(CyberdogRequests, PowerOffIsRefusedInOta) {
   }
   robot_.RunFor(std::chrono::seconds(20));
   EXPECT_EQ(state(), "OTA");
+}
+
+// Another robot of the same image in reach, whose device manager is `app_`: each request of its
+// power key, its touch pad and its wake word arrives here, too, and names no machine.
+class CyberdogRequestsOfAnotherRobot : public CyberdogRequests {
+ protected:
+  void PublishStatus(const std::string& machine) {
+    ActuatorReport report;
+    report.state = State(kActive);
+    report.incarnation = Incarnation(99);
+    report.pid = 4711;
+    report.host = "another host";
+    msg::ActuatorStatus status = transport::ToMessage("device_manager", report);
+    status.machine = machine;
+    status.participant = app_->participant().value();
+    if (!statuses_) {
+      statuses_ = transport::MakePublisher<msg::ActuatorStatus>(
+                      *app_, transport::ActuatorStatusTopic("dog"), transport::kLatchedQos)
+                      .value();
+    }
+    ASSERT_TRUE(statuses_->Publish(status));
+    Settle();
+  }
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> statuses_;
+};
+
+TEST_F(CyberdogRequestsOfAnotherRobot, DoNotPowerThisOneOff) {
+  BringUp();
+  PublishStatus("another dog");
+  Records();
+  for (const char* name : {"poweroff", "reboot"}) {
+    const auto answer = Trigger(name);
+    EXPECT_FALSE(answer.success);
+    EXPECT_THAT(answer.message, HasRefusal(Refusal::kRequestOfOtherMachine));
+  }
+  SwitchTo(kShutdownNumber);
+  EXPECT_FALSE(Keep(kLowPowerNumber).success);
+  robot_.RunFor(std::chrono::seconds(20));
+  EXPECT_EQ(state(), "Active");
+  EXPECT_THAT(Records(), HasSubstr("another dog"));
+}
+
+TEST_F(CyberdogRequestsOfAnotherRobot, DoNotWakeThisOne) {
+  BringUp();
+  const auto wake = PublishFunction<msg::Bool>("dog_wakeup");
+  PublishStatus("another dog");
+  Take("LowPower");
+  EXPECT_FALSE(Trigger("low_power_exit").success);
+  wake({true});
+  Settle();
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(CyberdogRequestsOfAnotherRobot, AreThoseOfThisOneOnceItsActuatorIs) {
+  BringUp();
+  PublishStatus("another dog");
+  PublishStatus(robot_.identity().name);
+  Take("LowPower");
+  EXPECT_TRUE(Trigger("low_power_exit").success);
+}
+
+// They waited in the kernel while the manager was stopped: who made them has long gone.
+class CyberdogRequestsThatWaited : public CyberdogRequests {
+ protected:
+  void WhileStopped(const std::function<void()>& request) {
+    Settle();  // who requests has discovered the manager
+    robot_.FreezeController();
+    request();
+    robot_.RunFor(std::chrono::seconds(9));
+    robot_.ThawController();
+    Settle();
+  }
+  template <msg::Service S>
+  std::unique_ptr<transport::Client<S>> Client(const std::string& name) {
+    return transport::MakeClient<S>(*app_, "dog/" + name).value();
+  }
+};
+
+TEST_F(CyberdogRequestsThatWaited, LeadOutOfNothing) {
+  BringUp();
+  const auto wake_word = PublishFunction<msg::Bool>("dog_wakeup");
+  const auto switch_topic = PublishFunction<msg::UInt8>("machine_state_switch");
+  const auto wake = Client<msg::Trigger>("low_power_exit");
+  const auto ota = Client<msg::SetBool>("ota_state_switch");
+  const auto keep = Client<msg::MachineState>("machine_state_switch_keep");
+  Take("LowPower");
+  std::optional<msg::Trigger::Response> left;
+  std::optional<msg::SetBool::Response> entered;
+  std::optional<msg::MachineState::Response> kept;
+  Records();
+  WhileStopped([&] {
+    const Duration minute = std::chrono::minutes(1);
+    wake->Call({}, minute, [&left](const auto& reply) { left = reply.value(); });
+    ota->Call({true}, minute, [&entered](const auto& reply) { entered = reply.value(); });
+    keep->Call({kProtectNumber, 60}, minute, [&kept](const auto& reply) { kept = reply.value(); });
+    wake_word({true});
+    switch_topic({kActiveNumber});
+  });
+  ASSERT_TRUE(left && entered && kept);
+  EXPECT_FALSE(left->success);
+  EXPECT_THAT(left->message, HasRefusal(Refusal::kMayBeLate));
+  EXPECT_FALSE(entered->success);
+  EXPECT_THAT(entered->message, HasRefusal(Refusal::kMayBeLate));
+  EXPECT_FALSE(kept->success);
+  EXPECT_EQ(kept->code, FormOf(Refusal::kMayBeLate).code);
+  EXPECT_EQ(state(), "LowPower");
+  const std::string records = Records();
+  EXPECT_THAT(records, HasRefusal(Refusal::kMayBeLate));
+  for (const char* what :
+       {"wake-up", "OTA entry", "keep in Protected for 60 s", "switch to Active"}) {
+    EXPECT_THAT(records, HasSubstr(std::string(what) + " refused: this controller could not run"));
+  }
+  robot_.RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(state(), "LowPower");
+  EXPECT_TRUE(Trigger("low_power_exit").success) << "it is a new one";
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(CyberdogRequestsThatWaited, StillLowerIt) {
+  BringUp();
+  const auto switch_topic = PublishFunction<msg::UInt8>("machine_state_switch");
+  WhileStopped([&] { switch_topic({kLowPowerNumber}); });
+  EXPECT_TRUE(robot_.RunUntil([&] { return state() == "LowPower"; }, std::chrono::seconds(5)));
+}
+
+TEST_F(CyberdogRequestsThatWaited, StillCallOffKeeping) {
+  BringUp();
+  const auto keep = Client<msg::MachineState>("machine_state_switch_keep");
+  ASSERT_TRUE(Keep(kProtectNumber, 600).success);
+  std::optional<msg::MachineState::Response> called_off;
+  WhileStopped([&] {
+    keep->Call({kProtectNumber, 0}, std::chrono::minutes(1),
+               [&called_off](const auto& reply) { called_off = reply.value(); });
+  });
+  ASSERT_TRUE(called_off);
+  EXPECT_TRUE(called_off->success);
+  EXPECT_FALSE(robot_.machine().policy.keep);
 }
 
 TEST_F(CyberdogRequests, NoServiceIsOfferedWithoutAManagerInTheConfig) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 
 #include "musher/cyberdog/numbers.hpp"
@@ -14,8 +15,11 @@ using Json = nlohmann::json;
 
 class SelfChecks : public ::testing::Test {
  protected:
-  SelfChecks() {
-    for (const char* name : {"motion_manager", "device_manager", "sensor_manager", "tail"}) {
+  SelfChecks() { Add({"motion_manager", "device_manager", "sensor_manager", "tail"}); }
+
+  // Actuators that have passed their self-check.
+  void Add(std::initializer_list<const char*> names) {
+    for (const char* name : names) {
       ActuatorConfig actuator;
       actuator.name = name;
       config_.actuators.push_back(actuator);
@@ -98,16 +102,7 @@ TEST_F(SelfChecks, FindThePartsThatOnlyTheMessageNames) {
 }
 
 TEST_F(SelfChecks, CoverTheVoiceTheSensorsAndTheCamerasOfTheRobot) {
-  for (const char* name : {"audio", "RealSenseActuator"}) {
-    ActuatorConfig actuator;
-    actuator.name = name;
-    config_.actuators.push_back(actuator);
-  }
-  machine_ = MakeMachine(config_);
-  for (KnownActuator& known : machine_.actuators) {
-    known.presence = Presence::kPresent;
-    known.checked = true;
-  }
+  Add({"audio", "RealSenseActuator"});
   EXPECT_EQ(Described()["audio"], 0);
   Fail("audio", 5109);
   Fail("RealSenseActuator", 4409);

@@ -49,11 +49,15 @@ def preprocessed(header, compiler, folders):
 
 def main():
     compiler, *folders = sys.argv[1:]
+    version = subprocess.run([compiler, "-dumpversion"], capture_output=True, text=True, check=True).stdout.strip()
+    is_limited = version.split(".")[0] == "12"
+    if not is_limited:
+        print(f"the budgets are of GCC 12's standard library; this is {version}: only what is included is checked")
     exceeded = 0
     for header, budget in BUDGET_LINES.items():
         lines, files = preprocessed(header, compiler, folders)
         print(f"{lines:7,} of {budget:7,} lines: {header}")
-        if lines > budget:
+        if is_limited and lines > budget:
             exceeded += 1
             print(f"{header}: {lines:,} lines after the preprocessor, its budget is {budget:,}: "
                   "include the new library in a .cpp file", file=sys.stderr)

@@ -11,6 +11,7 @@
 #include "musher/test/house/build_rules.hpp"
 #include "musher/test/house/doc_rules.hpp"
 #include "musher/test/house/field_rules.hpp"
+#include "musher/test/house/function_rules.hpp"
 #include "musher/test/house/include_rules.hpp"
 #include "musher/test/house/interface_rules.hpp"
 #include "musher/test/house/message_rules.hpp"
@@ -46,6 +47,9 @@ std::string ViolationsOf(const Filter& concerned, const Rule& rule) {
 
 bool IsCpp(const SourceFile& file) {
   return file.IsCpp();
+}
+bool IsProduct(const SourceFile& file) {
+  return file.IsCpp() && !file.In("test/");
 }
 bool IsHeader(const SourceFile& file) {
   return file.Is(".hpp");
@@ -108,13 +112,19 @@ TEST(House, TestsWaitForEventsAndNeverSleep) {
 }
 
 TEST(House, NoExceptionWhereAFileVanishesWhileItIsRead) {
-  const Filter product = [](const SourceFile& file) { return file.IsCpp() && !file.In("test/"); };
-  EXPECT_EQ(ViolationsOf(product, ThrowingIterators), "");
+  EXPECT_EQ(ViolationsOf(IsProduct, ThrowingIterators), "");
 }
 
 TEST(House, AMethodIsNamedForWhatItDoes) {
-  const Filter product = [](const SourceFile& file) { return file.IsCpp() && !file.In("test/"); };
-  EXPECT_EQ(ViolationsOf(product, VagueMethods), "");
+  EXPECT_EQ(ViolationsOf(IsProduct, VagueMethods), "");
+}
+
+TEST(House, ATypeIsNamedForAThing) {
+  EXPECT_EQ(ViolationsOf(IsProduct, GerundTypes), "");
+}
+
+TEST(House, NoFunctionIsLongerThanAScreen) {
+  EXPECT_EQ(ViolationsOf(IsProduct, LongFunctions), "");
 }
 
 TEST(House, NoClientOutlivesTheControllerThatItWaitsFor) {

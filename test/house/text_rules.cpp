@@ -5,6 +5,7 @@
 #include <cctype>
 #include <iterator>
 #include <regex>
+#include <set>
 #include <utility>
 
 namespace musher::house {
@@ -107,6 +108,54 @@ std::vector<std::string> VagueMethods(const SourceFile& file) {
   return Find(file, WithoutComments(file.text), declaration,
               "could do anything; say what: MarkHung, Pause, Reserve, Publish, WaitUntilStable, "
               "Update");
+}
+
+std::vector<std::string> GerundTypes(const SourceFile& file) {
+  // The last word of a name that has one of these.
+  static const std::set<std::string> nouns = {
+      "Crossing",   // transitions that cross a border
+      "Drawing",    // a picture
+      "Encoding",   // a format
+      "Finding",    // what was found
+      "Greeting",   // a first message
+      "Heading",    // a direction
+      "Lighting",   // lamps
+      "Meaning",    // of a code
+      "Reading",    // what was read
+      "Recording",  // what was recorded
+      "Ring",       // no gerund
+      "Sighting",   // what was seen once
+      "String",     // no gerund
+      "Swing",      // no gerund
+      "Thing",      // no gerund
+      "Timing",     // times
+  };
+  // Whole names: with another word before it, the last one is what goes on.
+  static const std::set<std::string> names = {
+      "Binding",               // the part of the decision code that `binds_to` is about
+      "InterviewingTracking",  // a state of a state machine, derived from Tracking
+      "PowerSaving",           // CyberDog's mode
+      "Tracking",              // how well a drive keeps to its path, as measured
+      "VisualServoing",        // a skill, by the field's term for it
+  };
+  static const std::regex type(R"(^\s*(?:template <.*> )?(?:(?:struct|class|enum|enum class))"
+                               R"((?: \[\[.*\]\]| alignas\(.*\))* ([A-Z]\w*ing)\b)"
+                               R"(|using ([A-Z]\w*ing) =)(.*)$)");
+  static const std::regex state(R"(: public [\w:]*State\b)");
+  std::vector<std::string> violations;
+  for (const Line& line : Lines(file.text)) {
+    std::smatch match;
+    if (line.text.find("ing") == std::string::npos) continue;  // a regular expression takes longer
+    if (!std::regex_search(line.text, match, type)) continue;
+    const std::string name = match[1].matched ? match[1] : match[2];
+    const std::string noun = name.substr(name.find_last_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ"));
+    const std::string rest = match[3];
+    if (nouns.contains(noun) || names.contains(name) || std::regex_search(rest, state)) continue;
+    violations.push_back(At(file, line.number,
+                            name + " is what goes on; name the thing: Decision, "
+                                   "Builder, PendingCall"));
+  }
+  return violations;
 }
 
 std::vector<std::string> ChainedReferences(const SourceFile& file) {

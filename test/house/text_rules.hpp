@@ -20,6 +20,9 @@ std::vector<std::string> ThrowingIterators(const SourceFile& file);
 // Declared functions whose name, as Settle(), has many meanings: a reader has to open them to learn
 // what they do.
 std::vector<std::string> VagueMethods(const SourceFile& file);
+// Types named by a gerund, as Stopping: a type is a thing, a state of a state machine excepted.
+// What is a thing all the same, as a Recording, is in a list there, with the reason.
+std::vector<std::string> GerundTypes(const SourceFile& file);
 // Sentences of comments that refer back twice, as by "that of": a reader has to find two nouns that
 // are not there. Repeat the noun, or make two sentences.
 std::vector<std::string> ChainedReferences(const SourceFile& file);

@@ -78,6 +78,25 @@ TEST(TextRules, FindMethodsThatCouldDoAnything) {
   EXPECT_THAT(VagueMethods(Cpp("  Say(tree::Setup& setup, Robot& robot)")), IsEmpty());
 }
 
+TEST(TextRules, FindTypesThatAreNamedByWhatGoesOn) {
+  EXPECT_THAT(GerundTypes(Cpp("struct Stopping {\n  int a;\n};")),
+              ElementsAre("a.cpp:1: Stopping is what goes on; name the thing: Decision, Builder, "
+                          "PendingCall"));
+  EXPECT_THAT(GerundTypes(Cpp("  class SlowDeciding final : Base {")), SizeIs(1));
+  EXPECT_THAT(GerundTypes(Cpp("template <class T>\nenum class Ending : int { kA };")), SizeIs(1));
+  EXPECT_THAT(GerundTypes(Cpp("using Waiting = std::map<int, Call>;")), SizeIs(1));
+  EXPECT_THAT(GerundTypes(Cpp("struct PendingCall {\nclass JournalRecording;\nclass IsString {")),
+              IsEmpty());
+  EXPECT_THAT(GerundTypes(Cpp("struct [[nodiscard]] Ending {\nclass alignas(8) Ending {")),
+              SizeIs(2));
+  EXPECT_THAT(GerundTypes(Cpp("class PowerSaving {\nclass Binding : StepPart {")), IsEmpty());
+  EXPECT_THAT(GerundTypes(Cpp("class TimeSaving {\nclass LateBinding : StepPart {")), SizeIs(2))
+      << "the word is excepted in one name alone";
+  EXPECT_THAT(GerundTypes(Cpp("class Waiting : public fsm::State {")), IsEmpty());
+  EXPECT_THAT(GerundTypes(Cpp("using testing::Pending;\nint Stopping();\n// class Ending")),
+              IsEmpty());
+}
+
 TEST(TextRules, FindLeftovers) {
   EXPECT_THAT(Leftovers(Cpp(std::string("// TO") + "DO: later")), SizeIs(1));
   EXPECT_THAT(Leftovers(Cpp("int to_do = 1;")), IsEmpty());

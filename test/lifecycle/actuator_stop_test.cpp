@@ -307,6 +307,41 @@ TEST_F(Stopped, ADownwardCallbackRunsOn) {
   EXPECT_EQ(core_.report.state, "LowPower");
 }
 
+TEST_F(Stopped, ACallbackThatMaySwitchOnAfterTheStopActionIsNamedUntilItHasEnded) {
+  Do(Command(2, "Active"));
+  EXPECT_EQ(StillSwitchingOn(config_, core_), "") << "no stop";
+  Engage();
+  EXPECT_EQ(StillSwitchingOn(config_, core_), "Active");
+  Engage(kStop + 1);
+  EXPECT_EQ(StillSwitchingOn(config_, core_), "Active");
+  EXPECT_THAT(Do(CallbackEnded{}), kRuns);
+  EXPECT_EQ(StillSwitchingOn(config_, core_), "");
+}
+
+TEST_F(Stopped, TheCallbackOfThePresentStateThatSwitchesOnAgainIsNamed) {
+  Switch(2, "Active");
+  Engage();
+  Release();
+  Do(Command(3, "Active"));
+  EXPECT_EQ(StillSwitchingOn(config_, core_), "");
+  Engage(kStop + 1);
+  EXPECT_EQ(StillSwitchingOn(config_, core_), "Active");
+}
+
+TEST_F(Stopped, ACallbackThatMayAlsoBeginDuringAStopIsNotNamed) {
+  CommandNumber number = 1;
+  StopId stop = kStop;
+  for (const State& state : std::vector<State>{"SelfCheck", "LowPower", "TearDown"}) {
+    number = number + 1;
+    Do(Command(number, state));
+    ASSERT_EQ(core_.report.target, state);
+    stop = stop + 1;
+    EXPECT_THAT(Engage(stop), kRuns);
+    EXPECT_EQ(StillSwitchingOn(config_, core_), "") << state;
+    Do(CallbackEnded{});
+  }
+}
+
 TEST_F(Stopped, AWaitingCommandUpwardIsRefusedAtOnce) {
   Do(Command(2, "LowPower"));
   Do(Command(3, "Active"));

@@ -2,9 +2,12 @@
 
 #include "musher/lifecycle/config/config_toml.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +15,8 @@
 #include "musher/lifecycle/config/flow.hpp"
 
 namespace musher::config_toml_test {
+
+using ::testing::HasSubstr;
 
 const std::string kController = R"(
 [controller]
@@ -207,6 +212,55 @@ TEST(ConfigToml, GivesRobotsOfOneHostAStateFolderEach) {
   const ScopedEnvironment domain("ROS_DOMAIN_ID", "7");
   EXPECT_EQ(Read(fleet).state_dir, "/var/state/musher/sled@fleet.sled_3.domain7");
   EXPECT_EQ(Read(kController + kVoice + kWheels).state_dir, "/var/state/musher/sled.domain7");
+}
+
+TEST(ConfigToml, FindsTheFileOfTheRulesBesideTheConfig) {
+  const std::string robot = kController + kVoice + kWheels;
+  EXPECT_EQ(Read(robot).rules_file, "");
+  EXPECT_EQ(Read(robot + "[safety]\nrules = \"rules.txt\"\n").rules_file, "/robots/rules.txt");
+  EXPECT_EQ(Read(robot + "[safety]\nrules = \"/etc/rules.txt\"\n").rules_file, "/etc/rules.txt");
+}
+
+// The text alone is read: a journal has it on another computer, where that file is not.
+TEST(ConfigToml, IsValidWhereTheFileOfTheRulesIsNot) {
+  const MachineConfig config =
+      Read(kController + kVoice + kWheels + "[safety]\nrules = \"rules.txt\"\n");
+  const UserRulesReading read = ReadRulesOf(config);
+  ASSERT_EQ(read.diagnostics.size(), 1U);
+  EXPECT_EQ(FormatDiagnostic(read.diagnostics[0]),
+            "/robots/sled.toml: error: safety.rules: /robots/rules.txt: the file cannot be read: "
+            "No such file or directory");
+}
+
+class FileOfRules : public ::testing::Test {
+ protected:
+  // What is wrong with the rules of a config that names this file.
+  std::string Fault() const {
+    const MachineConfig config =
+        Read(kController + kVoice + kWheels + "[safety]\nrules = \"" + file_ + "\"\n");
+    const UserRulesReading read = ReadRulesOf(config);
+    return read.diagnostics.empty() ? "" : read.diagnostics[0].message;
+  }
+
+  const std::string file_ = ::testing::TempDir() + "rules_" + std::to_string(getpid()) + ".txt";
+};
+
+TEST_F(FileOfRules, ThatWouldBlockIsNotOpened) {
+  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  EXPECT_THAT(Fault(), HasSubstr("it is a FIFO"));
+  std::remove(file_.c_str());
+}
+
+TEST_F(FileOfRules, HasAThousandAtMost) {
+  const auto write = [this](int rules) {
+    std::ofstream file(file_);
+    for (int i = 0; i < rules; ++i) file << "never machine Error\n";
+  };
+  write(1000);
+  EXPECT_EQ(Fault(), "");
+  write(1001);
+  EXPECT_EQ(Fault(), "1001 rules; at most 1000");
+  std::remove(file_.c_str());
 }
 
 TEST(ConfigToml, ReadsTheMachinesOwnKeys) {

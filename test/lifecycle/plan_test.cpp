@@ -232,6 +232,63 @@ TEST_F(Plans, ToAStateOfTheSameRankAreRefusedDuringAnEmergencyStopAboveDeActive)
   EXPECT_EQ(CodeOf(To("Sitting")), kCodeOk);
 }
 
+// Such a request is obeyed however late it comes.
+TEST_F(Plans, DownRaiseNothingUnlessAnActuatorRestsLower) {
+  EXPECT_TRUE(OnlyLowers(config_, machine_, To("LowPower")));
+  EXPECT_TRUE(OnlyLowers(config_, machine_, Of(1, "LowPower")));
+  EXPECT_TRUE(OnlyLowers(config_, machine_, To("TearDown")));
+  for (const char* target : {"Active", "DeActive", "SelfCheck", "Nowhere"}) {
+    EXPECT_FALSE(OnlyLowers(config_, machine_, To(target))) << target;
+  }
+  PutAllIn("Active");
+  EXPECT_TRUE(OnlyLowers(config_, machine_, To("DeActive")));
+  machine_.actuators[2].report.state = State(kLowPower);
+  EXPECT_FALSE(OnlyLowers(config_, machine_, To("DeActive")));
+  EXPECT_TRUE(OnlyLowers(config_, machine_, To("LowPower")));
+  EXPECT_TRUE(OnlyLowers(config_, machine_, To("TearDown")));
+}
+
+// A late request would raise it once it is free.
+TEST_F(Plans, DownOfABusyActuatorRaiseNothingIfItIsOnItsWayToNoLowerState) {
+  PutAllIn("Active");
+  machine_.actuators[1].report.target = State(kDeActive);
+  machine_.actuators[1].free_by = Time(std::chrono::seconds(5));
+  EXPECT_TRUE(OnlyLowers(config_, machine_, Of(1, "DeActive")));
+  EXPECT_TRUE(OnlyLowers(config_, machine_, Of(1, "LowPower")));
+  machine_.actuators[1].report.target = State(kLowPower);
+  EXPECT_FALSE(OnlyLowers(config_, machine_, Of(1, "DeActive")));
+  EXPECT_FALSE(OnlyLowers(config_, machine_, To("DeActive")));
+  EXPECT_TRUE(OnlyLowers(config_, machine_, To("LowPower")));
+}
+
+// A late "LowPower" was refused beside a faulty actuator that lies there already. Its callback runs
+// once more, as one of Protected would, which may switch on.
+TEST_F(Plans, DownBesideAFaultyActuatorThatRestsInTheTargetRaiseNothingAtDeActiveOrBelow) {
+  for (const bool held_by_stop : {false, true}) {
+    for (const auto& target : {kProtected, kDeActive, kLowPower}) {
+      PutAllIn("Active");
+      KnownActuator& one = machine_.actuators[1];
+      one.report.state = State(target);
+      EXPECT_TRUE(OnlyLowers(config_, machine_, To(target.name()))) << target;
+      one.report.held_by_stop = held_by_stop;
+      if (!held_by_stop) one.fault = ActuatorFault{kCodeFailed, "it stumbled"};
+      ASSERT_EQ(To(target.name()).steps[1].part, Part::kDriven);
+      EXPECT_EQ(OnlyLowers(config_, machine_, To(target.name())), target != kProtected) << target;
+      one.report.held_by_stop = false;
+      one.fault.reset();
+    }
+  }
+}
+
+// As an emergency stop forbids it.
+TEST_F(Plans, DownBesideAnActuatorInErrorRaiseItUnlessTheyLeaveItOut) {
+  PutAllIn("Active");
+  machine_.actuators[1].report.state = State(kError);
+  EXPECT_FALSE(OnlyLowers(config_, machine_, To("LowPower")));
+  machine_.actuators[1].checked = false;
+  EXPECT_TRUE(OnlyLowers(config_, machine_, To("LowPower")));
+}
+
 TEST_F(Plans, UpAreRefusedWithoutWaitingForABusyActuatorThatHasNoDeadline) {
   machine_.actuators[0].report.target = machine_.actuators[1].report.target = State(kLowPower);
   machine_.actuators[1].free_by = Time(std::chrono::seconds(5));

@@ -46,6 +46,21 @@ TEST(BuiltInRank, IsMissingForTheStepsOfAStartAndForUnknownStates) {
   }
 }
 
+TEST(ACallback, RaisesNothingOnTheWayDownAndOnceMoreAtDeActiveOrBelow) {
+  const auto raises_nothing = [](std::string_view from, std::string_view to) {
+    return RaisesNothing(BuiltInRank(from), *BuiltInRank(to));
+  };
+  EXPECT_TRUE(raises_nothing("Active", "Protected"));
+  EXPECT_FALSE(raises_nothing("Protected", "Protected"));
+  EXPECT_FALSE(raises_nothing("LowPower", "Protected"));
+  EXPECT_TRUE(raises_nothing("DeActive", "DeActive"));
+  EXPECT_TRUE(raises_nothing("LowPower", "LowPower"));
+  EXPECT_FALSE(raises_nothing("LowPower", "DeActive"));
+  EXPECT_FALSE(raises_nothing("Error", "LowPower"));
+  EXPECT_TRUE(raises_nothing("SetUp", "DeActive")) << "a step of a start";
+  EXPECT_FALSE(raises_nothing("SetUp", "Protected"));
+}
+
 static_assert(!std::is_convertible_v<std::string, State> &&
                   !std::is_convertible_v<std::string_view, State>,
               "the name of an actuator, or a message's field, is no state by itself");

@@ -1,5 +1,7 @@
 // A disk that fills up, fails or is read-only, at any operation.
 
+#include <utility>
+
 #include "musher/test/ota/robot_on_disk.hpp"
 
 namespace musher::ota::testing::disk_trouble_test {
@@ -69,6 +71,90 @@ TEST_F(DiskTrouble, ATrialBootWhoseOutcomeCannotBeSavedIsRolledBackByTheNextStar
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
   EXPECT_THAT(boot.value().reason, HasSubstr("this cannot be saved"));
+}
+
+// The file had its new content already: "mark for the trial boot" was reported as failed, and the
+// next start tried that version.
+TEST_F(DiskTrouble, AMarkWhoseFolderCannotBeSyncedStartsNoTrialBoot) {
+  bool failed = false;
+  disk_->fail = [&](const std::string& what) -> Result<> {
+    if (failed || what != "sync /robot" || !OpenRoot(*disk_).LoadState()->on_trial_boot) {
+      return Ok();
+    }
+    failed = true;
+    return Error{kCodeFailed, what + ": Input/output error"};
+  };
+  const auto installed = Install(*disk_, BundleOf("1.1.0"));
+  ASSERT_FALSE(installed);
+  EXPECT_THAT(installed.error().message, HasSubstr("Input/output error"));
+  ASSERT_TRUE(failed);
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_FALSE(boot.value().on_trial_boot);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  EXPECT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+}
+
+// It was rolled back, as its controller reports, and the next start began it as a version that was
+// kept.
+TEST_F(DiskTrouble, AKeptVersionWhoseFolderCannotBeSyncedIsRolledBackByTheNextStart) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+  bool failed = false;
+  disk_->fail = [&failed](const std::string& what) -> Result<> {
+    if (what != "sync /robot" || std::exchange(failed, true)) return Ok();
+    return Error{kCodeFailed, what + ": Input/output error"};
+  };
+  EXPECT_FALSE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Ok()));
+  ASSERT_TRUE(failed);
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_FALSE(boot.value().on_trial_boot);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+}
+
+// A failed version stays failed, whether or not that may be lost with the power.
+TEST_F(DiskTrouble, AFailedVersionWhoseFolderCannotBeSyncedIsNotTriedAgain) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+  disk_->fail = [](const std::string& what) -> Result<> {
+    if (what != "sync /robot") return Ok();
+    return Error{kCodeFailed, what + ": Input/output error"};
+  };
+  EXPECT_FALSE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Error{kCodeFailed, "legs: no answer"}));
+  const auto boot = OpenRoot(*disk_).Boot(std::nullopt, /*takes_trial=*/true);
+  ASSERT_TRUE(boot);
+  EXPECT_FALSE(boot.value().on_trial_boot);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+}
+
+// Another controller leads, so this start has not begun it.
+TEST_F(DiskTrouble, APostponedTrialBootIsBegunByTheNextStart) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+  ASSERT_TRUE(OpenRoot(*disk_).PostponeTrialBoot());
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_TRUE(boot.value().on_trial_boot) << boot.value().reason;
+  EXPECT_EQ(OpenRoot(*disk_).Boot().value().version.text, "1.0.0") << "its one start is used now";
+}
+
+// Its start was put back as used, and the next start rolled back a version that was never begun.
+TEST_F(DiskTrouble, APostponedTrialBootWhoseFolderCannotBeSyncedIsBegunByTheNextStart) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+  bool failed = false;
+  disk_->fail = [&failed](const std::string& what) -> Result<> {
+    if (what != "sync /robot" || std::exchange(failed, true)) return Ok();
+    return Error{kCodeFailed, what + ": Input/output error"};
+  };
+  EXPECT_FALSE(OpenRoot(*disk_).PostponeTrialBoot());
+  ASSERT_TRUE(failed);
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_TRUE(boot.value().on_trial_boot) << boot.value().reason;
+  EXPECT_EQ(boot.value().version.text, "1.1.0");
 }
 
 TEST_F(DiskTrouble, ReadOnlyRobotsStart) {

@@ -3,7 +3,7 @@
 // says: it has no settings of its own.
 //
 //   ros_server_peer <node>      with its namespace, without a leading '/', in the domain of
-//   ROS_DOMAIN_ID
+//                               ROS_DOMAIN_ID
 //
 // Like rclcpp it sends a reply only when the reader of the client is matched; it waits 100 ms for
 // it.

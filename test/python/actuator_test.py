@@ -1,20 +1,17 @@
 """Actuators in Python in real processes: their callbacks, failures, ends."""
 
-import contextlib
 import os
-import select
 import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 import musher
 from musher.example_interfaces.action import Fibonacci
 from musher.musher_msgs.msg import MachineStatus
 from musher.std_msgs.msg import String
-from robot import DEADLINE_S, DOMAIN, Robot, run_python
+from robot import DEADLINE_S, DOMAIN, Robot, end, freeze, run_python
 
 ALL = """
 class A(musher.Actuator):
@@ -25,26 +22,6 @@ class A(musher.Actuator):
     def on_tear_down(self): pass
 """
 RUN = "musher.run(A)"
-
-
-def end(pid):
-    """Returns once the process has exited."""
-    with contextlib.suppress(ProcessLookupError):
-        process = os.pidfd_open(pid)
-        os.kill(pid, signal.SIGKILL)
-        select.select([process], [], [], DEADLINE_S)
-        os.close(process)
-
-
-def freeze(pid):
-    """Returns once each thread of the process stands."""
-    os.kill(pid, signal.SIGSTOP)
-    deadline = time.monotonic() + DEADLINE_S
-    for thread in os.listdir(f"/proc/{pid}/task"):
-        stands = False
-        while not stands and time.monotonic() < deadline:
-            with open(f"/proc/{pid}/task/{thread}/stat", encoding="utf-8") as file:
-                stands = file.read().rpartition(") ")[2].startswith("T")
 
 
 def program(methods=""):
@@ -117,6 +94,28 @@ class Actuators(unittest.TestCase):
         self.assertEqual(client.estop("test"), ["a"])
         switch.join(DEADLINE_S)
         self.assertEqual(outcome[0].outcome, "done")
+        client.release_estop()
+
+    def test_a_stop_is_not_confirmed_before_a_callback_that_may_switch_on_has_ended_and_runs_again_then(self):
+        robot, machine = self.start(program(
+            "switched_on = 0\n"
+            "def on_active(self):\n    while __import__('os').path.exists('wait'): __import__('time').sleep(0.01)\n"
+            "    self.switched_on += 1\n"
+            "def on_emergency_stop(self): self.log.info(f'off after {self.switched_on}')"))
+        machine.set("LowPower")
+        robot.write("wait", "")
+        client = musher.Machine(robot.file)
+        self.addCleanup(client.close)
+        import threading
+        switch = threading.Thread(target=lambda: machine.request("Active"))
+        switch.start()
+        client.wait_until(lambda status: status.actuators[0].target == "Active", DEADLINE_S)
+        with self.assertRaisesRegex(musher.Failure, "not confirmed by a .its callback for Active still runs"):
+            client.estop("test", timeout_s=5.0)
+        os.remove(os.path.join(robot.folder, "wait"))
+        robot.await_log("a", "off after 2")
+        self.assertEqual(client.estop("again", timeout_s=DEADLINE_S), ["a"])
+        switch.join(DEADLINE_S)
         client.release_estop()
 
     def test_a_stop_whose_function_raises_is_not_confirmed(self):

@@ -663,7 +663,7 @@ class Stops(unittest.TestCase):
         self.assertEqual(self.dog().estop("smoke", timeout_s=DEADLINE_S), ["legs"])
 
     def test_a_second_machine_of_the_name_that_is_found_later_is_named(self):
-        self.publish(self.node(), DOG, latched=True)
+        self.publish(self.node(), DOG, latched=False)  # so that the stop is not over before the second one is found
         second = self.node()
         later = threading.Timer(0.1, lambda: self.publish(second, SECOND_DOG, latched=True))
         received = []  # by the name, and by the id of the first machine
@@ -675,7 +675,7 @@ class Stops(unittest.TestCase):
 
         second.subscribe("musher/emergency_stop", EmergencyStop, on_stop, latched=True)
         with self.assertRaises(musher.Failure) as failed:
-            self.dog().estop("smoke", timeout_s=1.0)
+            self.dog().estop("smoke", timeout_s=5.0)
         later.join(DEADLINE_S)
         self.assertIn("several machines have received the stop (dog (id d0900000), dog (id d0910000))",
                       failed.exception.reason)

@@ -1,6 +1,7 @@
 """State machines with states of Python, in virtual time."""
 
 import dataclasses
+import enum
 import gc
 import unittest
 import weakref
@@ -136,6 +137,7 @@ class Machines(WithMachine):
         with self.assertRaisesRegex(musher.Failure, "the queue is full"):
             machine.send("go")
         machine.send("stop")
+        self.assertEqual([machine.is_urgent(name) for name in ("stop", "go", "none")], [True, False, False])
         self.assertEqual(machine.waiting_commands, 1)
         with self.assertRaisesRegex(musher.Failure, "did you mean 'stop'"):
             machine.send("stopp")
@@ -405,6 +407,300 @@ class Recordings(WithMachine):
         owner = Owner()
         owner.machine, _ = self.kitchen()
         owner.machine.record(lambda line: owner)
+        gone = weakref.ref(owner)
+        del owner
+        gc.collect()
+        self.assertIsNone(gone())
+
+
+class Gesture(enum.IntEnum):
+    NONE = 0
+    HEART = 1
+
+
+class Tracking(Scene):
+    """Saves a field of each kind; raises what `fails` has instead."""
+
+    def __init__(self, name, next, time_s=1.0):
+        super().__init__(name, next, time_s)
+        self.greeted, self.guests, self.share, self.last = False, 0, 0.0, ""
+        self.lost_for_s, self.gesture, self.fails = 0.0, Gesture.NONE, None
+
+    # [persist]
+    def persist(self, archive):
+        self.greeted = archive.field("greeted", self.greeted)
+        self.guests = archive.field("guests", self.guests)
+        self.share = archive.field("share", self.share)
+        self.last = archive.field("last", self.last)
+        self.lost_for_s = archive.duration_s("lost_for", self.lost_for_s)
+        self.gesture = archive.field("gesture", self.gesture)
+        # [persist end]
+        if self.fails:
+            raise self.fails
+
+    def fields(self):
+        return self.greeted, self.guests, self.share, self.last, self.lost_for_s, self.gesture
+
+
+# As C++ writes it: test/behavior/fsm/snapshot_toml_test.cpp has such a text of a machine there.
+SAVED = """# A state machine between two ticks. Times are nanoseconds of machine time.
+machine = "show"
+running = true
+paused = false
+mode = "NORMAL"
+state = "TRACKING"
+ticks = 2
+time_ns = 200000000
+step_ns = 100000000
+elapsed_ns = 100000000
+unsafe = ""
+commands = ["photo"]
+history = [
+  { tick = 0, at_ns = 0, from = "", to = "IDLE", cause = "started" },
+  { tick = 1, at_ns = 100000000, from = "IDLE", to = "TRACKING", cause = "decided", command = "skip" },
+]
+
+[counts]
+changes = 2
+unhandled = 0
+superseded = 0
+refused = 0
+faults = 0
+listener_faults = 0
+
+[command_data.0]
+count = 3
+zoom = 1.0
+flash = false
+of = "a \\"pot\\""
+
+[data.robot]
+ready = true
+
+[states.TRACKING]
+greeted = true
+guests = -7
+share = 0.25
+last = "Ada"
+lost_for = 290000000
+gesture = 1
+"""
+
+
+class Snapshots(WithMachine):
+    """A machine that continues in another process."""
+
+    FIELDS = (True, -7, 0.25, "Ada", 0.29, Gesture.HEART)
+
+    def show(self, name="show"):
+        robot = {"ready": False}
+
+        def persist(archive):
+            robot["ready"] = archive.field("ready", robot["ready"])
+
+        machine = fsm.Machine(name, commands=2)
+        tracking = Tracking("TRACKING", "IDLE")
+        machine.add_event("skip")
+        machine.add_event("photo", data=Photo)
+        machine.add("IDLE", Scene("IDLE", "TRACKING"))
+        machine.add("TRACKING", tracking)
+        machine.add_data("robot", persist)
+        machine.build("IDLE")
+        return machine, tracking, robot
+
+    def ran(self):
+        machine, tracking, robot = self.show()
+        machine.start(self.now_s)
+        machine.send("skip")
+        self.tick(machine, 2)
+        machine.send("photo", Photo(count=3, of="a \"pot\""))
+        (tracking.greeted, tracking.guests, tracking.share, tracking.last, tracking.lost_for_s,
+         tracking.gesture) = self.FIELDS
+        robot["ready"] = True
+        return machine, tracking, robot
+
+    def test_a_saved_machine_is_the_text_that_a_machine_of_cpp_reads(self):
+        self.assertEqual(self.ran()[0].save(), SAVED)
+
+    def test_another_machine_continues_where_it_was_saved_without_entering_a_state(self):
+        machine, tracking, robot = self.show()
+        machine.restore(SAVED, 7200.0)
+        self.assertEqual(LOG, [])
+        self.assertEqual((machine.path, machine.ticks, machine.waiting_commands, len(machine.history)),
+                         ("TRACKING", 2, 1, 2))
+        self.assertEqual(tracking.fields(), self.FIELDS)
+        self.assertIs(type(tracking.gesture), Gesture)
+        self.assertTrue(robot["ready"])
+        self.assertEqual(machine.save(), SAVED)
+        machine.run_once(7200.5)  # the command is not handled there: the state stays
+        self.assertAlmostEqual(machine.elapsed_s, 0.6)
+        machine.run_once(7201.0)
+        self.assertEqual(LOG, ["TRACKING run", "TRACKING on_exit", "IDLE on_enter"])
+
+    def test_a_gradual_transition_continues(self):
+        class Slow(Scene):
+            def check_transition(self, tick):
+                return fsm.Next.to(self.next, gradually_s=0.4)
+
+        def slow():
+            return self.machine(Slow("A", "B"), Scene("B", "A"), begin=False)
+
+        first = slow()
+        first.start(self.now_s)
+        self.tick(first, 3)
+        other = slow()
+        other.restore(first.save(), self.now_s)
+        self.assertEqual((other.mode, other.path), ("TRANSITIONING", "A"))
+        self.tick(other, 2)
+        self.assertEqual((other.mode, other.path), ("NORMAL", "B"))
+
+    def test_the_data_of_a_waiting_command_is_restored_with_it(self):
+        seen = []
+
+        class Sees(Scene):
+            def declare(self, transitions):
+                super().declare(transitions)
+                transitions.on("photo")
+
+            def check_transition(self, tick):
+                if tick.command:
+                    seen.append(tick.data)
+                    return fsm.Next.handle()
+
+        def camera():
+            machine = fsm.Machine("camera")
+            machine.add_event("photo", data=Photo)
+            machine.add("A", Sees("A", "B"))
+            machine.add("B", Scene("B", "A"))
+            machine.build("A")
+            return machine
+
+        first = camera()
+        first.start(self.now_s)
+        first.send("photo", Photo(count=4))
+        other = camera()
+        other.restore(first.save(), self.now_s)
+        self.tick(other)
+        self.assertEqual(seen, [Photo(count=4)])
+
+    def test_machines_inside_and_where_they_were_left_are_restored(self):
+        def outer():
+            inner = fsm.Machine("scenes")
+            inner.add("FIRST", Scene("FIRST", "LAST", 0.05))
+            last = Tracking("LAST", "FIRST", 9)
+            inner.add("LAST", last)
+            machine = fsm.Machine("show")
+            machine.add_event("skip")
+            machine.add("SHOW", Holds(inner, "FIRST", resumes=True))
+            machine.add("IDLE", Scene("IDLE", "SHOW", 9))
+            machine.build("SHOW")
+            return machine, last
+
+        class Holds(fsm.Nested):
+            shown = 0
+
+            def declare(self, transitions):
+                transitions.to("IDLE", "skip")
+                transitions.on("skip")
+
+            def decide(self, tick):
+                return fsm.Next.to("IDLE") if tick.command == "skip" else None
+
+            def on_enter(self, tick):
+                self.shown += 1
+
+            def persist(self, archive):
+                self.shown = archive.field("shown", self.shown)
+
+        first, last = outer()
+        first.start(self.now_s)
+        self.tick(first, 2)
+        last.guests = 5
+        other, other_last = outer()
+        other.restore(first.save(), self.now_s)
+        self.assertEqual((other.path, other_last.guests), ("SHOW/LAST", 5))
+        first.send("skip")
+        self.tick(first)
+        saved = first.save()
+        self.assertIn('left_in = "LAST"', saved)
+        third, _ = outer()
+        third.restore(saved, self.now_s)
+        third.send("skip")
+        self.tick(third)
+        self.assertEqual(third.path, "SHOW/LAST")
+        self.assertIn("shown = 2", third.save())
+
+    def test_all_that_does_not_fit_is_named_with_its_line_and_nothing_has_changed(self):
+        machine, tracking, robot = self.show()
+        wrong = SAVED.replace('"photo"]', '"foto"]').replace('state = "TRACKING"', 'state = "TRACKNG"')
+        with self.assertRaises(musher.Failure) as caught:
+            machine.restore(wrong, 0, file="show.toml")
+        self.assertRegex(caught.exception.reason, r"show\.toml:6:\d+: error: state: there is no state TRACKNG; did you "
+                                                  "mean 'TRACKING'\\?")
+        self.assertIn("there is no event foto", caught.exception.reason)
+        with self.assertRaisesRegex(musher.Failure,
+                                    "saved:37:\\d+: error: states.TRACKING.guests: has to be an integer, not a text"):
+            machine.restore(SAVED.replace("guests = -7", 'guests = "Ada"'), 0)
+        with self.assertRaisesRegex(musher.Failure, "states.TRACKING: Persist: ValueError: 7 is not a valid Gesture"):
+            machine.restore(SAVED.replace("gesture = 1", "gesture = 7"), 0)
+        with self.assertRaisesRegex(musher.Failure, "machine: it was saved from show, not from garage"):
+            self.show("garage")[0].restore(SAVED, 0)
+        with self.assertRaisesRegex(musher.Failure, "saved:1:"):
+            machine.restore("no machine", 0)
+        self.assertEqual(tracking.fields(), (False, 0, 0.0, "", 0.0, Gesture.NONE))
+        self.assertEqual((robot["ready"], machine.running), (False, False))
+        machine.restore(SAVED, 0)
+        with self.assertRaisesRegex(musher.Failure, "running: show runs already"):
+            machine.restore(SAVED, 0)
+
+    def test_what_cannot_be_saved_has_a_sentence(self):
+        machine, tracking, _ = self.ran()
+        tracking.fails = OSError("no disk")
+        with self.assertRaisesRegex(musher.Failure, "show: TRACKING: Persist: OSError: no disk \\(fsm_test.py:"):
+            machine.save()
+        tracking.fails = None
+        for value, sentence in ((["Ada"], "last: a saved field is a bool, an int, a float or a str, not "),
+                                (2 ** 64, "last: it is not an int of 64 bits"),
+                                ("\0", "cannot be saved: it is not UTF-8, or has a NUL")):
+            tracking.last = value
+            with self.subTest(value=value), self.assertRaisesRegex(musher.Failure, sentence):
+                machine.save()
+        tracking.last = ""
+        tracking.lost_for_s = float("nan")
+        with self.assertRaisesRegex(musher.Failure, "lost_for: a saved time is at most 1e9 seconds, not nan"):
+            machine.save()
+
+    def test_it_is_saved_between_ticks_and_its_fields_in_persist(self):
+        kept = []
+
+        class Saves(Scene):
+            def run(self, tick):
+                machine.save()
+
+            def persist(self, archive):
+                kept.append(archive)
+                return 5
+
+        machine = self.machine(Saves("A", "B"), Scene("B", "A"))
+        with self.assertRaisesRegex(musher.Failure, "A: Persist: persist returned 5; it returns nothing"):
+            machine.save()
+        with self.assertRaisesRegex(musher.Failure, "saved and restored in persist\\(\\) only"):
+            kept[0].field("a", 1)
+        self.tick(machine)
+        self.assertIn("can be saved once it is built, and between ticks", machine.fault)
+        with self.assertRaisesRegex(musher.Failure, "build\\(\\) comes first"):
+            fsm.Machine().save()
+        with self.assertRaisesRegex(TypeError, "is saved by a function, not by 5"):
+            fsm.Machine().add_data("robot", 5)
+
+    def test_a_machine_whose_data_refers_to_it_is_collected(self):
+        class Owner:
+            def persist(self, archive):
+                pass
+
+        owner = Owner()
+        owner.machine = fsm.Machine("show")
+        owner.machine.add_data("robot", owner.persist)
         gone = weakref.ref(owner)
         del owner
         gc.collect()

@@ -1,12 +1,16 @@
 """A robot of Python actuators that a test runs: its own folder and DDS domain, real processes."""
 
+import contextlib
 import os
 import re
+import select
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 from typing import Dict, Optional
 
 SOURCE = os.environ["MUSHER_SOURCE"]
@@ -115,3 +119,23 @@ def run_python(program: str, deadline_s: float = DEADLINE_S, **more: str) -> "su
     """Runs a program of its own to its end."""
     return subprocess.run([sys.executable, "-X", "faulthandler", "-c", "import musher\n" + program],
                           capture_output=True, text=True, timeout=deadline_s, check=False, env={**os.environ, **more})
+
+
+def end(pid: int) -> None:
+    """Returns once the process has exited."""
+    with contextlib.suppress(ProcessLookupError):
+        process = os.pidfd_open(pid)
+        os.kill(pid, signal.SIGKILL)
+        select.select([process], [], [], DEADLINE_S)
+        os.close(process)
+
+
+def freeze(pid: int) -> None:
+    """Returns once each thread of the process stands."""
+    os.kill(pid, signal.SIGSTOP)
+    deadline = time.monotonic() + DEADLINE_S
+    for thread in os.listdir(f"/proc/{pid}/task"):
+        stands = False
+        while not stands and time.monotonic() < deadline:
+            with open(f"/proc/{pid}/task/{thread}/stat", encoding="utf-8") as file:
+                stands = file.read().rpartition(") ")[2].startswith("T")

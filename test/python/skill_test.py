@@ -278,13 +278,23 @@ class Arm(musher.SkillActuator):
     def on_pause(self):
         self.log.info("rests")
 
-musher.run(Arm)
+arm = Arm()
+"""
+RUN = "musher.run(arm)\n"
+# As if its process had been stopped, and had just gone on, whenever wave is paused.
+BREAKS = """
+from musher import _native
+fresh = _native.FsmTicks.may_be_late
+_native.FsmTicks.may_be_late = lambda ticks: fresh(ticks) or (
+    "arm could not run for 9 s" if arm.manager.is_paused("wave") else None)
 """
 
 
-class AnActuator(unittest.TestCase):
+class WithArm(unittest.TestCase):
+    more = ""  # of its program
+
     def setUp(self):
-        self.robot = Robot({"arm": ARM})
+        self.robot = Robot({"arm": ARM + self.more + RUN})
         self.addCleanup(self.robot.close)
         self.robot.up()
         self.machine = musher.Machine(self.robot.file)
@@ -294,6 +304,91 @@ class AnActuator(unittest.TestCase):
     def skill(self, *words):
         return self.robot.run("skill", "run", "--timeout", "30", *words)
 
+
+class AnActuatorAfterABreak(WithArm):
+    more = BREAKS
+
+    # What had waited in the kernel of a stopped process began when it went on, however old it was.
+    def test_begins_and_resumes_no_skill_by_what_waited_meanwhile(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import Parameter, RobotSkill, SkillInfo
+        client = node.action_client("skill_execution", SkillExecution)
+        wave = SkillInfo(skill="wave", params=[Parameter("times", "1000")])
+        goal = client.send(SkillExecution.Goal(RobotSkill("robot_0", [wave])), DEADLINE_S)
+        next(iter(goal))
+        self.assertEqual(self.robot.run("skill", "pause", "wave").returncode, 0)
+        self.assertIn("could not run for 9 s", self.robot.run("skill", "resume", "wave").stderr)
+        begun = self.skill("wave")
+        self.assertNotEqual(begun.returncode, 0)
+        self.assertIn("could not run for 9 s", begun.stdout + begun.stderr)
+        goal.cancel()
+        with self.assertRaises(musher.GoalFailed) as ended:
+            goal.result(DEADLINE_S)
+        self.assertEqual(ended.exception.end, "canceled")
+
+
+class AnActuatorAfterALongBreak(WithArm):
+    # As if its computer had been suspended after the first step.
+    more = """
+from musher import _native
+none = _native.FsmTicks.take_break_s
+_native.FsmTicks.take_break_s = lambda ticks: none(ticks) or (
+    90.0 if (arm.manager.feedback_of("wave") or {}).get("progress", 0) >= 1 else None)
+"""
+
+    # It waved on by itself.
+    def test_ends_the_skills_that_ran(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import Parameter, RobotSkill, SkillInfo
+        client = node.action_client("skill_execution", SkillExecution)
+        wave = SkillInfo(skill="wave", params=[Parameter("times", "100")])
+        goal = client.send(SkillExecution.Goal(RobotSkill("robot_0", [wave])), DEADLINE_S)
+        with self.assertRaises(musher.GoalFailed) as ended:
+            goal.result(DEADLINE_S)
+        self.assertIn("it does not go on: its process could not run for 90 s", ended.exception.result.message)
+
+
+class AnActuatorThatIsBusy(WithArm):
+    more = """
+@SkillManager.register()
+def think(robot, pipe="", **kwargs):
+    "Holds the thread of the node up until the pipe has a writer"
+    robot.log.info("thinks")
+    open(pipe).close()
+    return kwargs["skill_manager"].form_feedback("completed", "Thought")
+"""
+
+    # It was begun, made a step, and was cancelled then.
+    def test_begins_no_goal_that_was_cancelled_before_its_turn(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import Parameter, RobotSkill, SkillInfo
+        client = node.action_client("skill_execution", SkillExecution)
+
+        def request(skill, *parameters):
+            return SkillExecution.Goal(RobotSkill("robot_0", [SkillInfo(skill, list(parameters))]))
+
+        thought = os.path.join(self.robot.folder, "thought")
+        os.mkfifo(thought)
+        thinks = client.send(request("think", Parameter("pipe", repr(thought))), DEADLINE_S)
+        self.robot.await_log("arm", "thinks")
+        waves = client.send(request("wave", Parameter("times", "1000")), DEADLINE_S)
+        waves._next(DEADLINE_S)  # it is accepted
+        waves.cancel(DEADLINE_S)
+        self.robot.write("thought", "")  # waits for the reader
+        with self.assertRaises(musher.GoalFailed) as ended:
+            waves.result(DEADLINE_S)
+        self.assertEqual((ended.exception.end, ended.exception.result.message),
+                         ("canceled", "cancelled before it started"))
+        self.assertEqual(thinks.result(DEADLINE_S).message[:10], "completed:")
+
+
+class AnActuator(WithArm):
     def test_runs_skills_as_goals_while_the_robot_is_active(self):
         ran = self.skill("wave", "times=4")
         self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)

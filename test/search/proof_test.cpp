@@ -190,6 +190,30 @@ TEST(ProofOfAConfig, FindsAPlantedFaultWithTheFewestFaultsAndChoices) {
   EXPECT_THAT(proof.counter_example->violations, Contains(HasSubstr("has exited in")));
 }
 
+// An actuator that obeys any participant that names a higher epoch.
+TEST(ProofOfAConfig, SearchesTheMessagesOfAnotherMachineWhereTheyAreFaults) {
+  ProofOptions options;
+  options.from = State(kLowPower);
+  const Proof without = ProofOf(testing::MachineOf(2), 1, options);
+  options.other_machine = true;
+  const Proof with = ProofOf(testing::MachineOf(2), 1, options);
+  EXPECT_EQ(with.end, ProofEnd::kProved) << Sentences(with);
+  EXPECT_GT(with.figures.transitions, without.figures.transitions);
+  options.rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,
+                              Time now) {
+    if (const auto* arrived = std::get_if<actuator_event::SwitchArrived>(&event)) {
+      const actuator_event::ControllerHeartbeatReceived announced{arrived->sender,
+                                                                  arrived->command.epoch};
+      Step(config, i, core, announced, now);
+    }
+    return Step(config, i, core, event, now);
+  };
+  const Proof planted = ProofOf(testing::MachineOf(2), 1, options);
+  ASSERT_EQ(planted.end, ProofEnd::kViolated);
+  EXPECT_THAT(planted.counter_example->violations,
+              Contains(HasSubstr("message of another machine")));
+}
+
 TEST(ProofOfAConfig, EndsWhereItsCallerDoes) {
   ProofOptions options;
   options.on_progress = [](const ProofProgress& progress) {
@@ -334,27 +358,28 @@ TEST(FingerprintSet, HasEachFingerprintOnce) {
 
 // --- rules of the user ---
 
-StableRules Read(const MachineConfig& config, const std::string& text) {
-  return ReadStableRules(config, "rules.txt", text);
+UserRulesReading Read(const MachineConfig& config, const std::string& text) {
+  return ReadUserRules(config, "rules.txt", text);
 }
 
-TEST(StableRules, AreReadFromLines) {
-  const StableRules read = Read(testing::MachineOf(2),
-                                "# a comment\n\nnever a Active while b is not Active  # why\n"
-                                "never machine LowPower while a is Active\nnever b Error\n");
+TEST(UserRules, AreReadFromLines) {
+  const UserRulesReading read = Read(testing::MachineOf(2),
+                                     "# a comment\n\nnever a Active while b is not Active  # why\n"
+                                     "never machine LowPower while a is Active\nnever b Error\n");
   EXPECT_THAT(read.diagnostics, IsEmpty());
-  ASSERT_EQ(read.rules.size(), 3U);
-  EXPECT_EQ(read.rules[0].text, "never a Active while b is not Active");
-  EXPECT_TRUE(read.rules[0].condition_negated);
-  EXPECT_FALSE(read.rules[1].never.actuator);
-  EXPECT_FALSE(read.rules[2].condition);
+  ASSERT_EQ(read.rules.stable.size(), 3U);
+  EXPECT_EQ(read.rules.stable[0].text, "never a Active while b is not Active");
+  EXPECT_TRUE(read.rules.stable[0].condition_negated);
+  EXPECT_FALSE(read.rules.stable[1].never.actuator);
+  EXPECT_FALSE(read.rules.stable[2].condition);
 }
 
-TEST(StableRules, AreReportedWithThePlaceOfWhatIsWrong) {
-  const StableRules read = Read(testing::MachineOf(2),
-                                "never c Active\nnever a Actve\nalways a Active\n"
-                                "never a Active while b is\nnever a Active while b is Active now\n"
-                                "never a Active while b is Exited\nnever machine exited\n");
+TEST(UserRules, AreReportedWithThePlaceOfWhatIsWrong) {
+  const UserRulesReading read =
+      Read(testing::MachineOf(2),
+           "never c Active\nnever a Actve\nalways a Active\n"
+           "never a Active while b is\nnever a Active while b is Active now\n"
+           "never a Active while b is Exited\nnever machine exited\n");
   std::vector<std::string> texts;
   for (const Diagnostic& one : read.diagnostics) texts.push_back(FormatDiagnostic(one));
   ASSERT_EQ(texts.size(), 7U);
@@ -367,19 +392,19 @@ TEST(StableRules, AreReportedWithThePlaceOfWhatIsWrong) {
   EXPECT_THAT(texts[6], HasSubstr("the machine has no state 'exited'"));
 }
 
-TEST(StableRules, DoNotNameAnActuatorThatIsCalledMachine) {
+TEST(UserRules, DoNotNameAnActuatorThatIsCalledMachine) {
   MachineConfig config = testing::MachineOf(2);
   testing::ActuatorNamed(config, "b").name = "machine";
-  const StableRules read = Read(config, "never a Active while machine is Error\n");
+  const UserRulesReading read = Read(config, "never a Active while machine is Error\n");
   ASSERT_EQ(read.diagnostics.size(), 1U);
   EXPECT_THAT(FormatDiagnostic(read.diagnostics[0]),
               HasSubstr("rules.txt:1:22: error: 'machine' means the state of the machine"));
 }
 
 // The start has failed, and its processes stay for inspection.
-TEST(StableRules, AreCheckedAfterAFailedStart) {
+TEST(UserRules, AreCheckedAfterAFailedStart) {
   Model model(testing::MachineOf(2));
-  model.stable_rules = Read(model.config, "never machine SelfCheck while a is exited").rules;
+  model.stable_rules = Read(model.config, "never machine SelfCheck while a is exited").rules.stable;
   World world = NewWorld(model);
   world.machine.phase = Phase::kFailed;
   world.machine.state = kSelfCheck;
@@ -390,13 +415,13 @@ TEST(StableRules, AreCheckedAfterAFailedStart) {
 }
 
 // b stays on when a, which carries it, is lost; where b is bound to a, it does not.
-TEST(StableRules, AreViolatedWithoutABindingAndHoldWithIt) {
+TEST(UserRules, AreViolatedWithoutABindingAndHoldWithIt) {
   MachineConfig config = testing::Ours(2);
   for (ActuatorConfig& actuator : config.actuators) actuator.on_lost = "Active";
   testing::ActuatorNamed(config, "a").restart.policy = RestartPolicy::kNo;
   ProofOptions options;
   options.from = State(kActive);
-  options.stable_rules = Read(config, "never b Active while a is exited").rules;
+  options.stable_rules = Read(config, "never b Active while a is exited").rules.stable;
   const Proof without = ProofOf(config, 1, options);
   ASSERT_EQ(without.end, ProofEnd::kViolated);
   EXPECT_THAT(without.counter_example->violations,
@@ -407,15 +432,95 @@ TEST(StableRules, AreViolatedWithoutABindingAndHoldWithIt) {
 }
 
 // Two actuators that are alike but for a rule.
-TEST(StableRules, EndTheSymmetryOfWhatTheyName) {
+TEST(UserRules, EndTheSymmetryOfWhatTheyName) {
   ProofOptions options;
   options.symmetry = true;
   const MachineConfig config = testing::MachineOf(2);
   const Proof alike = ProofOf(config, 0, options);
-  options.stable_rules = Read(config, "never b Error while a is Active").rules;
+  options.stable_rules = Read(config, "never b Error while a is Active").rules.stable;
   const Proof named = ProofOf(config, 0, options);
   EXPECT_EQ(named.end, ProofEnd::kProved);
   EXPECT_GT(named.figures.nodes, alike.figures.nodes);
+}
+
+// --- searches of an earlier run ---
+
+class Resuming : public ::testing::Test {
+ protected:
+  Resuming() {
+    options_.from = State(kLowPower);
+    options_.stable_rules = Read(config_, "never a OTA while b is Active").rules.stable;
+    options_.on_finished = [this](const auto& finished) { finished_ = finished; };
+  }
+  void ExpectTheFiguresOf(const Proof& whole, const Proof& proof) const {
+    EXPECT_EQ(proof.end, whole.end) << Sentences(proof);
+    EXPECT_EQ(proof.tasks.size(), whole.tasks.size());
+    EXPECT_EQ(proof.figures.nodes, whole.figures.nodes);
+    EXPECT_EQ(proof.figures.transitions, whole.figures.transitions);
+    ASSERT_EQ(proof.rule_coverage.size(), 1U);
+    EXPECT_EQ(proof.rule_coverage[0].states, whole.rule_coverage[0].states);
+    EXPECT_EQ(proof.rule_coverage[0].condition, whole.rule_coverage[0].condition);
+  }
+
+  const MachineConfig config_ = testing::MachineOf(2);
+  ProofOptions options_;
+  std::vector<ProvedTask> finished_;
+};
+
+TEST_F(Resuming, GivesTheFiguresOfAnUninterruptedProof) {
+  const Proof whole = ProofOf(config_, 1, options_);
+  ASSERT_EQ(whole.end, ProofEnd::kProved) << Sentences(whole);
+  ASSERT_EQ(finished_.size(), whole.tasks.size());
+  for (std::size_t i = 0; i < finished_.size(); i += 2) options_.earlier.push_back(finished_[i]);
+  const Proof resumed = ProofOf(config_, 1, options_);
+  ExpectTheFiguresOf(whole, resumed);
+  const auto earlier = std::ranges::count_if(resumed.tasks, &ProvedTask::earlier);
+  EXPECT_EQ(static_cast<std::size_t>(earlier), options_.earlier.size());
+  EXPECT_EQ(finished_.size(), whole.tasks.size()) << "those of the earlier run are among them";
+}
+
+TEST_F(Resuming, MakesNoSearchTwice) {
+  const Proof whole = ProofOf(config_, 1, options_);
+  std::atomic<int> steps = 0;
+  options_.rules.controller = [&](const auto& config, auto& machine, const Event& event, Time now) {
+    ++steps;
+    return Step(config, machine, event, now);
+  };
+  options_.earlier = finished_;
+  ExpectTheFiguresOf(whole, ProofOf(config_, 1, options_));
+  EXPECT_EQ(steps, 0);
+}
+
+TEST_F(Resuming, KeepsNoSearchThatWasInterrupted) {
+  options_.on_progress = [](const ProofProgress& progress) {
+    return progress.faults == 1 ? "the test has seen enough" : "";
+  };
+  const Proof proof = ProofOf(testing::MachineOf(3), 2, options_);
+  ASSERT_EQ(proof.end, ProofEnd::kNotFinished);
+  EXPECT_FALSE(finished_.empty());
+  for (const ProvedTask& one : finished_) EXPECT_TRUE(one.finished) << one.task.Text();
+  EXPECT_LT(finished_.size(), proof.tasks.size());
+}
+
+TEST_F(Resuming, CountsNoSearchThatIsNotFinished) {
+  const Proof whole = ProofOf(config_, 0, options_);
+  for (ProvedTask one : finished_) {
+    one.finished = false;
+    one.figures.nodes += 7;
+    options_.earlier.push_back(one);
+  }
+  ExpectTheFiguresOf(whole, ProofOf(config_, 0, options_));
+}
+
+TEST_F(Resuming, FindsAViolationInWhatIsLeft) {
+  const Proof without_fault = ProofOf(config_, 0, options_);
+  ASSERT_EQ(without_fault.end, ProofEnd::kProved);
+  options_.earlier = finished_;
+  options_.rules = WithoutCrashes();
+  const Proof proof = ProofOf(config_, 1, options_);
+  ASSERT_EQ(proof.end, ProofEnd::kViolated);
+  EXPECT_EQ(proof.counter_example->task.faults, 1);
+  EXPECT_THAT(proof.counter_example->violations, Contains(HasSubstr("has exited in")));
 }
 
 // --- actuators that are alike ---

@@ -81,6 +81,57 @@ class PlantedFlaw : public ::testing::Test {
     EXPECT_EQ(checker_->violation()->invariant, invariant) << checker_->violation()->what;
     EXPECT_THAT(checker_->violation()->what, HasSubstr(what));
   }
+  void ExpectNone() { EXPECT_FALSE(checker_->violation()) << checker_->violation()->what; }
+  Machine& machine() { return const_cast<Machine&>(robot_->machine()); }
+
+  void BringUpOverLan(int actuators) {
+    MachineConfig config = Started(actuators);
+    config.transport = TransportProfile::kLan;
+    Make(std::move(config));
+    ASSERT_NO_FATAL_FAILURE(BringUp());
+  }
+  void SetThroughSelfCheck() {
+    ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
+    ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  }
+  // The link between hosts 0 and 1.
+  void SetLinkOfHosts(bool up) {
+    robot_->hosts().SetHostBlocked(0, 1, !up);
+    robot_->hosts().SetHostBlocked(1, 0, !up);
+  }
+  void Stop() {
+    checker_->OnStopEngaged(0, 7);
+    robot_->EngageEmergencyStop(7);
+    RunFor(std::chrono::seconds(1));
+  }
+  // Stops it while the callback of Active runs.
+  void StopDuringActiveOfTheStart() {
+    robot_->StartController();
+    ASSERT_TRUE(RunUntil(
+        [&] {
+          const auto report = robot_->ReportOf("a");
+          return report && report->target == kActive;
+        },
+        std::chrono::seconds(10)));
+    robot_->EngageEmergencyStop(7);
+  }
+  void Release() {
+    robot_->ReleaseEmergencyStop();
+    RunFor(std::chrono::seconds(4));
+  }
+  void LoseStopOfA() {
+    CoreOf("a").stops.clear();
+    CoreOf("a").report.emergency_stop = 0;
+  }
+  // The controller takes what the stop has switched off for requested again.
+  void ForgetTheStop() {
+    for (KnownActuator& known : machine().actuators) known.set_again = true;
+  }
+  void ExpectFoundAfterForgettingTheFolder() {
+    machine().emergency.unread.clear();
+    RunFor(std::chrono::seconds(5));
+    ExpectFound(Invariant::kNoUnrequestedActivation, "a start begins SelfCheck although");
+  }
 
   State slow_;
   std::optional<SimRobot> robot_;
@@ -99,13 +150,11 @@ TEST_F(PlantedFlaw, FindsAControllerThatStartsAnActuatorOfAnotherHostWithoutList
 TEST_F(PlantedFlaw, FindsAReleaseThatWasNotStoredAndIsUndoneByItsPanelAfterARestart) {
   Make(Started(2));
   BringUp();
-  checker_->OnStopEngaged(0, 7);
-  robot_->EngageEmergencyStop(7);
-  RunFor(std::chrono::seconds(1));
+  Stop();
   robot_->ReleaseEmergencyStop();
   RunFor(std::chrono::seconds(1));
   checker_->CheckRest(false);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
   robot_->CrashController();
   robot_->disk(0).stops = {};
   BringUp();
@@ -117,11 +166,8 @@ TEST_F(PlantedFlaw, FindsAReleaseThatWasNotStoredAndIsUndoneByItsPanelAfterARest
 TEST_F(PlantedFlaw, FindsAnActuatorThatLosesALatchedStop) {
   Make(Started(1));
   BringUp();
-  checker_->OnStopEngaged(0, 7);
-  robot_->EngageEmergencyStop(7);
-  RunFor(std::chrono::seconds(1));
-  CoreOf("a").stops.clear();
-  CoreOf("a").report.emergency_stop = 0;
+  Stop();
+  LoseStopOfA();
   checker_->CheckRest(false);
   ASSERT_TRUE(checker_->violation());
 }
@@ -129,14 +175,11 @@ TEST_F(PlantedFlaw, FindsAnActuatorThatLosesALatchedStop) {
 TEST_F(PlantedFlaw, FindsAReleaseThatIsReportedBeforeItsActuatorHasConfirmedIt) {
   Make(Started(1));
   BringUp();
-  checker_->OnStopEngaged(0, 7);
-  robot_->EngageEmergencyStop(7);
-  RunFor(std::chrono::seconds(1));
+  Stop();
   robot_->ReleaseEmergencyStop();
-  auto& machine = const_cast<Machine&>(robot_->leader()->shell().machine());
-  ASSERT_TRUE(machine.emergency.release);
-  machine.emergency.release->last = 0;
-  machine.actuators[0].report.emergency_stop = 0;
+  ASSERT_TRUE(machine().emergency.release);
+  machine().emergency.release->last = 0;
+  machine().actuators[0].report.emergency_stop = 0;
   robot_->ReleaseEmergencyStop();  // the next step of the controller
   ExpectFound(Invariant::kReleaseIsConfirmed, "a has latched one of them");
 }
@@ -144,9 +187,7 @@ TEST_F(PlantedFlaw, FindsAReleaseThatIsReportedBeforeItsActuatorHasConfirmedIt) 
 TEST_F(PlantedFlaw, FindsAnActuatorThatDoesNotReportThatAStopHoldsIt) {
   Make(Started(1));
   BringUp();
-  checker_->OnStopEngaged(0, 7);
-  robot_->EngageEmergencyStop(7);
-  RunFor(std::chrono::seconds(1));
+  Stop();
   CoreOf("a").report.held_by_stop = false;
   robot_->ReleaseEmergencyStop();
   RunFor(std::chrono::seconds(1));
@@ -156,14 +197,7 @@ TEST_F(PlantedFlaw, FindsAnActuatorThatDoesNotReportThatAStopHoldsIt) {
 TEST_F(PlantedFlaw, FindsACallbackThatUndoesAnEmergencyStop) {
   slow_ = State(kActive);
   Make(Started(1));
-  robot_->StartController();
-  ASSERT_TRUE(RunUntil(
-      [&] {
-        const auto report = robot_->ReportOf("a");
-        return report && report->target == kActive;
-      },
-      std::chrono::seconds(10)));
-  robot_->EngageEmergencyStop(7);
+  ASSERT_NO_FATAL_FAILURE(StopDuringActiveOfTheStart());
   RunFor(std::chrono::seconds(1));
   CoreOf("a").stopped_meanwhile = false;  // so that its end counts as it is
   RunFor(std::chrono::seconds(30));
@@ -188,14 +222,7 @@ TEST_F(PlantedFlaw, FindsACallbackOfTheSameRankThatUndoesAnEmergencyStop) {
 TEST_F(PlantedFlaw, FindsHardwareThatACallbackSwitchesOnDuringAStop) {
   slow_ = State(kActive);
   Make(Started(1));
-  robot_->StartController();
-  ASSERT_TRUE(RunUntil(
-      [&] {
-        const auto report = robot_->ReportOf("a");
-        return report && report->target == kActive;
-      },
-      std::chrono::seconds(10)));
-  robot_->EngageEmergencyStop(7);
+  ASSERT_NO_FATAL_FAILURE(StopDuringActiveOfTheStart());
   // Its end has failed as it should, but the stop action does not run again.
   ASSERT_TRUE(RunUntil([&] { return robot_->ReportOf("a")->emergency_stop == 7; },
                        std::chrono::seconds(1)));
@@ -245,7 +272,7 @@ TEST_F(PlantedFlaw, ARestartBySupervisorThatFinishesATearDownStartsNothing) {
   ASSERT_EQ(robot_->machine().phase, Phase::kStarting);
   robot_->CrashActuator("a");
   RunFor(std::chrono::seconds(20));
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
   EXPECT_EQ(robot_->processes().PidOf("a", 0), 0);
 }
 
@@ -266,8 +293,7 @@ TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneWithoutARemoteActuatorThatAnEarl
   Make(MachineOf(1), layout);
   robot_->StartActuator("a");
   BringUp();
-  robot_->hosts().SetHostBlocked(0, 1, true);
-  robot_->hosts().SetHostBlocked(1, 0, true);
+  SetLinkOfHosts(false);
   robot_->CrashController();
   ASSERT_FALSE(robot_->disk(0).remote.empty());
   robot_->disk(0).remote.clear();
@@ -337,11 +363,11 @@ TEST_F(PlantedFlaw, FindsAnActuatorThatStaysActiveAfterAFailedStart) {
   robot_->StartController();
   ASSERT_TRUE(RunUntil([&] { return robot_->machine().phase == Phase::kFailed; },
                        std::chrono::seconds(10)));
-  KnownActuator& known = const_cast<Machine&>(robot_->machine()).actuators[0];
+  KnownActuator& known = machine().actuators[0];
   known.due = known.checked = false;
   RunFor(std::chrono::seconds(30));
   EXPECT_EQ(robot_->ReportOf("a")->state, "Active");
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
   checker_->CheckRest(false);
   ExpectFound(Invariant::kStatesAgree, "a stays in Active while the machine is in SelfCheck");
 }
@@ -357,7 +383,13 @@ class FlawOfThePolicy : public PlantedFlaw {
     BringUp();
     RunFor(std::chrono::seconds(5));
   }
-  PolicyState& policy() { return const_cast<Machine&>(robot_->machine()).policy; }
+  PolicyState& policy() { return machine().policy; }
+  void ExpectFoundOnceTheBatteryCountsAsSilent() {
+    ASSERT_NO_FATAL_FAILURE(BringUp());
+    Request(State(kActive));
+    RunFor(std::chrono::seconds(15));
+    ExpectFound(Invariant::kWithinBattery, "nothing publishes the battery, which was at 15 %");
+  }
 };
 
 TEST_F(FlawOfThePolicy, FindsAPowerOffAfterOneEmptySample) {
@@ -417,13 +449,10 @@ TEST_F(FlawOfThePolicy, FindsAControllerThatForgetsALowBatteryWhichIsSilentAfter
   robot_->CrashController();
   BringUp();
   RunFor(std::chrono::seconds(30));
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
   robot_->CrashController();
   robot_->disk(0).policy = {};
-  BringUp();
-  Request(State(kActive));
-  RunFor(std::chrono::seconds(15));  // the battery counts as silent
-  ExpectFound(Invariant::kWithinBattery, "nothing publishes the battery, which was at 15 %");
+  ExpectFoundOnceTheBatteryCountsAsSilent();
 }
 
 TEST_F(FlawOfThePolicy, FindsANextStartByAnotherUserThatHasForgottenALowBattery) {
@@ -435,15 +464,12 @@ TEST_F(FlawOfThePolicy, FindsANextStartByAnotherUserThatHasForgottenALowBattery)
   BringUp();
   RunFor(std::chrono::seconds(30));
   EXPECT_NE(robot_->machine().state, kActive);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
   robot_->ChangeUser();
   robot_->RebootHost(0);
   robot_->disk(0).policy = {};
   robot_->disk(0).other = {};
-  BringUp();
-  Request(State(kActive));
-  RunFor(std::chrono::seconds(15));  // the battery counts as silent
-  ExpectFound(Invariant::kWithinBattery, "nothing publishes the battery, which was at 15 %");
+  ExpectFoundOnceTheBatteryCountsAsSilent();
 }
 
 // Its config follows /clock, and the robot lies still.
@@ -461,6 +487,10 @@ class FlawOfThePolicysTime : public FlawOfThePolicy {
     robot_->StartClock();
     robot_->SetMotion(0);
     BringUp();
+  }
+  void RequestKeepOfTenSeconds() {
+    robot_->leader()->shell().SendPolicyRequest(
+        {0, PolicyRequest::kKeep, State(kProtected), 10, false}, [](const Result<>&) {});
   }
   bool IsDown() { return robot_->machine().state == kLowPower; }
   void NextStep() {
@@ -487,22 +517,21 @@ TEST_F(FlawOfThePolicysTime, APolicyWaitsItsTimeOnAClockThatPausesJumpsAndRunsSl
   RunFor(std::chrono::seconds(70));
   EXPECT_FALSE(IsDown());
   EXPECT_TRUE(RunUntil([&] { return IsDown(); }, std::chrono::seconds(12)));
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 // Of a keep of 10 s, 6 s have passed before the world was started again.
 TEST_F(FlawOfThePolicysTime, AJumpOfTheClockNeitherEndsNorLengthensAKeep) {
   BringUpLyingStill(std::chrono::seconds(60));
   RunFor(std::chrono::seconds(2));
-  robot_->leader()->shell().SendPolicyRequest(
-      {0, PolicyRequest::kKeep, State(kProtected), 10, false}, [](const Result<>&) {});
+  RequestKeepOfTenSeconds();
   RunFor(std::chrono::seconds(6));
   robot_->clock()->Restart();
   RunFor(std::chrono::seconds(3));
   EXPECT_TRUE(policy().keep);
   RunFor(std::chrono::seconds(3));
   EXPECT_FALSE(policy().keep);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(FlawOfThePolicysTime, FindsAMachineThatGoesToLowPowerBeforeTheTimeOfItsClock) {
@@ -541,14 +570,13 @@ TEST_F(FlawOfThePolicysTime, AMachineThatHasWalkedGoesToLowPowerAfterItsTime) {
   EXPECT_FALSE(IsDown());
   RunFor(std::chrono::seconds(3));
   EXPECT_TRUE(IsDown());
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(FlawOfThePolicysTime, FindsAKeepThatEndsBeforeTheTimeOfItsClock) {
   BringUpLyingStill(std::chrono::seconds(60));
   RunFor(std::chrono::seconds(2));
-  robot_->leader()->shell().SendPolicyRequest(
-      {0, PolicyRequest::kKeep, State(kProtected), 10, false}, [](const Result<>&) {});
+  RequestKeepOfTenSeconds();
   RunFor(std::chrono::seconds(4));
   ASSERT_TRUE(policy().keep);
   policy().keep->until -= std::chrono::seconds(9);
@@ -588,7 +616,7 @@ TEST_F(FlawOfPermits, AMachineStopsWithoutPermitsAndStaysStoppedUntilItIsRelease
   Request(State(kActive));
   RunFor(std::chrono::seconds(1));
   EXPECT_TRUE(robot_->processes().IsPowered("a", 0));
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(FlawOfPermits, FindsAnActuatorThatMovesOnWithoutAPermit) {
@@ -604,8 +632,7 @@ TEST_F(FlawOfPermits, FindsAnActuatorWhoseStopEndsWhenPermitsArriveAgain) {
   robot_->EndPermits();
   RunFor(std::chrono::seconds(2));
   robot_->StartPermits(0);
-  CoreOf("a").stops.clear();
-  CoreOf("a").report.emergency_stop = 0;
+  LoseStopOfA();
   RunFor(Milliseconds(200));
   ExpectFound(Invariant::kEmergencyStopLatched, "a is not stopped any more");
 }
@@ -619,17 +646,8 @@ class FlawAfterARelease : public PlantedFlaw {
     Make(std::move(config));
     BringUp();
     RunFor(std::chrono::seconds(1));
-    checker_->OnStopEngaged(0, 7);
-    robot_->EngageEmergencyStop(7);
-    RunFor(std::chrono::seconds(1));
-    robot_->ReleaseEmergencyStop();
-    RunFor(std::chrono::seconds(4));
-  }
-  // The controller takes what the stop has switched off for requested again.
-  void ForgetTheStop() {
-    for (KnownActuator& known : const_cast<Machine&>(robot_->machine()).actuators) {
-      known.set_again = true;
-    }
+    Stop();
+    Release();
   }
   void RestartA() {
     robot_->CrashActuator("a");
@@ -647,7 +665,7 @@ TEST_F(FlawAfterARelease, ARestartedActuatorIsSwitchedOnByARequestOnly) {
   EXPECT_EQ(robot_->ReportOf("a")->state, kActive);
   RestartA();
   EXPECT_EQ(robot_->ReportOf("a")->state, kActive);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(FlawAfterARelease, FindsARestartedActuatorThatIsSwitchedOnWithoutARequest) {
@@ -676,15 +694,10 @@ TEST_F(PlantedFlaw, FindsAFallbackThatSwitchesOnAgainWhatAReleasedStopHolds) {
   Make(std::move(config));
   ASSERT_NO_FATAL_FAILURE(BringUp());
   ASSERT_TRUE(robot_->Set(State(kProtected), "a")->done());
-  checker_->OnStopEngaged(0, 7);
-  robot_->EngageEmergencyStop(7);
-  RunFor(std::chrono::seconds(1));
-  robot_->ReleaseEmergencyStop();
-  RunFor(std::chrono::seconds(4));
+  Stop();
+  Release();
   ASSERT_TRUE(robot_->ReportOf("a")->held_by_stop);
-  for (KnownActuator& known : const_cast<Machine&>(robot_->machine()).actuators) {
-    known.set_again = true;
-  }
+  ForgetTheStop();
   robot_->CrashActuator("b");
   RunFor(std::chrono::seconds(5));
   ASSERT_EQ(robot_->machine().state, kProtected);
@@ -700,11 +713,8 @@ class FlawOfAStart : public PlantedFlaw {
     robot_->StartController();
     ASSERT_TRUE(
         RunUntil([&] { return robot_->machine().current.has_value(); }, std::chrono::seconds(10)));
-    checker_->OnStopEngaged(0, 7);
-    robot_->EngageEmergencyStop(7);
-    RunFor(std::chrono::seconds(1));
-    robot_->ReleaseEmergencyStop();
-    RunFor(std::chrono::seconds(4));
+    Stop();
+    Release();
     ASSERT_FALSE(robot_->machine().emergency.stop);
     ASSERT_TRUE(robot_->machine().current);
   }
@@ -716,15 +726,13 @@ TEST_F(FlawOfAStart, AStartThatAStopHasMetWaitsForARequest) {
   EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
   EXPECT_NE(robot_->ReportOf("a")->state, kActive);
   slow_ = {};
-  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
-  ASSERT_TRUE(robot_->Set(State(kActive))->done());
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ASSERT_NO_FATAL_FAILURE(SetThroughSelfCheck());
+  ExpectNone();
 }
 
 TEST_F(FlawOfAStart, FindsAStartThatGoesOnAfterAReleasedStop) {
   ASSERT_NO_FATAL_FAILURE(StopAndReleaseDuringTheStart());
-  auto& machine = const_cast<Machine&>(robot_->machine());
-  machine.emergency.awaits_request = false;
+  machine().emergency.awaits_request = false;
   RunFor(std::chrono::seconds(30));
   ExpectFound(Invariant::kReleaseSwitchesNothingOn, "a begins Active");
 }
@@ -735,21 +743,18 @@ TEST_F(PlantedFlaw, AStartThatMayNotReadAFolderWaitsForARequest) {
   robot_->StartController();
   RunFor(std::chrono::seconds(5));
   EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
-  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
-  ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  ASSERT_NO_FATAL_FAILURE(SetThroughSelfCheck());
   robot_->CrashController();
   BringUp();
   EXPECT_EQ(robot_->machine().state, kActive);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(PlantedFlaw, FindsAStartThatForgetsAFolderThatItMayNotRead) {
   Make(Started(1));
   robot_->AddUnreadFolder(7);
   robot_->StartController();
-  const_cast<Machine&>(robot_->machine()).emergency.unread.clear();
-  RunFor(std::chrono::seconds(5));
-  ExpectFound(Invariant::kNoUnrequestedActivation, "a start begins SelfCheck although");
+  ExpectFoundAfterForgettingTheFolder();
 }
 
 // The power is cut, and the next start finds the state folder otherwise. The program that engaged
@@ -784,7 +789,7 @@ TEST_F(NextStart, ByAnotherUserHasTheStop) {
   Start();
   EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
   EXPECT_EQ(robot_->machine().emergency.stop->id, StopId(7));
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(NextStart, FindsOneByAnotherUserThatHasForgottenTheStop) {
@@ -802,9 +807,7 @@ class NextStartAfterARelease : public NextStart {
   void StartByTheOtherUser() {
     Make(Started(2));
     ASSERT_NO_FATAL_FAILURE(BringUp());
-    checker_->OnStopEngaged(0, 7);
-    robot_->EngageEmergencyStop(7);
-    RunFor(std::chrono::seconds(1));
+    Stop();
     robot_->ReleaseEmergencyStop();
     RunFor(std::chrono::seconds(1));
     ASSERT_TRUE(robot_->Set(State(kActive))->done());
@@ -821,12 +824,11 @@ TEST_F(NextStartAfterARelease, WaitsForOneRequestIfAnotherUsersStartHasEngagedTh
   Start();
   EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
   EXPECT_FALSE(robot_->machine().emergency.stop);
-  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
-  ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  ASSERT_NO_FATAL_FAILURE(SetThroughSelfCheck());
   robot_->CrashController();
   BringUp();
   EXPECT_EQ(robot_->machine().state, kActive);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(NextStartAfterARelease, FindsOneThatForgetsThatAnotherUsersStartHasEngagedTheStopAgain) {
@@ -842,7 +844,7 @@ TEST_F(NextStart, WithAFolderThatIsOpenForReadingOnlyHasTheStop) {
   Start();
   EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
   EXPECT_EQ(robot_->machine().emergency.stop->id, StopId(7));
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(NextStart, FindsOneThatReadsNothingOfAFolderThatIsOpenForReadingOnly) {
@@ -861,14 +863,11 @@ TEST_F(NextStart, WithAFolderThatCannotBeReadWaitsForARequest) {
   robot_->StartController();
   RunFor(std::chrono::seconds(5));
   EXPECT_EQ(robot_->machine().phase, Phase::kFailed);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
-  ASSERT_TRUE(robot_->Set(State(kSelfCheck))->done());
-  ASSERT_TRUE(robot_->Set(State(kActive))->done());
+  ExpectNone();
+  ASSERT_NO_FATAL_FAILURE(SetThroughSelfCheck());
   CutPower();
   robot_->StartController();
-  const_cast<Machine&>(robot_->machine()).emergency.unread.clear();
-  RunFor(std::chrono::seconds(5));
-  ExpectFound(Invariant::kNoUnrequestedActivation, "a start begins SelfCheck although");
+  ExpectFoundAfterForgettingTheFolder();
 }
 
 TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
@@ -895,8 +894,7 @@ class TwoLinks : public PlantedFlaw {
     robot_->StartActuator("b");
     robot_->disk(0).epoch = 4;
     ASSERT_NO_FATAL_FAILURE(BringUp());
-    robot_->hosts().SetHostBlocked(0, 1, true);
-    robot_->hosts().SetHostBlocked(1, 0, true);
+    SetLinkOfHosts(false);
     RunFor(std::chrono::seconds(5));
   }
   ActuatorCore& CoreOfB() { return const_cast<ActuatorCore&>(*robot_->processes().CoreOf("b", 2)); }
@@ -912,12 +910,11 @@ TEST_F(TwoLinks, TheTakeoverLastsAlsoAfterHealing) {
   EXPECT_EQ(robot_->controller(0), nullptr) << "the first one is replaced, and has exited";
   ASSERT_NE(robot_->controller(1), nullptr);
   EXPECT_EQ(CoreOfB().report.epoch, MachineOfController(1).epoch);
-  robot_->hosts().SetHostBlocked(0, 1, false);
-  robot_->hosts().SetHostBlocked(1, 0, false);
+  SetLinkOfHosts(true);
   RunFor(std::chrono::seconds(10));
   EXPECT_EQ(CoreOf("a").report.epoch, MachineOfController(1).epoch);
   EXPECT_EQ(robot_->leaders(), 1U);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(TwoLinks, FindsARunningControllerThatRaisesItsEpoch) {
@@ -933,7 +930,7 @@ TEST_F(TwoLinks, FindsAnActuatorThatReturnsToAReplacedController) {
   robot_->network().Block("b", "controller");  // the first one does not notice
   robot_->StartRival(true);
   RunFor(std::chrono::seconds(10));
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
   ASSERT_EQ(robot_->leaders(), 2U);
   CoreOfB().controller = Sender(robot_->controller(0)->participant().value());
   robot_->EngageEmergencyStop(7);  // so that it publishes its status
@@ -1007,7 +1004,7 @@ TEST_F(PlantedFlaw, AHostWithoutItsOuterNetworkKeepsItsProcesses) {
   robot_->hosts().SetCutOff(0, false);
   RunFor(std::chrono::seconds(30));
   EXPECT_EQ(robot_->processes().PidOf("a"), pid);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(PlantedFlaw, FindsAStopThatIsReportedBeforeEveryActuatorIsStopped) {
@@ -1043,27 +1040,28 @@ class StopProgram : public PlantedFlaw {
     checker_->OnStopEngaged(100, id);
     robot_->EngageByProgram(id, 0, links, false);
   }
+  void EngageAHundred() {
+    for (std::uint64_t id = 1; id <= 100; ++id) {
+      checker_->OnStopEngaged(0, StopId(id));
+      robot_->EngageEmergencyStop(StopId(id), 0, "person " + std::to_string(id));
+      RunFor(Milliseconds(3));
+    }
+  }
   std::optional<bool> confirmed_;
 };
 
 TEST_F(StopProgram, EndsWithExitCodeZeroOnceEveryActuatorIsStopped) {
-  MachineConfig config = Started(3);
-  config.transport = TransportProfile::kLan;
-  Make(std::move(config));
-  ASSERT_NO_FATAL_FAILURE(BringUp());
+  ASSERT_NO_FATAL_FAILURE(BringUpOverLan(3));
   Engage(7, {Milliseconds(300), 0.2, std::chrono::seconds(4)});
   ASSERT_TRUE(RunUntil([&] { return confirmed_.has_value(); }, std::chrono::seconds(11)));
   EXPECT_TRUE(*confirmed_);
   RunFor(std::chrono::seconds(5));
   checker_->CheckRest(false);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(StopProgram, KeepsAStopPublishedThatIsNotConfirmedInTime) {
-  MachineConfig config = Started(3);
-  config.transport = TransportProfile::kLan;
-  Make(std::move(config));
-  ASSERT_NO_FATAL_FAILURE(BringUp());
+  ASSERT_NO_FATAL_FAILURE(BringUpOverLan(3));
   robot_->network().Block("estop-7", "b");
   Engage(7, {Milliseconds(1), 0, Milliseconds(5)});
   robot_->network().Block("controller", "b");
@@ -1077,25 +1075,17 @@ TEST_F(StopProgram, KeepsAStopPublishedThatIsNotConfirmedInTime) {
 TEST_F(StopProgram, AHundredStopsOfAsManySourcesAreReleasedTogether) {
   Make(Started(2));
   ASSERT_NO_FATAL_FAILURE(BringUp());
-  for (std::uint64_t id = 1; id <= 100; ++id) {
-    checker_->OnStopEngaged(0, StopId(id));
-    robot_->EngageEmergencyStop(StopId(id), 0, "person " + std::to_string(id));
-    RunFor(Milliseconds(3));
-  }
+  EngageAHundred();
   RunFor(std::chrono::seconds(1));
   checker_->CheckRest(false);
-  robot_->ReleaseEmergencyStop();
-  RunFor(std::chrono::seconds(4));
+  Release();
   checker_->CheckRest(false);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
   EXPECT_EQ(robot_->ReportOf("a")->emergency_stop, StopId(0));
 }
 
 TEST_F(StopProgram, IsNotConfirmedWhileANewControllerHasNotTakenControlOfAnActuator) {
-  MachineConfig config = Started(2);
-  config.transport = TransportProfile::kLan;
-  Make(std::move(config));
-  ASSERT_NO_FATAL_FAILURE(BringUp());
+  ASSERT_NO_FATAL_FAILURE(BringUpOverLan(2));
   robot_->CrashController();
   RunFor(std::chrono::seconds(1));
   robot_->network().Block("controller", "a");
@@ -1108,22 +1098,17 @@ TEST_F(StopProgram, IsNotConfirmedWhileANewControllerHasNotTakenControlOfAnActua
   Engage(7, {});
   ASSERT_TRUE(RunUntil([&] { return confirmed_.has_value(); }, std::chrono::seconds(11)));
   EXPECT_FALSE(*confirmed_);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 TEST_F(StopProgram, OneReleaseEndsAHundredStopsThatCameWhileNoControllerRan) {
   Make(Started(2));
   ASSERT_NO_FATAL_FAILURE(BringUp());
   robot_->CrashController();
-  for (std::uint64_t id = 1; id <= 100; ++id) {
-    checker_->OnStopEngaged(0, StopId(id));
-    robot_->EngageEmergencyStop(StopId(id), 0, "person " + std::to_string(id));
-    RunFor(Milliseconds(3));
-  }
+  EngageAHundred();
   ASSERT_NO_FATAL_FAILURE(BringUp());
   RunFor(std::chrono::seconds(1));
-  robot_->ReleaseEmergencyStop();
-  RunFor(std::chrono::seconds(4));
+  Release();
   EXPECT_FALSE(robot_->machine().emergency.stop);
   EXPECT_EQ(robot_->ReportOf("a")->emergency_stop, StopId(0));
 }
@@ -1137,11 +1122,10 @@ TEST_F(StopProgram, AStopWithoutAnIdStopsAgainAfterItsRelease) {
     RunFor(std::chrono::seconds(1));
     EXPECT_EQ(robot_->ReportOf("a")->emergency_stop, id);
     checker_->CheckRest(false);
-    robot_->ReleaseEmergencyStop();
-    RunFor(std::chrono::seconds(4));
+    Release();
     checker_->CheckRest(false);
   }
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
 }
 
 // Two machines with the same actuators in one network, each with a checker.
@@ -1164,16 +1148,12 @@ class TwoMachines : public PlantedFlaw {
     other_checker_.emplace(*other_);
     checker_->SetOther(*other_);
     other_checker_->SetOther(*robot_);
-    SetInRange(false);
+    SetLinkOfHosts(false);
     other_->disk(0).epoch = 100;
     other_->LaunchController(0, true, {});
     ASSERT_NO_FATAL_FAILURE(BringUp());
     RunFor(std::chrono::seconds(2));
     ASSERT_EQ(other_->machine().phase, Phase::kRunning);
-  }
-  void SetInRange(bool in_range) {
-    robot_->hosts().SetHostBlocked(0, 1, !in_range);
-    robot_->hosts().SetHostBlocked(1, 0, !in_range);
   }
   void TearDown() override {
     other_.reset();  // its network is the robot's
@@ -1185,7 +1165,7 @@ class TwoMachines : public PlantedFlaw {
 
 TEST_F(TwoMachines, ThatMeetChangeNothingOfEachOther) {
   ASSERT_NO_FATAL_FAILURE(MakeBoth("22222222"));
-  SetInRange(true);
+  SetLinkOfHosts(true);
   RunFor(std::chrono::seconds(10));
   robot_->ClientOn(0).SetState(State(kLowPower), "");
   RunFor(std::chrono::seconds(2));
@@ -1196,13 +1176,13 @@ TEST_F(TwoMachines, ThatMeetChangeNothingOfEachOther) {
   EXPECT_EQ(other_->machine().phase, Phase::kStopped);
   EXPECT_EQ(robot_->ReportOf("a")->state, kLowPower);
   EXPECT_EQ(robot_->leaders(), 1U);
-  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
+  ExpectNone();
   EXPECT_FALSE(other_checker_->violation()) << other_checker_->violation()->what;
 }
 
 TEST_F(TwoMachines, FindsAControllerThatAHeartbeatOfAnotherMachineFences) {
   ASSERT_NO_FATAL_FAILURE(MakeBoth(kOurs));
-  SetInRange(true);
+  SetLinkOfHosts(true);
   RunFor(std::chrono::seconds(3));
   ExpectFound(Invariant::kOtherMachineNeverFences, "the only controller of machine 11111111");
 }
@@ -1217,7 +1197,7 @@ TEST_F(TwoMachines, FindsAnActuatorThatObeysAnotherMachine) {
 
 TEST_F(TwoMachines, FindsARequestThatDoesNotSayWhichMachineIsMeant) {
   ASSERT_NO_FATAL_FAILURE(MakeBoth("22222222"));
-  SetInRange(true);
+  SetLinkOfHosts(true);
   RunFor(std::chrono::seconds(5));
   const auto node = robot_->network().MakeNode("caller");
   const auto caller =

@@ -249,6 +249,26 @@ TEST(SimRobot, ARestartByHandOfAnActuatorOnAnotherHostIsRefusedWithTheHost) {
   EXPECT_THAT(answer.error().message, ::testing::HasSubstr("runs on another host, dock-1/0"));
 }
 
+// Two processes run as one actuator. The exit of the one that only waits ended the monitoring of
+// the other one, which was present for ever, frozen or not.
+TEST(SimRobot, AnActuatorIsMonitoredAfterTheExitOfASecondProcess) {
+  simulation::Layout layout = TwoHosts(1);
+  layout.host_of = {1};
+  SimRobot robot(1, MachineOf(1), {}, layout);
+  robot.StartActuator("a");
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.processes().Launch("a", 0);
+  robot.RunFor(std::chrono::seconds(2));
+  ASSERT_TRUE(robot.machine().actuators[0].other);
+  robot.processes().End("a", 0, {ProcessExit::Kind::kKilled, SIGKILL});
+  robot.RunFor(std::chrono::seconds(1));
+  ASSERT_EQ(robot.machine().actuators[0].presence, Presence::kPresent);
+  robot.FreezeActuator("a");
+  robot.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(robot.machine().actuators[0].presence, Presence::kLost);
+}
+
 TEST(SimRobot, ARebootedHostHasANewIdSmallerIncarnationsAndTheSamePids) {
   SimRobot robot(1, MachineOf(1), {}, TwoHosts(1));
   robot.hosts().SetUptime(0, std::chrono::hours(1));

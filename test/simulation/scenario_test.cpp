@@ -134,11 +134,11 @@ INSTANTIATE_TEST_SUITE_P(Part, Scenarios, ::testing::Range(std::uint64_t{0}, kPa
 TEST(Scenario, OfASeedThatOnceViolatedAnInvariantHoldsEveryInvariant) {
   simulation::Coverage coverage;
   for (const std::uint64_t seed :
-       {15818,  16692,  30533,  30544,  31932,  34665,  46300,  50162,  77468,  116243,
-        129518, 132646, 152815, 166532, 215646, 228046, 228486, 229378, 236951, 239495,
-        328912, 329446, 344904, 362153, 398324, 453812, 468754, 635457, 639374, 698082,
-        726124, 780187, 807327, 892028, 916179, 933190, 123271, 128277, 132404, 146605,
-        268963, 325222, 594348, 706290, 531519, 534068, 547531, 929300, 933738, 979865}) {
+       {15818,  16692,  30533,  30544,  31932,  34665,  46300,   50162,  77468,  116243, 129518,
+        132646, 152815, 166532, 215646, 228046, 228486, 229378,  236951, 239495, 328912, 329446,
+        344904, 362153, 398324, 453812, 468754, 635457, 639374,  698082, 726124, 780187, 807327,
+        892028, 916179, 933190, 123271, 128277, 132404, 146605,  268963, 325222, 594348, 706290,
+        531519, 534068, 547531, 929300, 933738, 979865, 1008712, 1022288}) {
     const MachineConfig config = SampleConfig(seed);
     Injections injections = simulation::SampleInjections(config, seed);
     const std::size_t around = std::erase_if(injections, [](const simulation::Injection& one) {
@@ -178,6 +178,18 @@ TEST(InjectionText, HasAValueForEachNameOfEachKind) {
 TEST(FoundScenario, ACommandThatOnlyAppearedTooOldIsSentAgain) {
   EXPECT_EQ(ViolationOf(30544, {1, 4, 5}), "");
   EXPECT_EQ(ViolationOf(50162, {26, 30, 31}), "");
+}
+
+// The checker took an actuator for found in DeActive that had a command to Protected of the
+// controller before in its queue, and was led back there when the one that it is bound to had been
+// restarted.
+TEST(FoundScenario, AControllerMayLeadBackToWhatAnEarlierCommandThatWaitedHasLedTo) {
+  EXPECT_EQ(ViolationOf(1022288, {1, 2, 3, 5}), "");
+}
+
+// Its host was rebooted within a millisecond.
+TEST(FoundScenario, AReleaseWaitsForAProcessThatStillCountsAsASecondOne) {
+  EXPECT_EQ(ViolationOf(1008712, {2, 4, 10, 12}), "");
 }
 
 TEST(FoundScenario, AControllerStartsNoActuatorOfWhichOneOfTwoProcessesHasEnded) {

@@ -191,6 +191,41 @@ TEST_F(TopicClock, DetectsARestartedWorldByItsWriterHoweverShortTheLastRunWas) {
   EXPECT_THAT(log_, ElementsAre("restarted"));
 }
 
+// With two of them a walk ended because "the world was restarted".
+TEST_F(TopicClock, NamesTheNumberOfItsPublishersWhereTheyPublishBesideEachOther) {
+  Show(500'000);
+  const ClockWriter other = MakeWorld();
+  Show(other, msg::ToStamp(Milliseconds(100)));
+  EXPECT_EQ(clock_->JumpText(),
+            "2 programs publish /clock, and its time went back by 499.90 s; stop all but one");
+  Show(500'020);
+  EXPECT_EQ(clock_->JumpText(),
+            "2 programs publish /clock, and its time skipped 499.92 s; stop all but one");
+}
+
+TEST_F(TopicClock, NamesAJumpOfItsOnlyPublisher) {
+  Show(60'000);
+  EXPECT_EQ(clock_->JumpText(), "");
+  Show(20);
+  EXPECT_EQ(clock_->JumpText(), "the time of /clock went back by 59.98 s");
+  Show(40);
+  Show(300'040);
+  EXPECT_EQ(clock_->JumpText(), "the time of /clock skipped 300.00 s");
+  world_.reset();
+  world_ = MakeWorld();
+  Show(40);
+  EXPECT_EQ(clock_->JumpText(), "the time of /clock went back by 300.00 s");
+}
+
+// Its end is not known yet.
+TEST_F(TopicClock, TakesAWorldThatIsRestartedAfterACrashForOne) {
+  Show(60'000);
+  network_.RunFor(seconds(3));
+  const ClockWriter next = MakeWorld();
+  Show(next, msg::ToStamp(Milliseconds(20)));
+  EXPECT_EQ(clock_->JumpText(), "the time of /clock went back by 59.98 s");
+}
+
 TEST_F(TopicClock, IgnoresADuplicateAndASampleThatWasOvertaken) {
   Show(1000);
   const auto timer = clock_->At(At(1000), Say("fired"));

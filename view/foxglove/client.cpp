@@ -1,12 +1,20 @@
 #include "musher/view/foxglove/client.hpp"
 
 #include <algorithm>
+#include <charconv>
 
 namespace musher::view::foxglove {
 
 bool FoxgloveServer::Client::Wants(std::uint32_t channel) const {
   return std::any_of(subscriptions.begin(), subscriptions.end(),
                      [channel](const auto& each) { return each.second == channel; });
+}
+
+void FoxgloveServer::Client::OnPong(const std::string& uptime_ms) {
+  std::int64_t answered = 0;
+  const char* const end = uptime_ms.data() + uptime_ms.size();
+  const auto read = std::from_chars(uptime_ms.data(), end, answered);
+  if (read.ec == std::errc() && read.ptr == end) seen_ms = std::max(seen_ms, answered);
 }
 
 void FoxgloveServer::Client::SendSample(std::uint32_t channel, std::uint64_t wall_ns,

@@ -1,10 +1,13 @@
 #include "musher/view/foxglove/foxglove_server.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <set>
 
+#include "musher/messages/action_msgs/cancel_goal.hpp"
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/transport/service.hpp"
+#include "musher/view/foxglove/call_guard.hpp"
 #include "musher/view/foxglove/client.hpp"
 #include "musher/view/topics/type_names.hpp"
 
@@ -35,15 +38,14 @@ constexpr std::size_t kHeader = 4;     // of CDR
 constexpr std::size_t kEnvelope = 16;  // a client's id and a sequence number
 constexpr std::size_t kMostPublished = 64;
 
-// Services that change nothing.
-constexpr std::array<std::string_view, 8> kReading = {
-    "musher_msgs::srv::dds_::GetStatus_",       "musher_msgs::srv::dds_::GetPlan_",
-    "musher_msgs::srv::dds_::GetSwitch_",       "musher_msgs::srv::dds_::GetHistory_",
-    "musher_msgs::srv::dds_::GetCapabilities_", "musher_msgs::srv::dds_::GetBehavior_",
-    "musher_msgs::srv::dds_::GetTree_",         "lifecycle_msgs::srv::dds_::GetState_"};
-
 constexpr const char* kNeedsLogin =
     "needs a login: connect to ws://.../?token=TOKEN, with the token of musher-view's token file";
+
+// "dog" of "dog/pause_skill" and of "dog/skill_execution/_action/send_goal".
+std::string ActuatorOf(const std::string& service) {
+  const std::string name = service.substr(0, service.find("/_action/"));
+  return name.substr(0, name.rfind('/'));
+}
 
 bool IsLittleEndianCdr(std::span<const std::byte> bytes) {
   return bytes.size() >= kHeader && bytes[0] == std::byte{0} && bytes[1] == std::byte{1};
@@ -55,6 +57,35 @@ std::string TypeOf(const std::string& schema) {
   if (slash == std::string::npos) return "";
   const bool is_short = schema.find('/', slash + 1) == std::string::npos;
   return DdsType(is_short ? schema.substr(0, slash) + "/msg" + schema.substr(slash) : schema);
+}
+
+// With an id that says nothing.
+msg::Bytes RequestBytes(const ServiceCall& call) {
+  msg::Bytes request = msg::Encode(msg::RequestId{});
+  request.insert(request.end(), call.data.begin() + kHeader, call.data.end());
+  return request;
+}
+
+// Of the replies of an action's servers to the cancellation of a goal, which at most one of them
+// runs: that of this one. That it is not known counts once all of them have replied so.
+transport::RawClient::Counts CountsOfCancel(std::function<FoxgloveServer::Participants()> servers) {
+  return [servers = std::move(servers), unknown = std::set<transport::ParticipantId>()](
+             transport::ParticipantId server, std::span<const std::byte> bytes) mutable {
+    msg::CancelGoal::Response reply;
+    const bool decoded = transport::internal::DecodeEnvelope(bytes, reply);
+    if (!decoded || reply.return_code != msg::CancelGoal::kErrorUnknownGoalId) return true;
+    unknown.insert(server);
+    return std::ranges::all_of(servers(), [&](const auto& one) { return unknown.contains(one); });
+  };
+}
+
+// Whether it cancels one goal. Without an id it cancels all, and each server confirms it for its
+// own goals, also the server of another robot.
+bool NamesGoal(std::string_view type, std::span<const std::byte> request) {
+  msg::CancelGoal::Request cancel;
+  return type == msg::CancelGoal::kTypeName &&
+         transport::internal::DecodeEnvelope(request, cancel) &&
+         cancel.goal_info.goal_id != msg::Uuid();
 }
 
 // Whether it is a topic name of ROS 2: "/", then parts of letters, digits and '_'.
@@ -71,15 +102,17 @@ FoxgloveServer::FoxgloveServer(transport::Node& node, const TopicTable& table, O
     : node_(node),
       table_(table),
       options_(std::move(options)),
-      session_(std::to_string(WallNanoseconds())) {}
+      session_(std::to_string(WallNanoseconds())),
+      every_second_(node.loop().Every(std::chrono::seconds(1), [this] { PingAll(); })) {}
 
 FoxgloveServer::~FoxgloveServer() = default;
 
 http::WebSocketHandlers FoxgloveServer::OnWebSocket(std::shared_ptr<http::WebSocket> socket,
-                                                    bool may_act) {
+                                                    std::function<bool()> may_act) {
   const std::uint64_t id = next_client_++;
   auto& client = clients_[id];
-  client = std::make_unique<Client>(id, std::move(socket), may_act);
+  client = std::make_unique<Client>(id, std::move(socket), std::move(may_act),
+                                    options_.guards.uptime_ms());
   client->Send(ServerInfo(options_.name, session_));
   if (const auto channels = Channels(); !channels.empty()) client->Send(Advertise(channels));
   if (const auto services = Services(); !services.empty()) {
@@ -90,6 +123,9 @@ http::WebSocketHandlers FoxgloveServer::OnWebSocket(std::shared_ptr<http::WebSoc
     On(*client, binary ? ReadBinary(std::as_bytes(std::span(message))) : ReadText(message));
   };
   handlers.on_drained = [client = client.get()] { client->SendWaiting(); };
+  handlers.on_pong = [client = client.get()](const std::string& uptime_ms) {
+    client->OnPong(uptime_ms);
+  };
   handlers.on_closed = [this, id] { OnClosed(id); };
   return handlers;
 }
@@ -97,6 +133,12 @@ http::WebSocketHandlers FoxgloveServer::OnWebSocket(std::shared_ptr<http::WebSoc
 void FoxgloveServer::OnClosed(std::uint64_t id) {
   clients_.erase(id);
   OpenReaders();
+}
+
+void FoxgloveServer::PingAll() {
+  if (clients_.empty()) return;
+  const std::string uptime_ms = std::to_string(options_.guards.uptime_ms());
+  for (const auto& [id, client] : clients_) client->socket->Ping(uptime_ms);
 }
 
 void FoxgloveServer::SendAll(const std::string& text) {
@@ -282,7 +324,7 @@ void FoxgloveServer::On(Client& client, const ClientAdvertise& advertise) {
       client.Send(Status(StatusLevel::kError, channel.topic + " is not published: " + why));
     };
     const std::string type = TypeOf(channel.schema);
-    if (!client.may_act) {
+    if (!client.may_act()) {
       refuse(std::string("publishing ") + kNeedsLogin);
     } else if (channel.encoding != "cdr") {
       refuse("its encoding is '" + channel.encoding + "'; known is cdr");
@@ -300,7 +342,7 @@ void FoxgloveServer::On(Client& client, const ClientAdvertise& advertise) {
         refuse(writer.error().message);
         continue;
       }
-      client.published[channel.id] = {channel.topic, std::move(writer).value()};
+      client.published[channel.id] = {channel.topic, type, std::move(writer).value(), ""};
     }
   }
 }
@@ -319,40 +361,136 @@ void FoxgloveServer::On(Client& client, const ClientMessage& message) {
     return client.Send(Status(StatusLevel::kError,
                               found->second.topic + ": a message has to be little-endian CDR"));
   }
+  const WhyNot why = WhyNotPublished(client, found->second.topic,
+                                     IsMessageNeverLate(found->second.type, message.data));
+  const std::string refused = why ? why->message : "";
+  const bool is_new = std::exchange(found->second.refused, refused) != refused;
+  if (why) {
+    if (!is_new) return;
+    return client.Send(
+        Status(StatusLevel::kError, found->second.topic + " is not published: " + refused));
+  }
   const auto written = found->second.writer->Write({message.data.begin(), message.data.end()});
   if (!written) {
     client.Send(Status(StatusLevel::kError, found->second.topic + ": " + written.error().message));
   }
 }
 
-void FoxgloveServer::On(Client& client, const ServiceCall& call) {
-  const auto fail = [&](const std::string& why) {
-    client.Send(ServiceCallFailure(call.service, call.call, why));
-  };
-  const auto found = std::find_if(services_.begin(), services_.end(), [&](const auto& service) {
-    return service.second.id == call.service;
-  });
-  if (found == services_.end()) return fail("the service is not there any more");
-  OpenService& service = found->second;
-  const bool reads = std::find(kReading.begin(), kReading.end(), service.type) != kReading.end();
-  if (!reads && !client.may_act) return fail("calling /" + service.name + " " + kNeedsLogin);
+FoxgloveServer::WhyNot FoxgloveServer::WhyNotPublished(const Client& client,
+                                                       const std::string& topic,
+                                                       bool never_late) const {
+  if (!client.may_act()) {
+    return Error{kCodePermissionDenied, std::string("publishing ") + kNeedsLogin};
+  }
+  if (auto late = never_late ? std::nullopt : options_.guards.why_late(client.seen_ms)) return late;
+  if (auto why = options_.guards.why_not_meant()) return why;
+  return options_.guards.why_not_published(topic);
+}
+
+FoxgloveServer::OpenService* FoxgloveServer::FindService(std::uint32_t id) {
+  const auto found = std::find_if(services_.begin(), services_.end(),
+                                  [id](const auto& service) { return service.second.id == id; });
+  return found == services_.end() ? nullptr : &found->second;
+}
+
+bool FoxgloveServer::IsOfController(const OpenService& service) const {
+  return NamesMachine(service.type) &&
+         service.name.starts_with(transport::ResolveName(options_.name_space, "musher/"));
+}
+
+FoxgloveServer::WhyNot FoxgloveServer::WhyNotCalled(const Client& client,
+                                                    const OpenService& service,
+                                                    const ServiceCall& call) const {
+  const bool reads = IsReading(service.type);
+  if (!reads && !client.may_act()) {
+    return Error{kCodePermissionDenied, "calling /" + service.name + " " + kNeedsLogin};
+  }
   if (call.encoding != "cdr" || !IsLittleEndianCdr(call.data)) {
-    return fail("a request has to be little-endian CDR");
+    return Error{kCodeParametersInvalid, "a request has to be little-endian CDR"};
   }
-  if (!service.client) {
-    auto made = transport::RawClient::Make(node_, service.name, service.type, {});
-    if (!made) return fail(made.error().message);
-    service.client = std::move(made).value();
+  if (service.type == msg::ActuatorCommand::kTypeName) {
+    return Error{kCodePermissionDenied,
+                 "/" + service.name + " is called by the controller alone; call /" +
+                     transport::ResolveName(options_.name_space, "musher/set_state")};
   }
-  const msg::RequestId id = service.client->NextId();
-  // The id's 16 bytes leave the alignment of what follows as it is.
-  msg::Bytes request = msg::Encode(id);
-  request.insert(request.end(), call.data.begin() + kHeader, call.data.end());
-  service.client->Call(id, std::move(request), kCallTime,
-                       [this, number = client.id, service = call.service,
-                        call = call.call](const Result<std::span<const std::byte>>& reply) {
-                         OnReply(number, service, call, reply);
-                       });
+  if (reads) return std::nullopt;
+  if (NamesMachine(service.type) && !IsOfController(service)) {
+    return Error{kCodeTargetBusy, "/" + service.name +
+                                      " is of another namespace; connect to the musher view of "
+                                      "that robot. Nothing was done"};
+  }
+  if (NamesMachine(service.type) && !options_.guards.leader()) {
+    return Error{kCodeNetError, "no controller leads the machine. Nothing was done"};
+  }
+  const msg::Bytes request = RequestBytes(call);
+  if (!IsNeverLate(service.type, request, options_.guards.only_lowers)) {
+    if (auto late = options_.guards.why_late(client.seen_ms)) return late;
+  }
+  return IsStopping(service.type, request) ? std::nullopt : options_.guards.why_not_meant();
+}
+
+void FoxgloveServer::On(Client& client, const ServiceCall& call) {
+  PermittedCall permitted{client.id, call.service, call.call, {}};
+  OpenService* const service = FindService(call.service);
+  if (service == nullptr) return Fail(permitted, "the service is not there any more");
+  if (const auto why = WhyNotCalled(client, *service, call)) return Fail(permitted, why->message);
+  if (!service->client) {
+    auto made = transport::RawClient::Make(node_, service->name, service->type, {});
+    if (!made) return Fail(permitted, made.error().message);
+    service->client = std::move(made).value();
+  }
+  permitted.fields.assign(call.data.begin() + kHeader, call.data.end());
+  if (IsReading(service->type) || NamesMachine(service->type) ||
+      IsStopping(service->type, RequestBytes(call))) {
+    return Send(permitted);
+  }
+  const auto servers = [this, id = call.service] {
+    const OpenService* const now = FindService(id);
+    return now == nullptr || !now->client ? Participants() : now->client->Servers();
+  };
+  options_.guards.check_servers(ActuatorOf(service->name), servers,
+                                [this, permitted](const WhyNot& why) {
+                                  if (why) return Fail(permitted, why->message);
+                                  Send(permitted);
+                                });
+}
+
+void FoxgloveServer::Send(const PermittedCall& call) {
+  OpenService* const service = FindService(call.service);
+  if (service == nullptr || !service->client) {
+    return Fail(call, "the service is not there any more");
+  }
+  const std::optional<Leader> leader = options_.guards.leader();
+  const msg::RequestId id = service->client->NextId();
+  const bool of_controller = leader && IsOfController(*service);
+  auto request = RequestFor(of_controller ? leader->machine : MachineIdentity(), service->type, id,
+                            call.fields);
+  if (!request) return Fail(call, request.error().message);
+  const auto servers = [this, number = call.service] {
+    const OpenService* const now = FindService(number);
+    return now == nullptr || !now->client ? Participants() : now->client->Servers();
+  };
+  transport::RawClient::Counts counts;
+  if (NamesGoal(service->type, request.value())) {
+    counts = CountsOfCancel(servers);
+  } else if (IsStopping(service->type, request.value())) {
+    counts = [this, servers](transport::ParticipantId server,
+                             std::span<const std::byte> /*reply*/) {
+      return options_.guards.counts(server, servers());
+    };
+  }
+  service->client->Call(
+      id, std::move(request).value(), kCallTime,
+      [this, call](const Result<std::span<const std::byte>>& reply) {
+        OnReply(call.client, call.service, call.call, reply);
+      },
+      of_controller ? leader->participant : transport::ParticipantId(0), std::move(counts));
+}
+
+void FoxgloveServer::Fail(const PermittedCall& call, const std::string& why) {
+  const auto client = clients_.find(call.client);
+  if (client == clients_.end()) return;
+  client->second->Send(ServiceCallFailure(call.service, call.call, why));
 }
 
 void FoxgloveServer::OnReply(std::uint64_t client, std::uint32_t service, std::uint32_t call,

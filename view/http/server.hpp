@@ -78,6 +78,9 @@ class WebSocket {
   virtual void Send(std::shared_ptr<const std::string> message, bool binary) = 0;
   // The bytes that the kernel has not taken yet.
   virtual std::size_t queued_bytes() const = 0;
+  // Sends a ping, past the queue, unless one is being sent. `payload`: at most 125 bytes, different
+  // for each ping of the connection.
+  virtual void Ping(std::string payload) = 0;
   // Sends what is queued, then the close frame; the connection ends at the latest a second later.
   // on_message is not called after it.
   virtual void Close(unsigned code, std::string reason) = 0;
@@ -88,7 +91,10 @@ class WebSocket {
 struct WebSocketHandlers {
   std::function<void(std::string message, bool binary)> on_message;
   std::function<void()> on_drained;  // the queue is empty again
-  std::function<void()> on_closed;   // once, the last call; not after the server is destroyed
+  // The client has answered that ping, before all messages that follow. Not called for each one: a
+  // client may answer only the last of several.
+  std::function<void(const std::string& payload)> on_pong = {};
+  std::function<void()> on_closed;  // once, the last call; not after the server is destroyed
 };
 
 using OnRequest = std::function<void(Request, Respond)>;

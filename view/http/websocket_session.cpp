@@ -1,3 +1,6 @@
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -6,6 +9,7 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <deque>
+#include <iterator>
 #include <utility>
 
 #include "musher/view/http/session.hpp"
@@ -18,10 +22,13 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using ErrorCode = boost::system::error_code;
 
+constexpr int kMostUnsent = 65'536;  // bytes
+
 // A message in the queue costs some memory beside its bytes.
 constexpr std::size_t kMessageCost = 64;
 // Messages that the loop has not handled yet, in parts of a whole window; a large one counts more.
 constexpr std::size_t kWindow = 64;
+constexpr std::size_t kMostPings = 64;  // without an answer
 
 class WebSocketSession;
 
@@ -38,12 +45,16 @@ class Handle final : public WebSocket, public Endpoint {
 
   void Send(std::shared_ptr<const std::string> message, bool binary) override;
   std::size_t queued_bytes() const override { return bytes_; }
+  void Ping(std::string payload) override;
   void Close(unsigned code, std::string reason) override;
   const Request& request() const override { return request_; }
   const std::string& subprotocol() const override { return subprotocol_; }
 
   void SetHandlers(WebSocketHandlers handlers) { handlers_ = std::move(handlers); }
   void OnMessage(std::string message, bool binary, std::size_t weight);
+  void OnPong(const std::string& payload) const {
+    if (!closing_ && handlers_.on_pong) handlers_.on_pong(payload);
+  }
   void OnDrained() const {
     if (!closing_ && handlers_.on_drained) handlers_.on_drained();
   }
@@ -89,6 +100,7 @@ class WebSocketSession final : public Session,
   void Abort() override { End(); }
 
   void Send(std::shared_ptr<const std::string> message, bool binary);
+  void Ping(const std::string& payload);
   void Close(unsigned code, const std::string& reason, bool at_once);
   void Resume();
 
@@ -101,6 +113,7 @@ class WebSocketSession final : public Session,
   void OnOpen();
   void Read();
   void OnRead(const ErrorCode& error, std::size_t size);
+  void OnPong(const std::string& payload);
   void Write();
   void OnWritten(const ErrorCode& error);
   void SendClose();
@@ -118,11 +131,13 @@ class WebSocketSession final : public Session,
   std::shared_ptr<Handle> handle_;
   std::array<char, 16384> chunk_{};
   std::string message_;
-  std::deque<Item> queue_;  // the first one is being written if writing_
+  std::deque<Item> queue_;         // the first one is being written if writing_
+  std::deque<std::string> pings_;  // without an answer, the last ones
   std::string reason_;
   unsigned code_ = 0;
   bool open_ = false;
   bool writing_ = false;
+  bool pinging_ = false;
   bool paused_ = false;
   bool closing_ = false;
   bool close_sent_ = false;
@@ -145,6 +160,14 @@ void Handle::Send(std::shared_ptr<const std::string> message, bool binary) {
   mailbox_->Post([session = session_, message = std::move(message), binary]() mutable {
     const auto alive = session.lock();
     if (alive) alive->Send(std::move(message), binary);
+  });
+}
+
+void Handle::Ping(std::string payload) {
+  if (closing_) return;
+  mailbox_->Post([session = session_, payload = std::move(payload)] {
+    const auto alive = session.lock();
+    if (alive) alive->Ping(payload);
   });
 }
 
@@ -177,6 +200,10 @@ void Handle::OnClosed() {
 void WebSocketSession::Start(Upgrade upgrade) {
   ErrorCode ignored;
   stream_.next_layer().set_option(net::ip::tcp::no_delay(true), ignored);
+  // What waits in the kernel stands before a ping and a stop: on a slow link some seconds of
+  // pictures.
+  static_cast<void>(setsockopt(stream_.next_layer().native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT,
+                               &kMostUnsent, sizeof(kMostUnsent)));
   websocket::stream_base::timeout timeout{};
   timeout.handshake_timeout = network_.options.header_timeout;
   timeout.idle_timeout = network_.options.idle_timeout;
@@ -212,6 +239,9 @@ void WebSocketSession::OnOpen() {
     handle->SetHandlers(dispatch->on_websocket(handle));
   });
   if (closing_) return SendClose();
+  stream_.control_callback([this](websocket::frame_type kind, beast::string_view payload) {
+    if (kind == websocket::frame_type::pong) OnPong({payload.data(), payload.size()});
+  });
   Read();
 }
 
@@ -235,6 +265,27 @@ void WebSocketSession::OnRead(const ErrorCode& error, std::size_t size) {
                  Handle& handle) mutable { handle.OnMessage(std::move(message), binary, weight); });
   message_.clear();
   if (!paused_) Read();
+}
+
+// At most one for each ping, whatever the client sends. An answer answers the pings before it, too.
+void WebSocketSession::OnPong(const std::string& payload) {
+  const auto answered = std::find(pings_.begin(), pings_.end(), payload);
+  if (answered == pings_.end() || ended_) return;
+  pings_.erase(pings_.begin(), std::next(answered));
+  PostToLoop([payload](const Handle& handle) { handle.OnPong(payload); });
+}
+
+void WebSocketSession::Ping(const std::string& payload) {
+  if (pinging_ || !open_ || closing_ || ended_) return;
+  if (pings_.size() >= kMostPings) pings_.pop_front();
+  pings_.push_back(payload);
+  pinging_ = true;
+  websocket::ping_data data;
+  data.assign(payload.data(), payload.size());
+  stream_.async_ping(data, [self = shared_from_this()](const ErrorCode& error) {
+    self->pinging_ = false;
+    if (error && !self->close_sent_) self->End();
+  });
 }
 
 void WebSocketSession::Resume() {

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <utility>
 
 #include "musher/base/host.hpp"
 #include "musher/base/log.hpp"
 #include "musher/base/version.hpp"
+#include "musher/controller/process/host_uptime.hpp"
 #include "musher/controller/storage/machines_here.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/transport/network.hpp"
@@ -17,6 +19,8 @@
 #include "musher/view/json/json.hpp"
 #include "musher/view/live/log_text.hpp"
 #include "musher/view/live/outside_url.hpp"
+#include "musher/view/live/request_age.hpp"
+#include "musher/view/live/request_fields.hpp"
 #include "musher/view/page/files.hpp"
 
 namespace musher::view {
@@ -89,6 +93,27 @@ SkillRequests::Request SkillIn(const Json& body) {
   return request;
 }
 
+// Whether it may raise or move the robot. A stop, a pause and a cancellation are never too late.
+bool MayMove(const std::string& path, const Json& body,
+             const std::optional<msg::MachineStatus>& status) {
+  if (path == "/api/set") {
+    return !status || !OnlyLowers(*status, TextIn(body, "target"), TextIn(body, "actuator"));
+  }
+  if (path == "/api/pause_skill") return body.value("pause", Json()) == false;
+  return path == "/api/release" || path == "/api/restart" || path == "/api/skill";
+}
+
+// Whether a request that moves is too late. One without a time, of a script, is obeyed.
+Result<> CheckAgeIn(const Json& body) {
+  const auto seen = body.find("seen_uptime_ms");
+  if (seen == body.end()) return Ok();
+  if (!seen->is_number_integer()) {
+    return Error{kCodeParametersInvalid,
+                 "seen_uptime_ms is not the number that the server has sent"};
+  }
+  return CheckAge(seen->get<std::int64_t>(), ToMilliseconds(SinceBoot()));
+}
+
 http::Response JsonResponse(std::string json) {
   http::Response response;
   response.body = std::make_shared<const std::string>(std::move(json));
@@ -105,6 +130,14 @@ http::Response WithSession(http::Response response, const std::string& cookie,
   response.headers.emplace_back("Set-Cookie",
                                 cookie + "=" + session + "; HttpOnly; SameSite=Strict; Path=/");
   return response;
+}
+
+// Empty: no session is kept.
+SessionSaver::Write WriterOf(const std::string& file) {
+  if (file.empty()) return nullptr;
+  return [file](const std::vector<http::KeptSession>& sessions, std::int64_t wall_ms) {
+    return http::WriteSessions(file, sessions, wall_ms);
+  };
 }
 
 http::Response Redirect(const std::string& path) {
@@ -132,7 +165,9 @@ LiveServer::LiveServer(transport::Node& node, Options options)
               [domain = options_.domain_id, name_space = options_.name_space] {
                 return MachinesHere(domain, name_space);
               }),
-      skills_(node, options_.name_space, options_.with_keys) {}
+      skills_(node, options_.name_space, options_.with_keys),
+      meant_(node, options_.name_space, options_.with_keys),
+      saver_(node.loop(), WriterOf(options_.sessions)) {}
 
 Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Options options) {
   std::unique_ptr<LiveServer> server(new LiveServer(node, std::move(options)));
@@ -140,16 +175,19 @@ Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Opti
   return server;
 }
 
-Result<> LiveServer::Open() {
+Result<> LiveServer::RestoreSessions() {
+  if (options_.sessions.empty()) return Ok();
+  const auto kept = http::ReadSessions(options_.sessions, WallMilliseconds());
+  if (!kept) return kept.error();
+  login_.Restore(kept.value(), node_.loop().Now());
+  keep_timer_ = node_.loop().Every(kKeepPeriod, [this] {
+    if (login_.sessions() > 0) KeepSessions();
+  });
+  return Ok();
+}
+
+Result<> LiveServer::WatchMachine() {
   const std::string host = HostId();
-  if (!options_.sessions.empty()) {
-    const auto kept = http::ReadSessions(options_.sessions, WallMilliseconds());
-    if (!kept) return kept.error();
-    login_.Restore(kept.value(), node_.loop().Now());
-    keep_timer_ = node_.loop().Every(kKeepPeriod, [this] {
-      if (login_.sessions() > 0) KeepSessions();
-    });
-  }
   MachineFeed::Events events;
   events.on_message = [this](const std::string& key, const SharedText& message) {
     SendAll(key, message);
@@ -178,11 +216,17 @@ Result<> LiveServer::Open() {
   metrics.host = host;
   metrics.machine = [this] { return feed_->leader().machine(); };
   metrics_ = std::make_unique<MetricsWatch>(node_, std::move(metrics));
+  return Ok();
+}
+
+Result<> LiveServer::Open() {
+  if (auto restored = RestoreSessions(); !restored) return restored;
+  if (auto watched = WatchMachine(); !watched) return watched;
   foxglove_ = std::make_unique<foxglove::FoxgloveServer>(
       node_, table_,
       foxglove::FoxgloveServer::Options{
           "Musher" + (options_.name_space.empty() ? std::string() : " /" + options_.name_space),
-          options_.name_space});
+          options_.name_space, FoxgloveGuards()});
   auto watch = transport::WatchTopics(
       node_,
       [this](const transport::DiscoveredEndpoint& endpoint) {
@@ -196,7 +240,9 @@ Result<> LiveServer::Open() {
   if (!watch) return watch.error();
   topic_watch_ = std::move(watch).value();
   every_second_ = node_.loop().Every(std::chrono::seconds(1), [this] {
-    SendAll("time", Share({{"op", "time"}, {"time_ms", WallMilliseconds()}}));
+    SendAll("time", Share({{"op", "time"},
+                           {"time_ms", WallMilliseconds()},
+                           {"uptime_ms", ToMilliseconds(SinceBoot())}}));
   });
   http::Options http = options_.http;
   http.subprotocols = {kSubprotocol, foxglove::kSubprotocol};
@@ -217,32 +263,69 @@ http::LoginLink LiveServer::NewLink(const std::string& name) {
           OutsideUrl(options_.http.bind, transport::ReadInterfaces(), port())};
 }
 
-void LiveServer::KeepSessions() {
-  if (options_.sessions.empty()) return;
-  // Beside the loop: a disk that hangs holds up no emergency stop.
-  disk_.Do(
-      "sessions",
-      [file = options_.sessions, sessions = login_.Kept(node_.loop().Now()),
-       wall_ms = WallMilliseconds()] { return http::WriteSessions(file, sessions, wall_ms); },
-      [this](const Result<>& kept) {
-        if (kept || std::exchange(keeping_failed_, true)) return;
-        WriteLog(LogLevel::kWarning, "musher-view",
-                 "logins end with this process: " + kept.error().message);
-      });
+void LiveServer::KeepSessions(SessionSaver::Then then) {
+  saver_.Save(login_.Kept(node_.loop().Now()), WallMilliseconds(), std::move(then));
+}
+
+foxglove::FoxgloveServer::Guards LiveServer::FoxgloveGuards() {
+  using Foxglove = foxglove::FoxgloveServer;
+  Foxglove::Guards guards;
+  guards.leader = [this]() -> std::optional<Foxglove::Leader> {
+    const LeaderWatch& watch = feed_->leader();
+    if (!watch.leader()) return std::nullopt;
+    return Foxglove::Leader{watch.machine(), watch.participant()};
+  };
+  guards.why_not_meant = [this] { return requests_->WhyNotMeant(); };
+  guards.why_not_published = [this](const std::string& topic) -> std::optional<Error> {
+    Foxglove::Participants readers;
+    for (const transport::DiscoveredEndpoint& endpoint : table_.EndpointsOf(topic)) {
+      if (!endpoint.writer) readers.push_back(endpoint.participant);
+    }
+    const MachineIdentity& followed = feed_->leader().machine();
+    const auto other = meant_.OtherThan(followed, readers);
+    if (!other) return std::nullopt;
+    return Error{kCodeTargetBusy, MachineText(*other) + " receives it, and " +
+                                      MachineText(followed) +
+                                      " is followed; give each machine a namespace"};
+  };
+  guards.check_servers = [this](const std::string& actuator, MeantServers::Servers servers,
+                                std::function<void(std::optional<Error>)> then) {
+    meant_.Check(actuator, std::move(servers), feed_->leader().machine(), std::move(then));
+  };
+  guards.uptime_ms = [] { return ToMilliseconds(SinceBoot()); };
+  guards.why_late = [](std::int64_t seen_ms) -> std::optional<Error> {
+    const auto fresh = CheckAge(seen_ms, ToMilliseconds(SinceBoot()));
+    if (fresh) return std::nullopt;
+    return Error{fresh.error().code,
+                 fresh.error().message + "; on a slow link close the panels that show pictures"};
+  };
+  guards.only_lowers = [this](const std::string& state, const std::string& actuator) {
+    const auto& status = feed_->status();
+    return state == kTearDown || state == kError ||
+           (status && OnlyLowers(*status, state, actuator));
+  };
+  guards.counts = [this](transport::ParticipantId server, const Foxglove::Participants& servers) {
+    return meant_.IsMeant(server, servers, feed_->leader().machine());
+  };
+  return guards;
 }
 
 http::WebSocketHandlers LiveServer::OnFoxglove(const std::shared_ptr<http::WebSocket>& socket) {
   // A page of another server of this host may connect, and the browser adds the cookie by itself.
   const bool is_own_page =
       http::CheckOrigin(socket->request().headers, http::OriginRule::kSamePage, {}, {}).ok();
-  const bool may_act =
-      HasToken(socket->request()) || (is_own_page && !PersonOf(socket->request()).empty());
-  if (!may_act && !MayLook(socket->request())) {
+  // Each time that it acts: a session ends, and acting begins its 12 hours again. The client keeps
+  // the socket, and with it the request, for as long as this function.
+  const auto may_act = [this, has_token = HasToken(socket->request()), is_own_page,
+                        &request = socket->request()] {
+    return has_token || (is_own_page && !PersonOf(request).empty());
+  };
+  if (!may_act() && !MayLook(socket->request())) {
     socket->Close(kPolicyViolation, "looking from another host needs a login: ?token=TOKEN");
     return {};
   }
   std::erase_if(acting_, [](const auto& each) { return each.expired(); });
-  if (may_act) acting_.push_back(socket);
+  if (may_act()) acting_.push_back(socket);
   http::WebSocketHandlers handlers = foxglove_->OnWebSocket(socket, may_act);
   handlers.on_closed = [this, closed = std::move(handlers.on_closed)] {
     closed();
@@ -286,7 +369,8 @@ void LiveServer::Greet(Page& page) {
                            {"may_act", !person.empty()},
                            {"may_stop", !person.empty() || !options_.stop_needs_login},
                            {"who", person},
-                           {"time_ms", WallMilliseconds()}}),
+                           {"time_ms", WallMilliseconds()},
+                           {"uptime_ms", ToMilliseconds(SinceBoot())}}),
                     false);
   page.socket->Send(TopicsMessage(), false);
   page.socket->Send(feed_->History(), false);
@@ -443,22 +527,35 @@ void LiveServer::OnGet(const http::Request& request, const http::Respond& respon
 }
 
 void LiveServer::OnPost(const http::Request& request, const http::Respond& respond) {
-  const Json body = Json::parse(request.body, nullptr, false);
+  Json body = Json::parse(request.body, nullptr, false);
+  // A stop needs nothing of it: `curl -X POST robot:8765/api/estop` stops the robot.
+  if (!body.is_object() && request.path == "/api/estop") body = Json::object();
   if (!body.is_object()) {
     return respond(
         http::ErrorResponse(400, kCodeParametersInvalid, "the body has to be a JSON object"));
   }
   const std::string target = TextIn(body, "target");
   const std::string actuator = TextIn(body, "actuator");
-  if (request.path == "/api/plan") return requests_->Plan(target, actuator, respond);
+  const bool plan = request.path == "/api/plan";
   std::string person = PersonOf(request);
   if (person.empty() && request.path == "/api/estop" && !options_.stop_needs_login) {
     person = "a person without a login (" + request.peer + ")";
   }
-  if (person.empty()) {
+  if (person.empty() && !plan) {
     return respond(http::ErrorResponse(
         403, kNeedsLogin,
         "acting needs a login; `musher view --link` prints a link and a PIN for one"));
+  }
+  if (const auto known = CheckFields(request.path, body); !known) {
+    return respond(http::ErrorResponse(400, known.error().code, known.error().message));
+  }
+  if (plan) return requests_->Plan(target, actuator, respond);
+  if (MayMove(request.path, body, feed_->status())) {
+    if (const auto fresh = CheckAgeIn(body); !fresh) {
+      const Error& why = fresh.error();
+      const unsigned status = why.code == kCodeParametersInvalid ? 400 : 409;
+      return respond(http::ErrorResponse(status, why.code, why.message));
+    }
   }
   const RobotRequests::Caller caller{person, {TextIn(body, "machine"), TextIn(body, "machine_id")}};
   if (request.path == "/api/set") return requests_->Set(caller, target, actuator, respond);
@@ -479,13 +576,15 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
   }
   if (request.path == "/api/cancel_skill") {
     if (!body.contains("goal_id")) {
-      return skills_.CancelRun(person, actuator, TextIn(body, "skill"), respond);
+      return skills_.CancelRun(caller.shown, person, actuator, TextIn(body, "skill"), respond);
     }
     return skills_.Cancel(TextIn(body, "action"), TextIn(body, "goal_id"), respond);
   }
   if (request.path == "/api/pause_skill") {
     const std::string skill = TextIn(body, "skill");
-    if (body.value("pause", Json()) != false) return skills_.Pause(actuator, skill, respond);
+    if (body.value("pause", Json()) != false) {
+      return skills_.Pause(caller.shown, actuator, skill, respond);
+    }
     if (requests_->IsMeant(caller, respond)) skills_.Resume(caller.shown, actuator, skill, respond);
     return;
   }
@@ -525,12 +624,13 @@ void LiveServer::OnLogout(const http::Request& request, const http::Respond& res
     return respond(http::ErrorResponse(400, kCodeParametersInvalid,
                                        R"(POST {} ends the session, {"all":true} all of them)"));
   }
+  const bool all = body.contains("token") || body.value("all", Json()) == true;
   if (body.contains("token")) {
     const auto permitted =
         login_.MayMakeLinks(TextIn(body, "token"), request.peer, node_.loop().Now());
     if (!permitted) return respond(RefusalResponse(permitted.error()));
     login_.EndAll();
-  } else if (body.value("all", Json()) == true) {
+  } else if (all) {
     if (PersonOf(request).empty()) {
       return respond(http::ErrorResponse(403, kNeedsLogin, "to end all logins needs a login"));
     }
@@ -538,27 +638,38 @@ void LiveServer::OnLogout(const http::Request& request, const http::Respond& res
   } else if (const auto cookie = request.cookies.find(Cookie()); cookie != request.cookies.end()) {
     login_.End(cookie->second);
   }
-  KeepSessions();
-  CloseEndedSessions();
-  http::Response response = JsonResponse("{}");
-  response.headers.emplace_back("Set-Cookie",
-                                Cookie() + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/");
-  respond(std::move(response));
+  CloseEndedSessions(all);
+  const std::pair<std::string, std::string> no_cookie{
+      "Set-Cookie", Cookie() + "=; Max-Age=0; HttpOnly; SameSite=Strict; Path=/"};
+  // A server that is killed before it is on disk knows the session again.
+  KeepSessions([respond, no_cookie](const Result<>& kept) {
+    http::Response response =
+        kept ? JsonResponse("{}")
+             : http::ErrorResponse(500, kept.error().code,
+                                   "the login has ended, and that is not on disk yet, so a restart "
+                                   "of musher-view may bring it back: " +
+                                       kept.error().message);
+    response.headers.push_back(no_cookie);
+    respond(std::move(response));
+  });
 }
 
 // The connections that they have opened.
-void LiveServer::CloseEndedSessions() {
-  std::vector<std::shared_ptr<http::WebSocket>> sockets;
-  for (const Page& page : pages_) sockets.push_back(page.socket);
+void LiveServer::CloseEndedSessions(bool all) {
+  const auto has_ended = [this](const http::WebSocket& socket) {
+    const auto cookie = socket.request().cookies.find(Cookie());
+    return cookie != socket.request().cookies.end() &&
+           !login_.Lives(cookie->second, node_.loop().Now());
+  };
+  std::vector<std::shared_ptr<http::WebSocket>> ended;
+  for (const Page& page : pages_) {
+    if (has_ended(*page.socket)) ended.push_back(page.socket);
+  }
   for (const auto& acting : acting_) {
-    if (auto socket = acting.lock()) sockets.push_back(std::move(socket));
+    auto socket = acting.lock();
+    if (socket && (all || has_ended(*socket))) ended.push_back(std::move(socket));
   }
-  for (const auto& socket : sockets) {
-    const auto cookie = socket->request().cookies.find(Cookie());
-    const bool ended = cookie != socket->request().cookies.end() &&
-                       !login_.Lives(cookie->second, node_.loop().Now());
-    if (ended) socket->Close(kNormalClosure, "the login has ended");
-  }
+  for (const auto& socket : ended) socket->Close(kNormalClosure, "the login has ended");
 }
 
 // For `musher view --link`, which has read the token file.

@@ -22,7 +22,6 @@
 #include <memory>
 #include <string>
 
-#include "musher/transport/disk_writer.hpp"
 #include "musher/view/foxglove/foxglove_server.hpp"
 #include "musher/view/http/login.hpp"
 #include "musher/view/http/server.hpp"
@@ -30,7 +29,9 @@
 #include "musher/view/live/docs.hpp"
 #include "musher/view/live/host_search.hpp"
 #include "musher/view/live/machine_feed.hpp"
+#include "musher/view/live/meant_servers.hpp"
 #include "musher/view/live/robot_requests.hpp"
+#include "musher/view/live/session_saver.hpp"
 #include "musher/view/live/skill_requests.hpp"
 #include "musher/view/live/watched_topics.hpp"
 #include "musher/view/metrics/metrics_watch.hpp"
@@ -71,6 +72,9 @@ class LiveServer {
 
   LiveServer(transport::Node& node, Options options);
   Result<> Open();
+  Result<> RestoreSessions();
+  // Makes what needs to know the machine of the page: its feed, the requests to it, its metrics.
+  Result<> WatchMachine();
 
   // The person who has sent the request; empty: a session without login.
   std::string PersonOf(const http::Request& request);
@@ -87,10 +91,13 @@ class LiveServer {
   void OnLogout(const http::Request& request, const http::Respond& respond);
   void OnLink(const http::Request& request, const http::Respond& respond);
   void OnLog(const http::Request& request, const http::Respond& respond);
-  void CloseEndedSessions();
-  void KeepSessions();
+  // `all`: also of what acts by the token.
+  void CloseEndedSessions(bool all);
+  // `then`: see SessionSaver.
+  void KeepSessions(SessionSaver::Then then = nullptr);
   http::WebSocketHandlers OnWebSocket(const std::shared_ptr<http::WebSocket>& socket);
   http::WebSocketHandlers OnFoxglove(const std::shared_ptr<http::WebSocket>& socket);
+  foxglove::FoxgloveServer::Guards FoxgloveGuards();
 
   void Greet(Page& page);
   void OnPageMessage(Page& page, const std::string& text);
@@ -114,6 +121,7 @@ class LiveServer {
   HostSearch search_;
   std::unique_ptr<RobotRequests> requests_;
   SkillRequests skills_;
+  MeantServers meant_;  // for Foxglove
   std::unique_ptr<MetricsWatch> metrics_;
   std::unique_ptr<MachineFeed> feed_;
   std::unique_ptr<foxglove::FoxgloveServer> foxglove_;
@@ -123,8 +131,7 @@ class LiveServer {
   transport::LoopHandlePtr topics_timer_;               // while a change is not sent
   transport::LoopHandlePtr every_second_;
   transport::LoopHandlePtr keep_timer_;
-  bool keeping_failed_ = false;  // it was logged
-  transport::DiskWriter disk_{node_.loop(), {.name = "view-sessions"}};
+  SessionSaver saver_;
   std::unique_ptr<http::Server> http_;  // last: its functions use all of the above
 };
 

@@ -91,6 +91,30 @@ std::optional<Error> MeantServers::WhyNot(const WaitingCall& waiting) const {
                                     "a namespace"};
 }
 
+bool MeantServers::IsMeant(transport::ParticipantId server,
+                           const std::vector<transport::ParticipantId>& servers,
+                           const MachineIdentity& meant) const {
+  const auto is_known = [](const MachineIdentity* machine) {
+    return machine != nullptr && !(machine->name.empty() && machine->id.empty());
+  };
+  const MachineIdentity* machine = MachineOf(server);
+  if (is_known(machine) && is_known(&meant)) return SameMachine(*machine, meant);
+  if (servers.size() < 2) return true;
+  return std::ranges::all_of(servers, [&](const transport::ParticipantId one) {
+    const MachineIdentity* other = MachineOf(one);
+    return one == server || (is_known(machine) && is_known(other) && SameMachine(*machine, *other));
+  });
+}
+
+std::optional<MachineIdentity> MeantServers::OtherThan(
+    const MachineIdentity& meant, const std::vector<transport::ParticipantId>& participants) const {
+  for (const transport::ParticipantId participant : participants) {
+    const MachineIdentity* machine = MachineOf(participant);
+    if (machine != nullptr && !SameMachine(*machine, meant)) return *machine;
+  }
+  return std::nullopt;
+}
+
 const MachineIdentity* MeantServers::MachineOf(transport::ParticipantId participant) const {
   const auto found = std::ranges::find_if(
       known_, [&](const auto& each) { return each.second.participant == participant; });

@@ -34,6 +34,15 @@ class MeantServers {
   // machine is not known. `name`: of the actuator, for the sentence. `servers` must stay valid.
   void Check(const std::string& name, Servers servers, const MachineIdentity& meant,
              std::function<void(std::optional<Error>)> then);
+  // Whether a reply of `server` is that of the machine `meant`. All of `servers` have received the
+  // request. Where its machine or `meant` is not known, `servers` must be of one machine.
+  bool IsMeant(transport::ParticipantId server,
+               const std::vector<transport::ParticipantId>& servers,
+               const MachineIdentity& meant) const;
+  // The first known machine of these participants that is not `meant`; nullopt: there is none.
+  std::optional<MachineIdentity> OtherThan(
+      const MachineIdentity& meant,
+      const std::vector<transport::ParticipantId>& participants) const;
 
  private:
   struct WaitingCall {

@@ -67,9 +67,9 @@ Bytes DataOf(std::string_view text, std::size_t size) {
   return data;
 }
 
-class Drawing {
+class QrPainter {
  public:
-  explicit Drawing(int version)
+  explicit QrPainter(int version)
       : size_(17 + 4 * version),
         dark_(static_cast<std::size_t>(size_), std::vector<bool>(static_cast<std::size_t>(size_))),
         taken_(dark_) {
@@ -149,9 +149,9 @@ std::optional<QrModules> QrCode(std::string_view text) {
     Bytes bytes = DataOf(text, kSizes[i].data);
     const Bytes correction = CorrectionOf(bytes, kSizes[i].correction);
     bytes.insert(bytes.end(), correction.begin(), correction.end());
-    Drawing drawing(static_cast<int>(i) + 1);
-    drawing.DrawBits(bytes);
-    return drawing.modules();
+    QrPainter painter(static_cast<int>(i) + 1);
+    painter.DrawBits(bytes);
+    return painter.modules();
   }
   return std::nullopt;
 }

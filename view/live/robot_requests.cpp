@@ -106,7 +106,6 @@ bool RobotRequests::HasController(const http::Respond& respond) {
   return false;
 }
 
-// Why the machine that is followed may not be the one that a person on this host means.
 std::optional<Error> RobotRequests::WhyNotMeant() const {
   const LeaderWatch& watch = leader_();
   if (watch.found_here()) return std::nullopt;
@@ -329,11 +328,11 @@ std::uint64_t RobotRequests::SearchHost() {
   if (searching_) return searches_ + 1;
   searching_ = true;
   ++searches_;
-  options_.find([this](std::vector<MachineHere> machines) { OnMachines(std::move(machines)); });
+  options_.find([this](const std::vector<MachineHere>& machines) { OnMachines(machines); });
   return searches_;
 }
 
-void RobotRequests::OnMachines(std::vector<MachineHere> machines) {
+void RobotRequests::OnMachines(const std::vector<MachineHere>& machines) {
   searching_ = false;
   own_ = NamedOf(machines);
   for (EstopCall& stop : stops_) {

@@ -74,6 +74,8 @@ class RobotRequests {
   // shown them; empty: all that are engaged.
   void Release(const Caller& caller, const std::vector<std::string>& seen,
                const http::Respond& respond);
+  // Why the machine that is followed may not be the one that a person on this host means.
+  std::optional<Error> WhyNotMeant() const;
   // Whether the caller may act on the machine that is followed; if not, it has responded.
   bool IsMeant(const Caller& caller, const http::Respond& respond) const;
   void History(std::uint32_t limit, const http::Respond& respond);
@@ -124,11 +126,10 @@ class RobotRequests {
   LeaderWatch::Options LeaderOptions();
   bool HasController(const http::Respond& respond);
   bool HasActuator(const std::string& actuator, const http::Respond& respond);
-  std::optional<Error> WhyNotMeant() const;
   bool HasActuatorsOfAnother() const;
   StopAddress AddressOfStop(const MachineIdentity& shown) const;
   std::uint64_t SearchHost();
-  void OnMachines(std::vector<MachineHere> machines);
+  void OnMachines(const std::vector<MachineHere>& machines);
   void DropOldestStop();
   void AnswerStop(EstopCall& stop, const EstopReport& report, const std::string& why_early = "");
   EstopReport ReportOf(const EstopCall& stop) const;

@@ -1,5 +1,8 @@
 #include "musher/view/live/skill_requests.hpp"
 
+#include <algorithm>
+#include <functional>
+#include <set>
 #include <utility>
 
 #include "musher/transport/goal_id_text.hpp"
@@ -56,6 +59,20 @@ http::Response CancelResponse(const Result<msg::CancelGoal::Response>& reply) {
     default:
       return http::ErrorResponse(409, kCodeStateInvalid, "that run has ended already");
   }
+}
+
+// Of the replies of an action's servers to the cancellation of a goal, which at most one of them
+// runs: that of this one. That it is not known counts once all of them have replied so.
+transport::RawActionClient::CancelCounts CountsOfCancel(
+    std::function<std::vector<transport::ParticipantId>()> servers) {
+  return [servers = std::move(servers), unknown = std::set<transport::ParticipantId>()](
+             transport::ParticipantId server, const msg::CancelGoal::Response& reply) mutable {
+    if (reply.return_code != msg::CancelGoal::kErrorUnknownGoalId) return true;
+    unknown.insert(server);
+    const auto all = servers();
+    return all.size() < 2 ||
+           std::ranges::all_of(all, [&](const auto& one) { return unknown.contains(one); });
+  };
 }
 
 // Of the services pause_skill and cancel_skill.
@@ -155,12 +172,37 @@ void SkillRequests::Cancel(const std::string& action, const std::string& goal_id
   if (!client) {
     return respond(http::ErrorResponse(400, client.error().code, client.error().message));
   }
-  client.value()->Cancel(*id, kAnswerTime,
-                         [respond](const auto& reply) { respond(CancelResponse(reply)); });
+  client.value()->Cancel(
+      *id, kAnswerTime, [respond](const auto& reply) { respond(CancelResponse(reply)); },
+      CountsOfCancel([client = client.value()] { return client->Servers(); }));
 }
 
-void SkillRequests::CancelRun(const std::string& by, const std::string& actuator,
-                              const std::string& skill, const http::Respond& respond) {
+template <class Service>
+void SkillRequests::CallMeant(transport::Client<Service>& client, const MachineIdentity& machine,
+                              const std::string& actuator, const typename Service::Request& request,
+                              Duration timeout, const http::Respond& respond) {
+  const auto of_another = std::make_shared<bool>(false);
+  client.CallAll(
+      request, timeout,
+      [this, &client, machine, of_another](transport::ParticipantId server, const auto&) {
+        const bool counts = meant_.IsMeant(server, client.Servers(), machine);
+        *of_another |= !counts;
+        return counts;
+      },
+      [respond, machine, actuator, of_another](const auto& reply) {
+        if (reply || !*of_another) return respond(DoneResponse(reply));
+        respond(http::ErrorResponse(
+            504, kCodeTimeout,
+            "no reply of " + actuator + " of " +
+                (machine.name.empty() ? "the machine on the page" : MachineText(machine)) +
+                "; only another machine's " + actuator +
+                " has replied. Give each machine a namespace"));
+      });
+}
+
+void SkillRequests::CancelRun(const MachineIdentity& machine, const std::string& by,
+                              const std::string& actuator, const std::string& skill,
+                              const http::Respond& respond) {
   ++rests_[actuator];
   const auto client = ServiceOf(cancels_, actuator, "cancel_skill");
   if (!client) {
@@ -169,18 +211,17 @@ void SkillRequests::CancelRun(const std::string& by, const std::string& actuator
   msg::CancelSkill::Request request;
   request.skill = skill;
   request.by = by + " on the page";
-  client.value()->Call(request, kCancelTime,
-                       [respond](const auto& reply) { respond(DoneResponse(reply)); });
+  CallMeant(*client.value(), machine, actuator, request, kCancelTime, respond);
 }
 
-void SkillRequests::Pause(const std::string& actuator, const std::string& skill,
-                          const http::Respond& respond) {
+void SkillRequests::Pause(const MachineIdentity& machine, const std::string& actuator,
+                          const std::string& skill, const http::Respond& respond) {
   const auto client = ServiceOf(pauses_, actuator, "pause_skill");
   if (!client) {
     return respond(http::ErrorResponse(400, client.error().code, client.error().message));
   }
   ++rests_[actuator];
-  SendPause(*client.value(), skill, /*pause=*/true, respond);
+  CallMeant(*client.value(), machine, actuator, {skill, /*pause=*/true}, kAnswerTime, respond);
 }
 
 void SkillRequests::Resume(const MachineIdentity& machine, const std::string& actuator,
@@ -191,7 +232,7 @@ void SkillRequests::Resume(const MachineIdentity& machine, const std::string& ac
   }
   meant_.Check(
       actuator, [client = client.value()] { return client->Servers(); }, machine,
-      [this, client = client.value(), actuator, skill, respond,
+      [this, client = client.value(), machine, actuator, skill, respond,
        before = rests_[actuator]](const std::optional<Error>& why) {
         if (why) return respond(NotMeant(*why));
         if (rests_[actuator] != before) {
@@ -199,16 +240,8 @@ void SkillRequests::Resume(const MachineIdentity& machine, const std::string& ac
                                              "it was paused or cancelled meanwhile. Nothing was "
                                              "done"));
         }
-        SendPause(*client, skill, /*pause=*/false, respond);
+        CallMeant(*client, machine, actuator, {skill, /*pause=*/false}, kAnswerTime, respond);
       });
-}
-
-void SkillRequests::SendPause(transport::Client<msg::PauseSkill>& client, const std::string& skill,
-                              bool pause, const http::Respond& respond) {
-  msg::PauseSkill::Request request;
-  request.skill = skill;
-  request.pause = pause;
-  client.Call(request, kAnswerTime, [respond](const auto& reply) { respond(DoneResponse(reply)); });
 }
 
 }  // namespace musher::view

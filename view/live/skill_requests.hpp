@@ -7,7 +7,7 @@
 //   400 the request is malformed
 //   409 the skill is refused, or cannot be cancelled, paused or resumed; or a machine beside the
 //       one on the page would receive the request
-//   504 no answer in time
+//   504 no answer in time of the machine on the page
 
 #include <cstdint>
 #include <map>
@@ -45,14 +45,17 @@ class SkillRequests {
   };
   // {"goal_id":"…"} once it runs, or has ended well. `machine`: the one on the page.
   void Run(const MachineIdentity& machine, const Request& request, const http::Respond& respond);
-  // {} once the actuator is cancelling it. `goal_id`: of SkillFeedback.
+  // {} once an actuator is cancelling it. `goal_id`: of SkillFeedback. That it has ended is said
+  // once every server of the action has replied that it does not run it.
   void Cancel(const std::string& action, const std::string& goal_id, const http::Respond& respond);
-  // The same of a run without a goal, which goes on after a restart: {} once it has ended. `by`:
-  // the person, for its result.
-  void CancelRun(const std::string& by, const std::string& actuator, const std::string& skill,
-                 const http::Respond& respond);
-  // {} once it stands: on each machine that receives it.
-  void Pause(const std::string& actuator, const std::string& skill, const http::Respond& respond);
+  // The same of a run without a goal, which goes on after a restart: {} once it has ended on
+  // `machine`, the one on the page. `by`: the person, for its result.
+  void CancelRun(const MachineIdentity& machine, const std::string& by, const std::string& actuator,
+                 const std::string& skill, const http::Respond& respond);
+  // {} once it stands on `machine`. Others that receive it pause, too, and their replies do not
+  // count.
+  void Pause(const MachineIdentity& machine, const std::string& actuator, const std::string& skill,
+             const http::Respond& respond);
   // {} once it goes on.
   void Resume(const MachineIdentity& machine, const std::string& actuator, const std::string& skill,
               const http::Respond& respond);
@@ -76,8 +79,11 @@ class SkillRequests {
                                                 const std::string& name);
   static void Answer(Begun& begun, http::Response response);
   void Begin(Client& client, const Request& request, const http::Respond& respond);
-  static void SendPause(transport::Client<msg::PauseSkill>& client, const std::string& skill,
-                        bool pause, const http::Respond& respond);
+  // At once. Only the reply of `machine` counts.
+  template <class Service>
+  void CallMeant(transport::Client<Service>& client, const MachineIdentity& machine,
+                 const std::string& actuator, const typename Service::Request& request,
+                 Duration timeout, const http::Respond& respond);
 
   transport::Node& node_;
   const std::string name_space_;

@@ -121,9 +121,10 @@ void WatchedTopics::PassOn() {
     for (std::size_t i = 0; i < topic.samples.size(); ++i) {
       if (std::exchange(topic.samples[i].fresh, false)) fresh.push_back(i);
     }
-    std::sort(fresh.begin(), fresh.end(), [&topic](std::size_t one, std::size_t other) {
-      return topic.samples[one].order < topic.samples[other].order;
-    });
+    std::sort(fresh.begin(), fresh.end(),
+              [&samples = topic.samples](std::size_t one, std::size_t other) {
+                return samples[one].order < samples[other].order;
+              });
     for (const std::size_t i : fresh) {
       Sample& sample = topic.samples[i];
       const std::string& type = topic.source->dds_type;

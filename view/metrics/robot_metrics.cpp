@@ -69,7 +69,10 @@ void RobotMetrics::OnControllerLost() {
 void RobotMetrics::On(const msg::HistoryEntry& entry, std::string_view event) {
   if (entry.id == 0) return;  // not a decision, for example of the journal
   if (entry.kind == "switch") return OnSwitch(entry, event);
-  if (!entry.actuator.empty()) OnFault(entry, event);
+  if (entry.actuator.empty()) return;
+  const bool is_done = event == NameOf(EventName::kCommandDone);
+  if (is_done || event == NameOf(EventName::kCommandOverdue)) return OnCommand(entry, is_done);
+  OnFault(entry, event);
 }
 
 void RobotMetrics::OnSwitch(const msg::HistoryEntry& entry, std::string_view event) {
@@ -103,6 +106,27 @@ void RobotMetrics::OnSwitch(const msg::HistoryEntry& entry, std::string_view eve
   if (took >= Duration::zero()) {
     target.durations.Observe(ToSeconds(took));
   }
+}
+
+// Reported as a fault of its actuator, too, without the time that it took: the command counts once.
+void RobotMetrics::OnCommand(const msg::HistoryEntry& entry, bool is_done) {
+  const Json data = Json::parse(entry.data, nullptr, false);
+  const auto arguments = data.is_object() ? data.find("arguments") : data.end();
+  if (arguments == data.end() || !arguments->is_object()) return;
+  const auto took_ms = arguments->find("took_ms");
+  const std::string target = TextAt(*arguments, "target");
+  if (took_ms == arguments->end() || !took_ms->is_number() || target.empty()) return;
+  Actuator* actuator = Find(entry.actuator);
+  if (!actuator) {
+    ++dropped_actuators_;
+    return;
+  }
+  if (!is_done) {
+    ++actuator->overdue_commands;
+    return;
+  }
+  constexpr double kMsOfSecond = 1000;
+  actuator->commands[Know(target)].Observe(std::max(0.0, took_ms->get<double>() / kMsOfSecond));
 }
 
 void RobotMetrics::OnFault(const msg::HistoryEntry& entry, std::string_view event) {
@@ -180,6 +204,7 @@ std::string RobotMetrics::Text(Time now, MetricsFormat format) const {
   Exposition text(format);
   WriteMachine(text);
   WriteSwitches(text);
+  WriteCommands(text);
   WriteStates(text);
   WriteFaults(text);
   WriteHeartbeats(text, now);
@@ -246,6 +271,23 @@ void RobotMetrics::WriteSwitches(Exposition& text) const {
     for (std::size_t i = 0; i < kOutcomes.size(); ++i) {
       text.Add(actuator.switches[i], {{"actuator", actuator.info.name}, {"outcome", kOutcomes[i]}});
     }
+  }
+}
+
+void RobotMetrics::WriteCommands(Exposition& text) const {
+  text.BeginHistogram({"musher_command_duration_seconds",
+                       "Time from a command to an actuator until it was done, by the controller's "
+                       "clock, since musher-view began.",
+                       "seconds"});
+  for (const Actuator& actuator : actuators_) {
+    for (const auto& [target, durations] : actuator.commands) {
+      text.AddHistogram(durations, {{"actuator", actuator.info.name}, {"target", target}});
+    }
+  }
+  text.BeginCounter({"musher_commands_overdue",
+                     "Commands that were not done within their limit, since musher-view began."});
+  for (const Actuator& actuator : actuators_) {
+    text.Add(actuator.overdue_commands, {{"actuator", actuator.info.name}});
   }
 }
 

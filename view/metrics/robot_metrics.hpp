@@ -78,6 +78,8 @@ class RobotMetrics {
     std::array<std::uint64_t, kHealths.size()> faults{};
     bool hung = false;  // and not recovered; its exit is not another fault
     PerOutcome switches{};
+    std::map<std::string, DurationHistogram> commands;  // that were done, by target
+    std::uint64_t overdue_commands = 0;
   };
   struct Target {
     PerOutcome switches{};
@@ -88,9 +90,11 @@ class RobotMetrics {
   // The name of the state as it is exposed: kUnknownState if there are too many.
   const std::string& Know(const std::string& state);
   void OnSwitch(const msg::HistoryEntry& entry, std::string_view event);
+  void OnCommand(const msg::HistoryEntry& entry, bool is_done);
   void OnFault(const msg::HistoryEntry& entry, std::string_view event);
   void WriteMachine(Exposition& text) const;
   void WriteSwitches(Exposition& text) const;
+  void WriteCommands(Exposition& text) const;
   void WriteStates(Exposition& text) const;
   void WriteFaults(Exposition& text) const;
   void WriteHeartbeats(Exposition& text, Time now) const;

@@ -66,7 +66,7 @@ function arrowHead([x, y], [, fromY]) {
   return `M${x.toFixed(1)} ${y.toFixed(1)}l-4.500 ${-8 * down}h9z`;
 }
 
-// Scrolls the present state into the middle of its chart, when it has changed.
+// Scrolls a present state that has changed into the middle of its chart.
 function keepInView(ctx, chart, present) {
   const shown = (ctx.ui.charts ??= new Map());
   const one = shown.get(chart.name) ?? {};

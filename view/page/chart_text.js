@@ -4,7 +4,7 @@ const plain = text => text.replace(/#(\d+);/g, (whole, code) => String.fromCodeP
 
 const emptyChart = name => ({name, states: [], arrows: [], start: null, finals: new Set()});
 
-// The text -> {name, states: [{id, name, safe, final, inside: chart or null}], arrows: [{from, to, text}], start},
+// -> {name, states: [{id, name, safe, final, inside: chart or null}], arrows: [{from, to, text}], start},
 // or null where it is no such diagram.
 export function readChart(text, name = '') {
   const lines = (text ?? '').split('\n').map(line => line.trim());

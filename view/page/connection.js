@@ -5,6 +5,9 @@ const PAUSES_MS = [250, 500, 1000, 2000, 4000, 8000];
 
 const REFUSED = 1008;  // the server wants a login
 
+// The newest time of the server: each request brings it back, so that the server knows how old it is.
+let seen_uptime_ms;
+
 export class Connection {
   // `onMessage({op: 'link', link, retryAt})` reports the connection itself.
   constructor(onMessage, {make = () => new WebSocket(address(), 'musher.view.v1'), now = Date.now} = {}) {
@@ -36,6 +39,7 @@ export class Connection {
       } catch {
         return console.warn('the server sent a text that is no JSON');
       }
+      seen_uptime_ms = message?.uptime_ms ?? seen_uptime_ms;
       if (message && typeof message.op === 'string') this.onMessage(message);
     };
     socket.onclose = event => {
@@ -73,7 +77,7 @@ function address() {
   return url.href;
 }
 
-// An answer of the API that reports an error; `code` is Musher's, `status` HTTP's (0: no answer).
+// An error of the API; `code` is Musher's, `status` HTTP's (0: no answer).
 export class ApiError extends Error {
   constructor(status, code, message) {
     super(message);
@@ -121,5 +125,5 @@ export function post(path, body, {within_ms} = {}) {
   }
   const signal = within_ms ? AbortSignal.timeout(within_ms) : others.signal;
   return request(path, {signal, method: 'POST', headers: {'Content-Type': 'application/json'},
-    body: JSON.stringify(body)});
+    body: JSON.stringify({...body, seen_uptime_ms})});
 }

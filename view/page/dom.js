@@ -1,4 +1,4 @@
-// Draws descriptions of elements, and changes only what differs from what is drawn: the focus, the
+// Draws descriptions of elements, and changes only what differs: the focus, the
 // scroll position and an opened <details> stay. Data becomes text nodes and attributes, never HTML.
 
 const SVG = 'http://www.w3.org/2000/svg';

@@ -1,4 +1,4 @@
-// The language: of the browser, or the one that was chosen last. t(key, values) is its text.
+// The language: the browser's, or the one chosen last. t(key, values) is its text.
 import {TEXTS} from './texts.js';
 import {VIEW_TEXTS} from './texts_views.js';
 

@@ -54,7 +54,7 @@ function stayAtEnd(ctx, element) {
   element.scrollTop = element.scrollHeight;
 }
 
-// Those of the address that there are; else the controller's.
+// Those of the address; else the controller's.
 export function chosenLogs(requested, names) {
   const chosen = names.filter(name => requested.split(',').includes(name));
   return chosen.length ? chosen : [CONTROLLER];

@@ -63,7 +63,7 @@ function problemItem(ctx, problem) {
               : null)));
 }
 
-// What went wrong in the last minutes stays until a person has seen it, also when all is well again.
+// What went wrong lately stays until a person has seen it, also when all is well again.
 function faultList(ctx, below) {
   const faults = recentFaults(ctx.state, ctx.now, ctx.ui.acknowledged);
   if (faults.length === 0) return null;

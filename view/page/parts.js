@@ -57,7 +57,7 @@ export function batteryBar(policy) {
       : null);
 }
 
-// In the place of the state while an emergency stop is engaged, whatever the state is.
+// Instead of the state while an emergency stop is engaged.
 export const stoppedChip = ({large = false} = {}) =>
   h('span', {class: `chip stopped${large ? ' large' : ''}`}, shape(STOP), t('stopped.big'));
 

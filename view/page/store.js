@@ -200,6 +200,7 @@ export function problems(state) {
     list.push({id, level, what: `problem.${id}`, name, why, code, advice});
   if (status.emergency_stop) add('stop', 'bad', status.emergency_stop_reason, 'release',
     status.emergency_stop_by);
+  if (status.not_stopped?.length) add('not_stopped', 'bad', status.not_stopped.join('; '), 'cut_power');
   if (status.phase === 'failed') add('start', 'bad', '', 'self_check');
   for (const actuator of status.actuators ?? []) {
     const problem = problemOf(actuator);
@@ -210,6 +211,7 @@ export function problems(state) {
   if (policy.ceiling) add('ceiling', 'warn', policy.ceiling_reason, 'charge', policy.ceiling);
   if (policy.battery_silent) add('battery_silent', 'warn', '', 'check_battery');
   if ((status.not_on_disk ?? []).length) add('disk', 'warn', status.not_on_disk.join('; '), 'check_disk');
+  if (status.violated_rules?.length) add('rule', 'warn', status.violated_rules.join('; '), 'check_rule');
   const held = (status.held_by_stop ?? []).filter(() => !status.emergency_stop);
   if (held.length) add('held', 'info', '', 'set_again', held.join(', '));
   const order = {bad: 0, warn: 1, info: 2};

@@ -118,6 +118,8 @@ export const TEXTS = {
   'problem.ceiling': ['Battery: at most {name}', '电量限制：最高为 {name}'],
   'problem.battery_silent': ['The battery does not report', '电池没有上报'],
   'problem.disk': ['Not written to disk', '尚未写入磁盘'],
+  'problem.not_stopped': ['NOT STOPPED', '未停止'],
+  'problem.rule': ['A rule of yours is violated', '你的规则被违反'],
   'problem.held': ['Still held by the released stop: {name}', '急停解除后仍被保持：{name}'],
   'level.bad': ['Fault', '故障'],
   'level.warn': ['Warning', '警告'],
@@ -137,6 +139,8 @@ export const TEXTS = {
   'advice.charge': ['Charge the robot.', '请给机器人充电。'],
   'advice.check_battery': ['Check the battery’s program; its last value counts.', '检查电池程序；目前以最后的值为准。'],
   'advice.check_disk': ['Check the disk: free space, and whether it is read-only.', '检查磁盘：剩余空间、是否只读。'],
+  'advice.cut_power': ['Cut its power by its switch; look at it before the release.', '请切断电源，解除急停前查看机器人。'],
+  'advice.check_rule': ['The timeline shows what led there.', '在时间线中查看原因。'],
 
   'power': ['Battery and limits', '电量与限制'],
   'power.battery': ['Battery', '电量'],

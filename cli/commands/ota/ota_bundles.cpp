@@ -90,6 +90,18 @@ std::string Now() {
   return FormatUtc(std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
 }
 
+// Whether the rules that the config names are in `folder`, without an error, or on the robot alone.
+// Prints which.
+bool CheckRulesOf(const MachineConfig& config, const std::string& folder, Console& console) {
+  UserRules rules;
+  if (config.rules_file.empty()) return true;
+  if (!RulesBelow(config, folder).empty()) return LoadUserRules("", config, console, rules);
+  console.PrintError(config.rules_file +
+                     ", which [safety] rules names, is not in the bundle: it is not below " +
+                     folder + "; put it beside the config, or on the robot");
+  return true;
+}
+
 // Makes the manifest from the options; nullopt: the error is already printed.
 std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Console& console) {
   ota::Manifest manifest;
@@ -114,6 +126,7 @@ std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Consol
     console.Fail({kCodeParametersInvalid, *fault});
     return std::nullopt;
   }
+  if (!CheckRulesOf(*config, options.folder, console)) return std::nullopt;
   manifest.robot = options.robot.empty() ? config->name : options.robot;
   manifest.created = Now();
   return manifest;

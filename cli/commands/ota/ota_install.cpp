@@ -11,6 +11,7 @@
 #include "musher/cli/commands/ota/ota_commands.hpp"
 #include "musher/cli/commands/ota/ota_progress.hpp"
 #include "musher/cli/commands/ota/ota_root.hpp"
+#include "musher/cli/config/config_file.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -114,11 +115,13 @@ class Upgrade {
     version_ = installation_->manifest().version.text;
     // Checked before the robot lies down: the config may have an error.
     const std::string file = bundle_ + "/" + ota::kPayload + "/" + root_.config().config;
-    const ConfigReading reading = ReadConfigFile(file);
+    ConfigReading reading = ReadConfigFile(file);
     if (reading.config) {
       if (auto fault = UpgradeFault(*reading.config))
         return FaultError(ota::Fault::kBadManifest, *fault);
-      return Ok();
+      if (RulesBelow(*reading.config, bundle_ + "/" + ota::kPayload).empty()) return Ok();
+      reading.diagnostics = RulesOf(*reading.config).diagnostics;
+      if (reading.diagnostics.empty()) return Ok();
     }
     std::string message = "its state config is invalid";
     for (const Diagnostic& diagnostic : reading.diagnostics) {

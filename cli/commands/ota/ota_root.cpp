@@ -7,7 +7,9 @@
 #include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <thread>
 
+#include "musher/base/break_watch.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/words.hpp"
 #include "musher/cli/start/slot_run.hpp"
@@ -182,6 +184,16 @@ Result<> RootMachine::LeaveOta() {
   // must not stand up for a full disk. The switch to OTA may have failed half-way.
   const bool half_way = NumberOf(now.value()) == *ota_switch_ && MovedToOta(now.value());
   if (now.value().state != kOta && now.value().target != kOta && !half_way) return Ok();
+  Result<> left = SwitchBack();
+  if (left || Interrupted()) return left;
+  // A controller that could not run refuses for a while what may be late. This was not.
+  std::this_thread::sleep_for(BreakWatch::kArriveWithin);
+  const auto then = Look();
+  const bool moved = !then || NumberOf(then.value()) != NumberOf(now.value());
+  return moved ? left : SwitchBack();
+}
+
+Result<> RootMachine::SwitchBack() {
   if (Switch(before_)) return Ok();
   auto left = RequestPolicy(false);
   if (!left && left.error().code == kCodeUnSupport) left = Switch(std::string(kActive));

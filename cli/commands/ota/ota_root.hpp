@@ -54,6 +54,7 @@ class RootMachine {
   Result<msg::MachineStatus> Look();
   Result<> RequestPolicy(bool enter);
   Result<> Switch(const std::string& state);
+  Result<> SwitchBack();
   std::optional<Result<>> TrialBootEnd() const;
   void AwaitMachine();
 

@@ -5,8 +5,8 @@
 //   jetbot_0 = { skill = "nav_2d", goal_pos = [5.6, 1.5, 0] }
 //   cf2x_0 = { skill = "take_off", altitude = 1.2 }
 //
-//   [[step]]                                           # begins when all of the step before are
-//   done cf2x_0 = { skill = "land" }
+//   [[step]]                                           # begins once the step before is done
+//   cf2x_0 = { skill = "land" }
 //
 // A step has a robot as a key, with the name of its skill and the parameters. Pure, apart from the
 // file. All errors are reported at once, with line and column.

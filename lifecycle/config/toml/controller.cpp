@@ -240,6 +240,7 @@ void ReadSafety(TableReader& root, Draft& draft) {
   if (table == nullptr) return;
   TableReader safety(*table, root.At("safety"), "safety", draft.findings);
   draft.config.permit = safety.Time("permit_ms", kShortestPermitMs);
+  draft.config.rules_file = ReadPath("rules", safety, draft).value_or("");
   safety.RefuseOthers();
 }
 

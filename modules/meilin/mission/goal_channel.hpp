@@ -215,6 +215,9 @@ class GoalChannel final : public AnyChannel, public std::enable_shared_from_this
                     [record](const auto& /*reply*/) { record->cancelling = false; });
   }
 
+  // Without a limit: the server may hang for long, and then accept the goal. The reply of any
+  // server ends it, also of its next process, which does not know the goal; it cancels this goal
+  // only, and is not sent while there is no server.
   void CancelUntilReply(const transport::GoalId& id) {
     client_->Cancel(id, kCancelTime, [id, weak = this->weak_from_this()](const auto& reply) {
       const auto channel = weak.lock();

@@ -152,11 +152,16 @@ void MeilinActuator::OnResume() {
 
 void MeilinActuator::OnDebuggerLost() {
   Halt();
-  mission_.Stand();
+  mission_.Stand("its debugger was lost before the match could begin");
   OnPause();
   const char* const regions = mission_.GoesOnWith().empty() ? " full, meilin or final" : "";
   Log(LogLevel::kWarning,
       std::string("Groot2 is lost, and it had hooks: halted until musher-meilin start") + regions);
+}
+
+void MeilinActuator::OnBreak() {
+  mission_.Stand("its process could not run before the match could begin");
+  OnPause();
 }
 
 Result<> MeilinActuator::OnStartCommand() {
@@ -167,7 +172,7 @@ Result<> MeilinActuator::OnStartCommand() {
 }
 
 Result<> MeilinActuator::MayBegin() const {
-  if (ticking()) return Ok();
+  if (ticking()) return CheckNotLate();
   return Error{kCodeStateInvalid, "the match begins in Active only; the robot is in " +
                                       CurrentState() +
                                       (HeldByStop() ? ", held by the emergency stop" : "")};

@@ -17,9 +17,8 @@
 //   transformed/pose, r0x0201, current_state, r1_ready, arm_runtime_state   in
 //   meilin/command      in   std_msgs/String: "RESET"
 //   meilin/status       out  std_msgs/String, latched: all of the state in one message, JSON
-//   meilin/last_error, meilin/plan_id, meilin/state   out  std_msgs/String, latched, at each
-//   change,
-//                            in this order
+//   meilin/last_error, meilin/plan_id, meilin/state   out  std_msgs/String, latched, in this order
+//                            at each change
 //   move_to_pose, suspension_control, arm_action, spear_action   clients of the actions
 //
 // Threads: the loop's, see TreeActuator.
@@ -61,6 +60,7 @@ class MeilinActuator : public TreeActuator {
   void AfterTick(Time now, tree::Status status) override;
   void OnPause() override;
   void OnResume() override;
+  void OnBreak() override;
 
   Result<> OnStartCommand() override;
 

@@ -192,8 +192,8 @@ void Mission::OnPause() {
   queue->Replace(std::move(segments), queue->plan_id());
 }
 
-void Mission::Stand() {
-  RefuseLateStart("its debugger was lost before the match could begin");
+void Mission::Stand(const char* why) {
+  RefuseLateStart(why);
   const bool ran = IsRunning();
   OnPause();
   begun_ = autostart_ = false;

@@ -67,9 +67,10 @@ class Mission {
   void AfterTick(tree::Status status, const std::string& fault, Time now);
   // The tree is halted.
   void OnPause();
-  // The tree is halted and rests, because what a person has watched it by is lost. Nothing moves
-  // until Start(), also not by a new plan or `autostart`; it goes on with what it had.
-  void Stand();
+  // The tree is halted and rests, because what a person has watched it by is lost, or its process
+  // could not run for a while. Nothing moves until Start(), also not by a new plan or `autostart`;
+  // it goes on with what it had. `why`: a start that waits is refused with it.
+  void Stand(const char* why);
 
   // The word of a person. The text says what begins; an error why nothing does.
   Result<std::string> Start(const std::string& region, Time now);

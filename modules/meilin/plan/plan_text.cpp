@@ -40,7 +40,7 @@ std::string StepsAt(const std::vector<PlanStep>& steps, Cell cell) {
 
 std::string Border() {
   std::string line = "     +";
-  for (int col = 0; col < kCols; ++col) line += std::string(kCellWidth, '-') + "+";
+  for (int col = 0; col < kCols; ++col) line.append(kCellWidth, '-').append("+");
   return line + "\n";
 }
 

@@ -8,11 +8,9 @@
 //   out  mf_action_seq                     the plan that was sent (std_msgs/Float32MultiArray);
 //                                          latched
 //   out  planning/last_error (String)      why a map or a command was refused; "" after one that
-//   was
-//                                          not; latched
+//                                          was not; latched
 //   service get_action_seq                 the last plan of mf_action_seq, of any sender. It is
-//   handed
-//                                          out once
+//                                          handed out once
 //   out  mf_buffer_status (String)         "has_data" or "empty", at each change; latched
 //
 // A map is planned in any state. Plans are sent and handed out only where that is permitted.

@@ -4,8 +4,7 @@
 //   musher-meilin check FILE…     errors of drawn plans (.toml), maps of boxes (.toml, .json) and
 //                                 old plans (.json), each with its place
 //   musher-meilin plan FILE       the plan of a drawn plan, or the best ones of a map of boxes, as
-//   a
-//                                 table with the eight numbers of each step and a drawing
+//                                 a table with the eight numbers of each step and a drawing
 
 #include <functional>
 #include <optional>

@@ -3,7 +3,8 @@
 // and updates on the machine's clock while there is work. Runs on any transport.
 //
 //   - A goal is rejected, with a line in the log, when it is malformed, when the actuator is not in
-//     Active, or when another goal runs (a server that preempts ends the present one instead).
+//     Active, when it may have waited while this process could not run (transport/loop_breaks.hpp),
+//     or when another goal runs (a server that preempts ends the present one instead).
 //   - A goal that cannot be done, and one that is interrupted, is aborted with the reason in its
 //     result.
 //
@@ -14,9 +15,11 @@
 #include <string>
 #include <utility>
 
+#include "musher/application/refusal.hpp"
 #include "musher/base/log.hpp"
 #include "musher/base/rate_limited_log.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/loop_breaks.hpp"
 
 namespace musher::meilin::servers {
 
@@ -35,8 +38,8 @@ class Server {
   // Whether goals are accepted. With false the hardware is stopped and a goal is aborted with
   // `why`.
   virtual void Permit(bool permitted, const std::string& why) = 0;
-  // The world was restarted: the same.
-  virtual void OnTimeJump() = 0;
+  // The world was restarted, or its time has jumped for another reason: the same.
+  virtual void OnTimeJump(const std::string& why) = 0;
   // What is missing for goals; empty: nothing.
   virtual std::string Missing() const = 0;
 };
@@ -54,8 +57,8 @@ class OneGoalServer : public Server {
     }
     OnPermit(permitted);
   }
-  void OnTimeJump() final {
-    Interrupt("Aborted: the time has jumped");
+  void OnTimeJump(const std::string& why) final {
+    Interrupt("Aborted: " + why);
     Forget();
   }
 
@@ -64,6 +67,7 @@ class OneGoalServer : public Server {
       : dependencies_(dependencies),
         preempts_(preempts),
         warnings_([this](const std::string& line) { Log(LogLevel::kWarning, line); }, kQuiet),
+        breaks_(dependencies.node.loop()),
         endpoints_(dependencies.node, dependencies.name_space) {}
 
   // Why a goal is malformed; empty: it is not.
@@ -128,12 +132,26 @@ class OneGoalServer : public Server {
  private:
   static constexpr Duration kQuiet = std::chrono::seconds(2);  // between warnings of one kind
 
-  std::string WhyRejected(const typename A::Goal& goal) const {
+  std::string WhyRejected(const typename A::Goal& goal) {
     if (!permitted_) return not_permitted_;
+    if (const auto could_not_run = breaks_.Recent()) {
+      const Error late = Refused<ApplicationRefusal::kMayBeLate>(
+          "this server", ToMilliseconds(*could_not_run) / 1000);
+      if (preempts_) Interrupt("Aborted: " + late.message);
+      return late.message;
+    }
     if (busy() && !preempts_) return "another goal runs; cancel it or wait for its end";
     return WhyMalformed(goal);
   }
+  // As after a restart: who sent the goal does not see that it is so old.
+  void EndAfterBreak() {
+    const auto could_not_run = breaks_.Take();
+    if (!could_not_run || *could_not_run <= BreakWatch::kLong) return;
+    Interrupt("Aborted: this server could not run for " +
+              std::to_string(ToMilliseconds(*could_not_run) / 1000) + " s");
+  }
   void OnGoal(const Goal& goal) {
+    EndAfterBreak();  // of before this goal
     Interrupt("Preempted by a newer goal");
     goal_ = goal;
     goal_->Execute();
@@ -162,6 +180,7 @@ class OneGoalServer : public Server {
     ticks_ = dependencies_.clock.Every(armed_, [this] { OnTick(); });
   }
   void OnTick() {
+    EndAfterBreak();
     if (Tick()) {
       ticks_.reset();
     } else if (Period() != armed_) {
@@ -172,6 +191,7 @@ class OneGoalServer : public Server {
   const Dependencies dependencies_;
   const bool preempts_;
   RateLimitedLog warnings_;
+  transport::LoopBreaks breaks_;
   bool permitted_ = false;
   std::string not_permitted_ = "it is not in Active";
   std::optional<Goal> goal_;

@@ -66,7 +66,7 @@ Result<> ServerActuator::SetUp() {
 
 Result<> ServerActuator::Open() {
   auto clock = transport::Clock::Of(machine_config().clock, node_->node(), [this] {
-    if (server_) server_->OnTimeJump();
+    if (server_) server_->OnTimeJump(clock_->JumpText());
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();

@@ -32,38 +32,59 @@ const ToolKind& SpearKind() {
 
 void Tool::OnReport(double done) {
   done_ = done == 1;
-  if (!running_) return;
+  if (!done_) stop_armed_ = true;
+  if (done_ && stop_armed_) stop_done_ = true;
+  if (!running_ || !sent_) return;
   if (!done_) armed_ = true;
   if (done_ && armed_) fresh_done_ = true;
+}
+
+void Tool::Forget() {
+  done_ = false;
+  stopped_at_.reset();
 }
 
 void Tool::Begin(std::uint8_t command, double limit_s, Time now) {
   command_ = command;
   running_ = true;
+  sent_ = false;
   well_ = false;
-  armed_ = !done_;
   fresh_done_ = false;
   state_ = kind_.commands.at(command).state;
   begun_ = now;
   limit_ = LimitOf(limit_s, time_limit_);
 }
 
-void Tool::Stop() {
+bool Tool::TakeDue(Time now) {
+  if (!running_ || sent_) return false;
+  const bool settles =
+      stopped_at_ && now >= *stopped_at_ && now - *stopped_at_ < kSettle && !stop_done_;
+  if (settles && command_ != 0) return false;
+  sent_ = true;
+  sent_at_ = now;
+  armed_ = !done_;
+  return true;
+}
+
+void Tool::Stop(Time now) {
   if (!running_) return;
   running_ = false;
+  stopped_at_ = now;
+  stop_armed_ = !done_;
+  stop_done_ = false;
   state_ = kToolError;
 }
 
 std::optional<Tool::End> Tool::Update(Time now) {
   if (!running_) return std::nullopt;
-  if (command_ == 0 || fresh_done_) {
+  if ((command_ == 0 && sent_) || fresh_done_) {
     running_ = false;
     well_ = true;
     state_ = kToolDone;
     return End{true, fmt::format("{} command {} done", kind_.name, command_)};
   }
-  if (now - begun_ < limit_) return std::nullopt;
-  Stop();
+  if (!sent_ || now - sent_at_ < limit_) return std::nullopt;
+  Stop(now);
   return End{false, "Timeout"};
 }
 

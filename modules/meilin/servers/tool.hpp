@@ -6,8 +6,10 @@
 //
 // - A done counts when it is new: where the report before the command was a done, one that is not
 //   a done must come first. The hardware repeats its last report.
-// - Command 0 (IDLE) stops the tool; it has no end that the hardware reports, and is done at once.
-// - At each end but done, command 0 is sent.
+// - Command 0 (IDLE) stops the tool; it is done at once.
+// - At each end but done, command 0 is sent. The hardware may report a done of it, or a late one of
+//   the command that it ends: the next command is sent after such a done, which is new as well, or
+//   kSettle later.
 //
 // Seconds. One thread.
 
@@ -40,16 +42,20 @@ inline constexpr std::int32_t kToolError = -1;
 
 class Tool {
  public:
+  static constexpr Duration kSettle = Milliseconds(1000);
+
   // `time_limit`: of a goal without one.
   Tool(const ToolKind& kind, Duration time_limit) : kind_(kind), time_limit_(time_limit) {}
 
   // The report of the hardware: 1 is done.
   void OnReport(double done);
-  void Forget() { done_ = false; }
+  void Forget();
 
-  // Begins a command of the kind; a limit of 0 and less: the tool's own.
+  // Begins a command of the kind; a limit of 0 and less: the tool's own. It is sent by TakeDue().
   void Begin(std::uint8_t command, double limit_s, Time now);
-  void Stop();
+  // Whether the command is to be sent now: true once for each Begin().
+  bool TakeDue(Time now);
+  void Stop(Time now);
 
   struct End {
     bool success = false;
@@ -73,12 +79,17 @@ class Tool {
   const Duration time_limit_;
   std::uint8_t command_ = 0;
   bool running_ = false;
+  bool sent_ = false;
   bool well_ = true;
   bool done_ = false;   // the last report
   bool armed_ = false;  // a done counts
   bool fresh_done_ = false;
   std::int32_t state_ = 0;
   Time begun_;
+  Time sent_at_;
+  std::optional<Time> stopped_at_;
+  bool stop_armed_ = false;  // since then: a done counts
+  bool stop_done_ = false;   // and was reported
   Duration limit_{};
 };
 

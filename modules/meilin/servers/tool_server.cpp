@@ -76,7 +76,7 @@ std::string ToolServer<A>::WhyMalformed(const typename A::Goal& goal) const {
 template <msg::Action A>
 std::string ToolServer<A>::Begin(const typename A::Goal& goal) {
   core_.Begin(goal.command, goal.timeout_sec, this->Now());
-  Send(goal.command);
+  SendIfDue();
   PublishRuntimeState();
   return "";
 }
@@ -91,7 +91,7 @@ typename A::Result ToolServer<A>::ResultNow() const {
 
 template <msg::Action A>
 typename A::Result ToolServer<A>::StopWork() {
-  core_.Stop();
+  core_.Stop(this->Now());
   Send(0);
   PublishRuntimeState();
   return ResultNow();
@@ -99,6 +99,7 @@ typename A::Result ToolServer<A>::StopWork() {
 
 template <msg::Action A>
 bool ToolServer<A>::Tick() {
+  SendIfDue();
   const auto end = core_.Update(this->Now());
   Report();
   if (!end) return !core_.running();
@@ -109,6 +110,11 @@ bool ToolServer<A>::Tick() {
   result.message = end->message;
   this->Conclude(std::move(result));
   return true;
+}
+
+template <msg::Action A>
+void ToolServer<A>::SendIfDue() {
+  if (core_.TakeDue(this->Now())) Send(core_.command());
 }
 
 template <msg::Action A>

@@ -54,6 +54,7 @@ class ToolServer final : public OneGoalServer<A> {
  private:
   ToolServer(const Dependencies& dependencies, ToolConfig config);
   Result<> Open();
+  void SendIfDue();
   void Send(std::uint8_t command);
   void PublishRuntimeState();
   void Report();

@@ -1,5 +1,6 @@
 #include "musher/modules/motion/tool/speed_stream.hpp"
 
+#include <chrono>
 #include <utility>
 
 #include "musher/modules/motion/tool/commands.hpp"
@@ -27,6 +28,7 @@ std::variant<std::unique_ptr<SpeedStream>, ExitCode> SpeedStream::Open(const Glo
   stream->link_ = std::move(link).value();
   stream->stream_ = std::move(frames).value();
   program::ToolLink& found = *stream->link_;
+  stream->breaks_.emplace(found.node().loop());
   if (!found.RunUntil([&] { return stream->stream_->Ready(); }, found.discovery())) {
     return found.TakeInterrupt() ? Interrupted()
                                  : Fail(ExitCode::kNotDone, found.NotFound("motion manager"));
@@ -42,11 +44,21 @@ std::variant<std::unique_ptr<SpeedStream>, ExitCode> SpeedStream::Open(const Glo
 std::optional<ExitCode> SpeedStream::Run(Next next, Duration longest, const std::string& what) {
   Frame(next);
   const auto timer = link_->clock().Every(kFrame, [&] { Frame(next); });
-  const auto over = [&] { return over_ || stream_->refusal().has_value(); };
+  // After each event of the loop: the clock may stand.
+  const auto over = [&] {
+    CheckBreak();
+    return over_ || broken_off_.has_value() || stream_->refusal().has_value();
+  };
   link_->RunUntil(over, longest);
   stream_->End();
   const bool interrupted = link_->TakeInterrupt();
   link_->RunUntil([&] { return stream_->ended(); }, kEndTimeout);
+  if (broken_off_) {
+    return Fail(ExitCode::kNotDone,
+                {kCodeTimeout, what + ": this command could not run for " +
+                                   std::to_string(ToMilliseconds(*broken_off_) / 1000) +
+                                   " s; the body was stopped then, and does not walk on"});
+  }
   if (const auto& refusal = stream_->refusal()) {
     return Fail(ExitCode::kNotDone, {refusal->code, what + ": " + refusal->message});
   }
@@ -55,8 +67,13 @@ std::optional<ExitCode> SpeedStream::Run(Next next, Duration longest, const std:
   return std::nullopt;
 }
 
+void SpeedStream::CheckBreak() {
+  if (const auto length = breaks_->Take()) broken_off_ = length;
+}
+
 void SpeedStream::Frame(const Next& next) {
-  if (over_ || stream_->refusal()) return;
+  CheckBreak();
+  if (over_ || broken_off_ || stream_->refusal()) return;
   if (const auto speed = next()) return stream_->Send(*speed);
   over_ = true;
 }

@@ -1,5 +1,7 @@
 #pragma once
-// A servo motion by frames, 20 a second of the link's clock, until the speeds end.
+// A servo motion by frames, 20 a second of the link's clock, until the speeds end. A stream that
+// was broken off for more than 5 s, because this process was stopped or its computer suspended, has
+// ended: the body stands since then, and people may be beside it.
 //
 //   SpeedStream ── Open() ── Run(next) ──▶ nothing: it came to its end
 //                      └──────────┴──────▶ the exit code, the reason on stderr; the body has
@@ -13,6 +15,7 @@
 
 #include "musher/modules/motion/tool/options.hpp"
 #include "musher/modules/motion/tool/servo_stream.hpp"
+#include "musher/transport/loop_breaks.hpp"
 
 namespace musher::motion::tool {
 
@@ -35,11 +38,14 @@ class SpeedStream {
 
  private:
   SpeedStream() = default;
+  void CheckBreak();
   void Frame(const Next& next);
 
   std::unique_ptr<program::ToolLink> link_;
   std::unique_ptr<ServoStream> stream_;
   bool over_ = false;
+  std::optional<transport::LoopBreaks> breaks_;  // of the link's loop
+  std::optional<Duration> broken_off_;           // for so long
 };
 
 }  // namespace musher::motion::tool

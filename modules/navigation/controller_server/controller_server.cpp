@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "musher/application/refusal.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/navigation/server/robot_endpoints.hpp"
 #include "musher/modules/navigation/server/thread_background.hpp"
@@ -52,6 +53,7 @@ ControllerServer::ControllerServer(const Dependencies& dependencies, ControllerC
       config_(std::move(config)),
       frames_(config_.tf.stale),
       warnings_([this](const std::string& line) { Log(LogLevel::kWarning, line); }, kQuietPeriod),
+      breaks_(dependencies.node.loop()),
       background_(std::move(background)),
       endpoints_(dependencies.node, dependencies.name_space) {}
 
@@ -130,8 +132,12 @@ void ControllerServer::OpenRobot(Robot& robot) {
     Log(LogLevel::kInfo, robot.config.name + ": what it has seen is forgotten");
   };
   handlers.accept = [this, &robot] {
-    if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
-    return permitted_;
+    const std::string why = WhyRejected();
+    if (why.empty()) return true;
+    Warn(robot, "state", "a goal is rejected: " + why);
+    // The drive that the goal was to replace ends: its client follows that one no more.
+    Halt(robot, why);
+    return false;
   };
   handlers.start = [this, &robot](const Goal& goal) { OnGoal(robot, goal); };
   handlers.cancel = [this, &robot](Goal goal) { OnCancel(robot, std::move(goal)); };
@@ -252,7 +258,27 @@ void ControllerServer::OnOdometry(Robot& robot, const msg::Odometry& odometry) {
   robot.drive.OnOdometry(motion.value(), msg::FromStamp(odometry.header.stamp), Now());
 }
 
+std::string ControllerServer::WhyRejected() {
+  if (!permitted_) return not_permitted_;
+  const auto could_not_run = breaks_.Recent();
+  if (!could_not_run) return "";
+  return Refused<ApplicationRefusal::kMayBeLate>("this server",
+                                                 ToMilliseconds(*could_not_run) / 1000)
+      .message;
+}
+
+// As after a restart: who sent the goals does not see that they are so old.
+void ControllerServer::EndAfterBreak() {
+  const auto could_not_run = breaks_.Take();
+  if (!could_not_run || *could_not_run <= BreakWatch::kLong) return;
+  for (const auto& robot : robots_) {
+    Halt(*robot,
+         fmt::format("this server could not run for {} s", ToMilliseconds(*could_not_run) / 1000));
+  }
+}
+
 void ControllerServer::OnGoal(Robot& robot, const Goal& goal) {
+  EndAfterBreak();  // of before this goal
   if (robot.goal) {
     const std::string why = "a newer goal has replaced the present one";
     Abort(robot, FollowCode::kUnknown, why);
@@ -290,6 +316,7 @@ void ControllerServer::OnCancel(Robot& robot, Goal goal) {
 }
 
 void ControllerServer::Tick() {
+  EndAfterBreak();
   for (const auto& robot : robots_) {
     if (robot->drive.driving()) Update(*robot);
   }
@@ -372,10 +399,10 @@ void ControllerServer::Permit(bool permitted, const std::string& why) {
   ticks_.reset();
 }
 
-void ControllerServer::OnTimeJump() {
+void ControllerServer::OnTimeJump(const std::string& why) {
   frames_.Forget();
   for (const auto& robot : robots_) {
-    Halt(*robot, "the time has jumped");
+    Halt(*robot, why);
     robot->drive.Forget();
   }
 }

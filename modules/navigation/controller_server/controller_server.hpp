@@ -6,6 +6,9 @@
 // A newer goal aborts the present one, and the robot goes on or brakes within its limits. At each
 // other end, also when it is not permitted any more, velocity 0 is sent, once, and then nothing.
 //
+// A goal that may have waited while this process could not run is rejected: its client may have
+// gone. What drove before a break of more than a minute is aborted (transport/loop_breaks.hpp).
+//
 // Threads: the loop's; the distances of a new map are computed on a Background.
 
 #include <functional>
@@ -23,6 +26,7 @@
 #include "musher/modules/navigation/server/mask_source.hpp"
 #include "musher/modules/navigation/server/server_actuator.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/loop_breaks.hpp"
 
 namespace musher::navigation {
 
@@ -40,7 +44,7 @@ class ControllerServer {
   // Whether goals are accepted. With false the robots stand at once; `why` is logged.
   void Permit(bool permitted, const std::string& why);
   // The world was restarted: the robots stand.
-  void OnTimeJump();
+  void OnTimeJump(const std::string& why);
   // Whether each robot has odometry, a scan, and a subscriber of its velocity.
   SelfCheckResult Check() const;
 
@@ -81,6 +85,9 @@ class ControllerServer {
   // By the ids of the goal. An end: there is none of that id.
   std::optional<DriveEnd> ChooseCheckers(Robot& robot, const Action::Goal& goal);
   void OnOdometry(Robot& robot, const msg::Odometry& odometry);
+  // Why no goal is accepted now; empty: one is.
+  std::string WhyRejected();
+  void EndAfterBreak();
   void OnGoal(Robot& robot, const Goal& goal);
   void OnCancel(Robot& robot, Goal goal);
   void Tick();
@@ -101,6 +108,7 @@ class ControllerServer {
   std::optional<FilterMask> speed_mask_;
   bool speed_in_percent_ = false;
   RateLimitedLog warnings_;
+  transport::LoopBreaks breaks_;
   bool permitted_ = false;
   std::string not_permitted_ = "it is not in Active";
   std::vector<std::unique_ptr<Robot>> robots_;

@@ -199,14 +199,14 @@ void PlannerServer::OnScan(Robot& robot, std::size_t scanner, const msg::LaserSc
                   PlacedAt(robot.poses.At(stamp), view.mount().on_body), Now());
 }
 
-void PlannerServer::OnTimeJump() {
+void PlannerServer::OnTimeJump(const std::string& why) {
   frames_.Forget();
   for (const auto& robot : robots_) {
     robot->motion.reset();
     robot->poses.Clear();
     for (ScanView& view : robot->scanners) view.Forget();
     robot->seen->Clear();
-    Drop(*robot, "the time has jumped");
+    Drop(*robot, why);
   }
 }
 

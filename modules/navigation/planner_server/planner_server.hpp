@@ -42,7 +42,7 @@ class PlannerServer {
   // Whether goals are accepted. With false the present ones are aborted; `why` is logged.
   void Permit(bool permitted, const std::string& why);
   // The world was restarted: odometry and scans of before are not used, requests are aborted.
-  void OnTimeJump();
+  void OnTimeJump(const std::string& why);
   // Whether each robot has a map and odometry.
   SelfCheckResult Check() const;
 

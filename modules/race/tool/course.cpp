@@ -158,9 +158,9 @@ int WriteCourse(int argc, const char* const* argv) {
       "Exit codes: 0 printed; 1 printed, but something is to be set by hand; 2 errors, or usage.");
   Input input;
   app.add_option(
-         "[HALL] COURSE", input.files,
-         "The course that is changed, with the [hall] it is for; before it a file (TOML) of "
-         "measures, keys of [hall]")
+         "FILES", input.files,
+         "[HALL] COURSE: the course that is changed, with the [hall] it is for; before it a file "
+         "(TOML) of measures, keys of [hall]")
       ->required()
       ->expected(1, 2);
   for (std::size_t i = 0; i < kHallMeasures.size(); ++i) {

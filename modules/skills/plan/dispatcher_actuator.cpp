@@ -22,7 +22,7 @@ void DispatcherActuator::OnEnd() {
 Result<> DispatcherActuator::SetUp() {
   return OpenEndpoints([this](transport::Endpoints& endpoints) {
     const auto server = std::make_shared<PlanServer>(
-        endpoints.node(), machine_config().name_space, config_,
+        endpoints.node(), name(), machine_config().name_space, config_,
         [this](LogLevel level, const std::string& line) { Log(level, line); });
     server->Open(endpoints);
     endpoints.Keep(server);

@@ -3,6 +3,8 @@
 //
 //   Active       plans are executed
 //   all others   the present plan is cancelled, new ones are refused
+//   its process could not run for more than a minute: the present plan is cancelled; after more
+//                than 5 s new ones are refused for 2 s
 //   an emergency stop: the same, until Active is set again after its release
 //
 // Threads: state callbacks on the actuator's worker, the action and emergency stops on the loop.

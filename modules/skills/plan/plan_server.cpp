@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "musher/application/refusal.hpp"
 #include "musher/base/words.hpp"
 #include "musher/modules/skills/plan/plan_check.hpp"
 #include "musher/transport/goal_id_text.hpp"
@@ -41,8 +42,24 @@ void PlanServer::Permit(bool permitted, const std::string& why) {
   Advance();
 }
 
+Result<> PlanServer::CheckNotLate() {
+  const auto could_not_run = breaks_.Recent();
+  if (!could_not_run) return Ok();
+  return Refused<ApplicationRefusal::kMayBeLate>(actuator_, ToMilliseconds(*could_not_run) / 1000);
+}
+
+// Before anything else that follows a break: the end of a skill begins the next step.
+void PlanServer::CancelAfterBreak() {
+  const auto could_not_run = breaks_.Take();
+  if (!execution_ || !could_not_run || *could_not_run <= BreakWatch::kLong) return;
+  execution_->run.Cancel(actuator_ + " could not run for " +
+                             std::to_string(ToMilliseconds(*could_not_run) / 1000) + " s",
+                         false);
+}
+
 Result<> PlanServer::Admit(const msg::SkillPlan& plan) {
   if (!permitted_) return Error{kCodeStateInvalid, "no plans are executed: " + not_permitted_};
+  if (Result<> timely = CheckNotLate(); !timely) return timely;
   if (execution_) return Error{kCodeTargetBusy, "another plan is executed"};
   if (Result<> valid = CheckPlan(plan); !valid) return valid;
   std::set<std::string> robots;
@@ -73,6 +90,7 @@ void PlanServer::Start(const Goal& goal) {
     own.Abort({false, admitted.error().message});
     return;
   }
+  CancelAfterBreak();  // none is under way: a break before this plan does not end it
   own.Execute();
   log_(LogLevel::kInfo, "plan of " + Counted(plan.steps.size(), "step") + " started");
   execution_ = std::make_shared<Execution>(
@@ -83,6 +101,7 @@ void PlanServer::Start(const Goal& goal) {
 
 void PlanServer::Advance() {
   if (!execution_) return;
+  CancelAfterBreak();
   const std::size_t step = execution_->run.step();
   const PlanActions actions =
       execution_->run.Advance(node_.loop().Now(), [this](const std::string& robot) {
@@ -128,6 +147,7 @@ transport::GoalEvents<msg::SkillExecution> PlanServer::EventsOf(std::size_t robo
   events.on_end = [this, execution, robot](const auto& outcome) {
     const auto present = execution();
     if (!present) return;
+    CancelAfterBreak();
     const bool success = outcome.end == transport::GoalEnd::kSucceeded && outcome.result.success;
     const std::string& message = outcome.reason.empty() ? outcome.result.message : outcome.reason;
     const auto sent = present->sent.extract(robot);
@@ -148,6 +168,11 @@ void PlanServer::CancelGoal(std::size_t robot) {
   CancelUntilReply(execution_->run.present().robots[robot].robot_id, sent->second);
 }
 
+// Without a limit: a robot that is out of reach for an hour may still run it. The reply of any
+// server ends it, also of the robot's next process, which does not know the goal, and a plan sends
+// nothing to a robot without a server: so these are at most the goals that ran when it was lost,
+// each with one request a second, which is not sent while there is no server. A request that
+// arrives late cancels this goal only.
 void PlanServer::CancelUntilReply(const std::string& robot, const transport::GoalId& id) {
   cancelling_[id] = robot;
   clients_.at(robot)->Cancel(id, kCancelTime, [this, robot, id](const auto& reply) {

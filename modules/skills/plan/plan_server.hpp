@@ -3,8 +3,10 @@
 // `<robot>/skill_execution` of each robot.
 //
 // A goal is aborted at once, with the reason in its result: an invalid plan, a plan while another
-// one is executed, a machine that is not Active. When it is destroyed it cancels the goals of the
-// present step.
+// one is executed, a machine that is not Active, and one that may have waited while this process
+// could not run (base/break_watch.hpp). A plan ends after a break of more than a minute: its robots
+// may have finished their step long ago, and do not see that the next one is late. When it is
+// destroyed it cancels the goals of the present step.
 //
 // Threads: the loop's.
 
@@ -20,6 +22,7 @@
 #include "musher/modules/skills/plan/dispatcher_config.hpp"
 #include "musher/modules/skills/plan/plan_run.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/loop_breaks.hpp"
 
 namespace musher::skills {
 
@@ -27,12 +30,15 @@ class PlanServer {
  public:
   using LogLine = std::function<void(LogLevel level, const std::string& line)>;
 
-  // The node must outlive it.
-  PlanServer(transport::Node& node, std::string name_space, DispatcherConfig config, LogLine log)
+  // The node must outlive it. `actuator`: its name, for people.
+  PlanServer(transport::Node& node, std::string actuator, std::string name_space,
+             DispatcherConfig config, LogLine log)
       : node_(node),
+        actuator_(std::move(actuator)),
         name_space_(std::move(name_space)),
         config_(std::move(config)),
-        log_(std::move(log)) {}
+        log_(std::move(log)),
+        breaks_(node.loop()) {}
   ~PlanServer();
   PlanServer(const PlanServer&) = delete;
   PlanServer& operator=(const PlanServer&) = delete;
@@ -55,6 +61,8 @@ class PlanServer {
 
   void Start(const Goal& goal);
   Result<> Admit(const msg::SkillPlan& plan);
+  Result<> CheckNotLate();
+  void CancelAfterBreak();
   void Advance();
   void Send(std::size_t robot);
   void CancelGoal(std::size_t robot);
@@ -65,9 +73,11 @@ class PlanServer {
   transport::GoalEvents<msg::SkillExecution> EventsOf(std::size_t robot);
 
   transport::Node& node_;
+  const std::string actuator_;
   const std::string name_space_;
   const DispatcherConfig config_;
   const LogLine log_;
+  transport::LoopBreaks breaks_;
   bool permitted_ = false;
   std::string not_permitted_ = "it is not in Active";
   std::map<std::string, std::unique_ptr<Client>> clients_;  // by robot

@@ -157,6 +157,8 @@ Navigator::~Navigator() {
 }
 
 // A goal that is not accepted yet is cancelled once it is: its server does not know it before.
+// Again and again until a server replies, also the controller's next process, which does not know
+// it: one that is out of reach may drive on.
 void Navigator::CancelGoal(const std::shared_ptr<DriveGoal>& goal) {
   goal->cancelled = true;
   if (!goal->accepted || goal->waits_for_reply) return;

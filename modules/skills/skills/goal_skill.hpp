@@ -10,8 +10,7 @@
 //                 each; once all are used up, it fails. And at an obstacle that stays; see below
 //   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
 //   GIVING_WAY    another robot comes the other way and goes first (give_way.hpp): then PLANNING,
-//   not
-//                 counted; 120 s
+//                 not counted; 120 s
 //   STOPPING      of a cancellation: until the robot stands
 //
 // An obstacle that stays: the path is planned again, which leads around it if it can. Once the

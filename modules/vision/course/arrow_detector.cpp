@@ -17,6 +17,9 @@ class ArrowDetector : public CourseDetector {
     }
     sight.sighting = SightingAt(found_.arrows.front().box, bgr.size());
     sight.sighting->text = found_.direction;
+    if (!found_.direction.empty()) {
+      sight.sighting->confidence = ConfidenceBy({found_.arrows.front().margin});
+    }
     if (!found_.direction.empty() && found_.direction != last_) {
       last_ = found_.direction;
       sight.text = last_;

@@ -97,7 +97,13 @@ bool StandsAlone(const cv::Mat& bgr, const cv::Mat& mask, const cv::Rect& box) {
 struct Direction {
   bool left = false;
   double misfit = 0;
+  double margin = 0;
 };
+
+// `worse`: what fits second best.
+double MarginOf(double misfit, double most, double worse, double clearly) {
+  return std::min(1 - misfit / most, 1 - clearly * misfit / std::max(worse, misfit));
+}
 
 // The same thing on a level axis, on a larger picture.
 cv::Mat Levelled(const cv::Mat& shape, double tilt_rad) {
@@ -132,7 +138,9 @@ std::optional<Direction> ByProfile(const cv::Mat& shape, const ArrowParameters& 
   const double misfit = std::min(left, right);
   if (misfit > parameters.most_misfit) return std::nullopt;
   if (std::max(left, right) < parameters.clearly * misfit) return std::nullopt;
-  const Direction direction{left < right, misfit};
+  const double margin =
+      MarginOf(misfit, parameters.most_misfit, std::max(left, right), parameters.clearly);
+  const Direction direction{left < right, misfit, margin};
   return LooksLike(direction, shape, tilt_rad) ? std::optional(direction) : std::nullopt;
 }
 
@@ -143,8 +151,10 @@ std::optional<Direction> ByShape(const cv::Mat& shape, const ArrowParameters& pa
   const double best = std::min(misfits->left, misfits->right);
   const double worse = std::max(misfits->left, misfits->right);
   if (best > parameters.most_shape_misfit) return std::nullopt;
-  if (std::min(worse, misfits->other) < parameters.clearly * best) return std::nullopt;
-  return Direction{misfits->left < misfits->right, best};
+  const double second = std::min(worse, misfits->other);
+  if (second < parameters.clearly * best) return std::nullopt;
+  return Direction{misfits->left < misfits->right, best,
+                   MarginOf(best, parameters.most_shape_misfit, second, parameters.clearly)};
 }
 
 std::optional<Direction> DirectionOf(const cv::Mat& shape, const ArrowParameters& parameters) {
@@ -193,7 +203,7 @@ std::optional<Arrow> ArrowOf(const cv::Mat& bgr, const cv::Mat& mask, const Cont
     }
   }
   if (!direction) return std::nullopt;
-  return Arrow{box, direction->left, direction->misfit};
+  return Arrow{box, direction->left, direction->misfit, direction->margin};
 }
 
 }  // namespace

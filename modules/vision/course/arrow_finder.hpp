@@ -44,6 +44,8 @@ struct Arrow {
   cv::Rect box;
   bool left = false;  // else right
   double misfit = 0;
+  double margin =
+      0;  // of the fit, and over the other direction: 0 at the limits, 1 for an ideal one
 };
 
 struct ArrowsFound {

@@ -21,7 +21,9 @@ class ArucoDetector : public CourseDetector {
     if (!found_) return sight;
     sight.sighting = SightingAt(found_->box, bgr.size());
     sight.sighting->distance_m = static_cast<float>(found_->distance_m);
-    if (sight.text) sight.sighting->text = *sight.text;
+    if (!sight.text) return sight;
+    sight.sighting->text = *sight.text;
+    sight.sighting->confidence = ConfidenceBy({found_->margin});
     return sight;
   }
 

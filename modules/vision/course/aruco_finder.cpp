@@ -103,9 +103,12 @@ std::optional<ArucoFound> FindAruco(const cv::Mat& bgr, const ArucoParameters& p
   const Lens known = lens.value_or(Lens{false, focal, focal * bgr.cols / bgr.rows, 0.5, 0.5});
   ArucoFound found{word(largest), markers.numbers[largest], cv::boundingRect(corners),
                    DistanceM(corners, bgr.size(), known, parameters.size_m)};
+  found.margin = 1;
   for (std::size_t i = 0; i < markers.numbers.size(); ++i) {
-    if (word(i) != word(largest) && area(i) >= parameters.nearly * area(largest))
-      found.word.clear();
+    if (word(i) == word(largest)) continue;
+    if (area(i) >= parameters.nearly * area(largest)) found.word.clear();
+    const double nearly_px2 = std::max(1e-6, parameters.nearly * area(largest));
+    found.margin = std::min(found.margin, 1 - area(i) / nearly_px2);
   }
   return found;
 }

@@ -35,6 +35,8 @@ struct ArucoFound {
   int number = 0;
   cv::Rect box;
   double distance_m = 0;
+  // Over the largest marker of another word: 0 where that is nearly as large, 1 without one.
+  double margin = 0;
 };
 
 std::optional<ArucoFound> FindAruco(const cv::Mat& bgr, const ArucoParameters& parameters,

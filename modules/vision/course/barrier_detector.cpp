@@ -1,4 +1,5 @@
 #include <limits>
+#include <utility>
 
 #include "musher/modules/vision/course/course_detectors.hpp"
 
@@ -11,7 +12,7 @@ class BarrierDetector : public CourseDetector {
 
   CourseSight Look(const cv::Mat& bgr, std::int64_t /*stamp_ns*/,
                    const std::optional<Lens>& lens) override {
-    found_ = FindBarrier(bgr, parameters_);
+    const bool was_seen = std::exchange(found_, FindBarrier(bgr, parameters_)).has_value();
     CourseSight sight;
     if (!found_) {
       sight.sighting = NoSighting();
@@ -22,8 +23,10 @@ class BarrierDetector : public CourseDetector {
                                   : DistanceBySizeM(lens, bgr.size(), found_->height_px,
                                                     parameters_.height_m, parameters_.focal_px);
     sight.sighting = SightingAt(found_->box, bgr.size());
-    sight.sighting->phase = found_->top ? "top" : "seen";
+    // The bar that the robot comes to is seen before; by what one picture shows it does not stoop.
+    sight.sighting->phase = found_->top && was_seen ? "top" : "seen";
     sight.sighting->distance_m = static_cast<float>(distance_m);
+    sight.sighting->confidence = ConfidenceBy({found_->margin});
     sight.text = MetresText(distance_m);
     word_ = sight.sighting->phase + (sight.text ? " " + *sight.text + " m" : "");
     return sight;

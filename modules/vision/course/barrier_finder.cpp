@@ -87,6 +87,15 @@ bool HasShape(const Bar& bar, double area_px2, const BarrierParameters& paramete
          bar.tilt_deg <= parameters.most_tilt_deg;
 }
 
+double MarginOf(double length_px, double height_px, double tilt_deg,
+                const BarrierParameters& parameters) {
+  // Beyond so many least lengths a longer one is no better.
+  constexpr double kLong = 3;
+  const double length = length_px / (parameters.least_length * std::max(1.0, height_px));
+  const double tilt = parameters.most_tilt_deg > 0 ? 1 - tilt_deg / parameters.most_tilt_deg : 1;
+  return std::min((length - 1) / (kLong - 1), tilt);
+}
+
 // Whether it is no part of something larger: two heights above and below it there is little red. A
 // stripe of a flag or of an awning has the next one there.
 bool StandsAlone(const cv::Mat& mask, const Contour& outline, double height_px) {
@@ -162,6 +171,13 @@ std::optional<Barrier> BarrierOf(const cv::Mat& hsv, const cv::Mat& mask, Contou
   barrier.height_px = area_px2 / bar.length_px;
   barrier.cut = barrier.box.y == 0 || barrier.box.br().y == mask.rows;
   if (barrier.cut && !MayBeCut(barrier.box, mask.size())) return std::nullopt;
+  if (!barrier.cut) {
+    const double fill = barrier.height_px / std::max(1.0, bar.height_px);
+    const double fill_margin =
+        (fill - parameters.least_fill) / std::max(0.01, 1 - parameters.least_fill);
+    barrier.margin =
+        std::min(MarginOf(bar.length_px, bar.height_px, bar.tilt_deg, parameters), fill_margin);
+  }
   if (!StandsAlone(mask, outline, barrier.height_px)) return std::nullopt;
   return IsPlain(hsv, inside, barrier.box) ? std::optional(barrier) : std::nullopt;
 }
@@ -175,6 +191,9 @@ void AddStriped(const cv::Mat& hsv, const cv::Mat& mask, Gaps gaps,
     barrier.box = bar.box;
     barrier.height_px = bar.height_px;
     barrier.cut = bar.box.y == 0 || bar.box.br().y == mask.rows;
+    if (!barrier.cut) {
+      barrier.margin = MarginOf(bar.length_px, bar.height_px, bar.tilt_deg, parameters);
+    }
     if (!barrier.cut || MayBeCut(bar.box, mask.size())) barriers.push_back(barrier);
   }
 }

@@ -48,6 +48,8 @@ struct Barrier {
   double height_px = 0;  // the mean one
   bool top = false;
   bool cut = false;  // by the upper or the lower edge of the picture
+  // Of its length, fill and tilt: 0 at the limits and for a bar that is cut, 1 for an ideal one.
+  double margin = 0;
 };
 
 std::optional<Barrier> FindBarrier(const cv::Mat& bgr, const BarrierParameters& parameters);

@@ -82,9 +82,15 @@ double DistanceBySizeM(const std::optional<Lens>& lens, const cv::Size& picture,
   return focal * size_m / size_px;
 }
 
+float ConfidenceBy(std::initializer_list<double> margins) {
+  const double least = std::min(margins);
+  return float(std::isfinite(least) ? 0.5 + std::clamp(least, 0.0, 1.0) / 2 : 0.5);
+}
+
 msg::Sighting SightingAt(const cv::Rect& box, const cv::Size& picture) {
   msg::Sighting sighting = NoSighting();
   sighting.seen = true;
+  sighting.confidence = ConfidenceBy({0});
   sighting.x = float(box.x) / float(picture.width);
   sighting.y = float(box.y) / float(picture.height);
   sighting.width = float(box.width) / float(picture.width);

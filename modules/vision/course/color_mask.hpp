@@ -5,6 +5,7 @@
 // Threads: any. Errors: a picture that is empty or not CV_8UC3 ends the process (MUSHER_CHECK).
 
 #include <array>
+#include <initializer_list>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -56,7 +57,11 @@ std::vector<Contour> OutlinesOf(const cv::Mat& mask);
 double DistanceBySizeM(const std::optional<Lens>& lens, const cv::Size& picture, double size_px,
                        double size_m, double focal_px);
 
-// A sighting with that box, and all else unknown.
+// The confidence in a thing that its detector's rules accept: 0.5 where one of them is just met, up
+// to 1 where all are met ideally. A margin is 0 at the limit of a rule, and 1 for the ideal thing.
+float ConfidenceBy(std::initializer_list<double> margins);
+
+// A sighting with that box, of the least confidence, and all else unknown.
 msg::Sighting SightingAt(const cv::Rect& box, const cv::Size& picture);
 
 // A sighting of nothing.

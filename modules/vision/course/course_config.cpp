@@ -24,6 +24,8 @@ std::string DefaultPublish(CourseKind kind, const std::string& name) {
       return "/qr_detector/qr_info";
     case CourseKind::kAruco:
       return "/aruco_detector/word";
+    case CourseKind::kNet:
+      return "/net_detector/label";
     case CourseKind::kArrow:
       return "/green_arrow_detector/direction";
     case CourseKind::kBarrier:
@@ -47,8 +49,9 @@ std::string PathOf(const config_toml::Table& table) {
 
 class EntriesReader {
  public:
-  EntriesReader(Hall hall, Findings& findings, const std::vector<std::string>& taken)
-      : hall_(std::move(hall)), findings_(findings) {
+  EntriesReader(Hall hall, Findings& findings, std::filesystem::path folder,
+                const std::vector<std::string>& taken)
+      : hall_(std::move(hall)), findings_(findings), folder_(std::move(folder)) {
     for (const std::string& topic : taken) publishers_[topic] = "the face detection";
   }
 
@@ -80,8 +83,9 @@ class EntriesReader {
     TableReader parameter_reader(parameters == nullptr ? none : *parameters,
                                  reader.At("parameters"), path + ".parameters", findings_);
     entry.parameters =
-        ReadCourseParameters(*kind, hall_, entry.picture, parameter_reader, findings_);
-    entry.factory = FactoryOf(entry.parameters);
+        ReadCourseParameters(*kind, hall_, entry.picture, folder_, parameter_reader, findings_);
+    entry.balance = hall_.balance;
+    entry.factory = FactoryOf(entry.parameters, entry.balance);
     if (parameters != nullptr) ReadOwnColor(*parameters, parameter_reader, entry);
     parameter_reader.RefuseOthers();
     CheckOutputs(reader, entry);
@@ -114,20 +118,24 @@ class EntriesReader {
   void ReadOwnColor(const config_toml::Table& parameters, TableReader& reader, CourseEntry& entry) {
     const std::string key = ColorKeyOf(entry.kind);
     entry.own_color = !key.empty() && config_toml::Find(parameters, key) != nullptr;
+    entry.own_region =
+        !RegionKeyOf(entry.kind).empty() && config_toml::Find(parameters, "region") != nullptr;
     if (!entry.own_color || entry.kind == CourseKind::kLight || !hall_.HasColor(key)) return;
     reader.Warn(reader.At(key), key,
                 "wins over that of [hall]; remove it, unless this detector needs one of its own");
   }
 
   static std::optional<CourseKind> ReadKind(TableReader& reader) {
-    reader.Require("kind", R"("qr", "aruco", "arrow", "barrier", "marker", "light" or "lines")");
+    reader.Require("kind",
+                   R"("qr", "aruco", "arrow", "barrier", "marker", "light", "lines" or "net")");
     return reader.Choice<CourseKind>("kind", {{"qr", CourseKind::kQr},
                                               {"aruco", CourseKind::kAruco},
                                               {"arrow", CourseKind::kArrow},
                                               {"barrier", CourseKind::kBarrier},
                                               {"marker", CourseKind::kMarker},
                                               {"light", CourseKind::kLight},
-                                              {"lines", CourseKind::kLines}});
+                                              {"lines", CourseKind::kLines},
+                                              {"net", CourseKind::kNet}});
   }
 
   void CheckOutputs(TableReader& reader, const CourseEntry& entry) {
@@ -143,6 +151,7 @@ class EntriesReader {
 
   const Hall hall_;
   Findings& findings_;
+  const std::filesystem::path folder_;
   std::map<std::string, int> name_lines_;
   std::map<std::string, std::string> publishers_;  // of each topic
   std::vector<CourseEntry> entries_;
@@ -162,6 +171,26 @@ std::string ColorKeyOf(CourseKind kind) {
       return "red";
     case CourseKind::kQr:
     case CourseKind::kAruco:
+    case CourseKind::kNet:
+      break;
+  }
+  return "";
+}
+
+std::string RegionKeyOf(CourseKind kind) {
+  switch (kind) {
+    case CourseKind::kArrow:
+      return "arrow";
+    case CourseKind::kBarrier:
+      return "barrier";
+    case CourseKind::kMarker:
+      return "marker";
+    case CourseKind::kLight:
+      return "light";
+    case CourseKind::kLines:
+    case CourseKind::kQr:
+    case CourseKind::kAruco:
+    case CourseKind::kNet:
       break;
   }
   return "";
@@ -192,8 +221,9 @@ CourseOutputs CourseEntry::Outputs() const {
 }
 
 std::vector<CourseEntry> ReadCourseEntries(TableReader& root, Findings& findings,
+                                           const std::filesystem::path& folder,
                                            const std::vector<std::string>& taken) {
-  EntriesReader reader(ReadHall(root, findings), findings, taken);
+  EntriesReader reader(ReadHall(root, findings), findings, folder, taken);
   for (const Value* value : root.Tables("detectors")) reader.Read(*value);
   return std::move(reader).Take();
 }

@@ -2,6 +2,7 @@
 // The detectors of a course in the config of the vision module, each a table [[detectors]];
 // README.md and config/vision/course.toml explain their keys.
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,17 +16,19 @@
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/vision/course/course_detectors.hpp"
+#include "musher/modules/vision/course/white_balance.hpp"
 #include "musher/modules/vision/picture/detector_worker.hpp"
 
 namespace musher::vision {
 
-enum class CourseKind { kQr, kArrow, kBarrier, kMarker, kLight, kLines, kAruco };
+enum class CourseKind { kQr, kArrow, kBarrier, kMarker, kLight, kLines, kAruco, kNet };
 
 using CourseDetectorMaker = std::function<Result<std::unique_ptr<CourseDetector>>()>;
 
 // By the kind of the detector; a light has those of a marker.
-using CourseParameters = std::variant<LinesParameters, ArrowParameters, BarrierParameters,
-                                      MarkerParameters, QrParameters, ArucoParameters>;
+using CourseParameters =
+    std::variant<LinesParameters, ArrowParameters, BarrierParameters, MarkerParameters,
+                 QrParameters, ArucoParameters, NetParameters>;
 
 // How to make a detector with its parameters.
 struct CourseFactory {
@@ -47,6 +50,9 @@ struct CourseOutputs {
 // empty: they have none.
 std::string ColorKeyOf(CourseKind kind);
 
+// The same of the region: "barrier". Of lines there is none, whose offsets are shares of it.
+std::string RegionKeyOf(CourseKind kind);
+
 struct CourseEntry {
   std::string name;
   CourseKind kind = CourseKind::kQr;
@@ -58,8 +64,10 @@ struct CourseEntry {
   std::string publish;                // the text, or of a detector of lines its lines
   DetectorLimits limits;
   CourseParameters parameters;
-  bool own_color = false;  // not that of [hall], which its kind has
-  CourseFactory factory;   // with them
+  std::optional<WhiteBalance> balance;  // of the hall
+  bool own_color = false;               // not that of [hall], which its kind has
+  bool own_region = false;              // the same
+  CourseFactory factory;                // with them
 
   std::string CameraInfoTopic() const {
     return camera_info.empty() ? picture + "/camera_info" : camera_info;
@@ -67,10 +75,11 @@ struct CourseEntry {
   CourseOutputs Outputs() const;
 };
 
-// The tables [[detectors]] of the file, with what [hall] and [[mounts]] say; `taken` are topics
-// that the file's other parts publish.
+// The tables [[detectors]] of the file, with what [hall] and [[mounts]] say; `folder` is that of
+// the file, and `taken` are topics that its other parts publish.
 std::vector<CourseEntry> ReadCourseEntries(config_toml::TableReader& root,
                                            config_toml::Findings& findings,
+                                           const std::filesystem::path& folder,
                                            const std::vector<std::string>& taken);
 
 }  // namespace musher::vision

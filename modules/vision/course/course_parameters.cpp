@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "musher/base/toml/names.hpp"
+
 namespace musher::vision {
 namespace {
 
@@ -16,6 +18,7 @@ using config_toml::TableReader;
 constexpr double kMostAreaPx2 = 8192.0 * 8192;  // of a picture that CheckPicture() accepts
 constexpr double kMostFocalPx = 10'000;
 constexpr int kMostKernelPx = 99;
+constexpr int kMostInputPx = 4096;
 constexpr int kMostPictures = 1000;
 
 class ParametersReader {
@@ -59,7 +62,7 @@ class ParametersReader {
   ArrowParameters Arrow() {
     ArrowParameters arrow;
     Color("green", hall_.green, arrow.green);
-    SearchedIn("region", arrow.region);
+    SearchedIn("region", "arrow", arrow.region);
     Number("least_area_px2", 1, kMostAreaPx2, arrow.least_area_px2);
     Integer("kernel_px", 1, kMostKernelPx, arrow.kernel_px);
     Number("most_misfit", 0.001, 1, arrow.most_misfit);
@@ -74,7 +77,7 @@ class ParametersReader {
     Color("red", hall_.red, barrier.red);
     Color("yellow", std::nullopt, barrier.yellow);
     barrier.striped = reader_.Bool("striped").value_or(barrier.striped);
-    SearchedIn("region", barrier.region);
+    SearchedIn("region", "barrier", barrier.region);
     Number("least_area_px2", 1, kMostAreaPx2, barrier.least_area_px2);
     Number("least_length", 1, 100, barrier.least_length);
     Number("least_fill", 0.01, 1, barrier.least_fill);
@@ -85,9 +88,9 @@ class ParametersReader {
     return barrier;
   }
 
-  MarkerParameters Marker(MarkerParameters marker) {
+  MarkerParameters Marker(const std::string& kind, MarkerParameters marker) {
     Color("yellow", hall_.yellow, marker.yellow);
-    SearchedIn("region", marker.region);
+    SearchedIn("region", kind, marker.region);
     Number("least_area_px2", 1, kMostAreaPx2, marker.least_area_px2);
     Number("most_area_px2", 1, kMostAreaPx2, marker.most_area_px2);
     if (marker.most_area_px2 < marker.least_area_px2) {
@@ -102,6 +105,7 @@ class ParametersReader {
     Number("focal_px", 1, kMostFocalPx, marker.focal_px);
     Integer("sightings", 1, kMostPictures, marker.sightings);
     Integer("misses", 1, kMostPictures, marker.misses);
+    Number("passed_within_m", 0.01, 100, marker.passed_within_m);
     return marker;
   }
 
@@ -115,7 +119,7 @@ class ParametersReader {
                                               {"apriltag_16h5", ArucoDictionary::kAprilTag16h5},
                                               {"apriltag_36h11", ArucoDictionary::kAprilTag36h11}})
                            .value_or(aruco.dictionary);
-    Words(aruco.words);
+    Words("words", aruco.words);
     Integer("min_repeats", 1, kMostPictures, aruco.min_repeats);
     Number("size_m", 0.001, 10, aruco.size_m);
     Number("focal_px", 1, kMostFocalPx, aruco.focal_px);
@@ -125,7 +129,7 @@ class ParametersReader {
 
   QrParameters Qr() {
     QrParameters qr;
-    Words(qr.words);
+    Words("words", qr.words);
     Integer("min_repeats", 1, kMostPictures, qr.min_repeats);
     Integer("letter_repeats", 1, kMostPictures, qr.letter_repeats);
     Integer("thorough_every", 1, kMostPictures, qr.thorough_every);
@@ -146,14 +150,48 @@ class ParametersReader {
       for (const config_toml::Value* value : reader_.Tables("regions")) {
         Region region;
         if (const auto* table = value->As<Table>())
-          ReadRegion(*table, value->at, "regions", region);
+          ReadRegion(*table, value->at, reader_.path() + ".regions", region, findings_);
         qr.regions.push_back(region);
       }
     }
     return qr;
   }
 
+  NetParameters Net(const std::filesystem::path& folder) {
+    NetParameters net;
+    reader_.Require("model", "an ONNX file, as in \"cups.onnx\"");
+    reader_.Require("labels", "what the network's classes are, as in [\"cup\", \"bottle\"]");
+    Words("labels", net.labels);
+    Integer("width_px", 8, kMostInputPx, net.width_px);
+    Integer("height_px", 8, kMostInputPx, net.height_px);
+    Number("scale", 1e-6, 1000, net.scale);
+    if (const auto mean = reader_.Integers("mean", 0, 255)) Mean(*mean, net);
+    net.red_first = reader_.Bool("red_first").value_or(net.red_first);
+    net.keep_aspect = reader_.Bool("keep_aspect").value_or(net.keep_aspect);
+    Number("least_confidence", 0.01, 1, net.least_confidence);
+    Number("most_overlap", 0, 1, net.most_overlap);
+    Integer("min_repeats", 1, kMostPictures, net.min_repeats);
+    net.longest = reader_.Time("longest_ms").value_or(net.longest);
+    Number("height_m", 0.001, 10, net.height_m);
+    Number("focal_px", 1, kMostFocalPx, net.focal_px);
+    const auto model = reader_.String("model");
+    if (!model || net.labels.empty()) return net;
+    net.model = config_toml::Absolute(folder, model->text);
+    if (const auto loaded = Net::Load(net); !loaded) {
+      reader_.Fault(model->at, "model", net.model + ": " + loaded.error().message);
+    }
+    return net;
+  }
+
  private:
+  void Mean(const std::vector<std::int64_t>& found, NetParameters& net) {
+    if (found.size() != net.mean.size()) {
+      reader_.Fault(reader_.At("mean"), "mean", "expected three integers, one for each channel");
+      return;
+    }
+    std::ranges::copy(found, net.mean.begin());
+  }
+
   void Number(std::string_view key, double least, double most, double& number) {
     number = reader_.Number(key, least, most).value_or(number);
   }
@@ -162,39 +200,28 @@ class ParametersReader {
     if (const auto found = reader_.Integer(key, least, most)) number = static_cast<int>(*found);
   }
 
-  void Words(std::vector<std::string>& words) {
-    const auto found = reader_.Strings("words");
+  void Words(std::string_view key, std::vector<std::string>& words) {
+    const auto found = reader_.Strings(key);
     if (!found) return;
     words.clear();
     for (const config_toml::Word& word : *found) {
       words.push_back(word.text);
       if (word.text.empty() || word.text.size() > 64) {
-        reader_.Fault(word.at, "words", "expected words of 1 to 64 bytes");
+        reader_.Fault(word.at, key, "expected words of 1 to 64 bytes");
       }
     }
   }
 
-  std::string Path(std::string_view key) const { return reader_.path() + "." + std::string(key); }
-
   void SearchedIn(std::string_view key, Region& region) {
-    const Table* table = reader_.SubTable(key);
-    if (table != nullptr) ReadRegion(*table, reader_.At(key), key, region);
+    ReadRegion(reader_, key, region, findings_);
   }
 
-  void ReadRegion(const Table& table, config_toml::Position at, std::string_view key,
-                  Region& region) {
-    TableReader reader(table, at, Path(key), findings_);
-    region.top = reader.Number("top", 0, 1).value_or(region.top);
-    region.bottom = reader.Number("bottom", 0, 1).value_or(region.bottom);
-    region.left = reader.Number("left", 0, 1).value_or(region.left);
-    region.right = reader.Number("right", 0, 1).value_or(region.right);
-    reader.RefuseOthers();
-    if (region.bottom <= region.top) {
-      reader.Fault(reader.At("bottom"), "bottom", "must be more than top: y is downwards");
+  // That of the hall for the kind, unless the detector has its own.
+  void SearchedIn(std::string_view key, const std::string& kind, Region& region) {
+    if (const auto of_hall = hall_.regions.find(kind); of_hall != hall_.regions.end()) {
+      region = of_hall->second;
     }
-    if (region.right <= region.left) {
-      reader.Fault(reader.At("right"), "right", "must be more than left");
-    }
+    SearchedIn(key, region);
   }
 
   // That of the hall, unless the detector has its own.
@@ -232,6 +259,9 @@ struct FactoryOfKind {
   CourseFactory operator()(const ArucoParameters& aruco) const {
     return FactoryWith(aruco, MakeArucoDetector);
   }
+  CourseFactory operator()(const NetParameters& net) const {
+    return {[net] { return MakeNetDetector(net); }, [] { return Ok(); }};
+  }
   CourseFactory operator()(const QrParameters& qr) const {
     CourseFactory factory = FactoryWith(qr, MakeQrDetector);
     factory.check = [qr] { return CheckLetters(qr); };
@@ -242,29 +272,55 @@ struct FactoryOfKind {
 }  // namespace
 
 CourseParameters ReadCourseParameters(CourseKind kind, const Hall& hall, const std::string& picture,
-                                      TableReader& reader, config_toml::Findings& findings) {
+                                      const std::filesystem::path& folder, TableReader& reader,
+                                      config_toml::Findings& findings) {
   ParametersReader parameters(hall, reader, findings);
   switch (kind) {
     case CourseKind::kQr:
       return parameters.Qr();
     case CourseKind::kAruco:
       return parameters.Aruco();
+    case CourseKind::kNet:
+      return parameters.Net(folder);
     case CourseKind::kArrow:
       return parameters.Arrow();
     case CourseKind::kBarrier:
       return parameters.Barrier();
     case CourseKind::kMarker:
-      return parameters.Marker({});
+      return parameters.Marker("marker", {});
     case CourseKind::kLight:
-      return parameters.Marker(LightParameters());
+      return parameters.Marker("light", LightParameters());
     case CourseKind::kLines:
       break;
   }
   return parameters.Lines(picture);
 }
 
-CourseFactory FactoryOf(const CourseParameters& parameters) {
-  return std::visit(FactoryOfKind(), parameters);
+namespace {
+
+// It shines by itself, and is at the limit of the camera in a colour.
+bool IsLamp(const CourseParameters& parameters) {
+  const auto* marker = std::get_if<MarkerParameters>(&parameters);
+  return marker != nullptr && marker->shines;
+}
+
+}  // namespace
+
+CourseFactory FactoryOf(const CourseParameters& parameters,
+                        const std::optional<WhiteBalance>& balance) {
+  CourseFactory factory = std::visit(FactoryOfKind(), parameters);
+  // A network has learned the pictures of a camera as they are.
+  const bool as_it_is = std::holds_alternative<QrParameters>(parameters) ||
+                        std::holds_alternative<ArucoParameters>(parameters) ||
+                        std::holds_alternative<NetParameters>(parameters) || IsLamp(parameters);
+  if (!balance || as_it_is) return factory;
+  factory.make = [make = factory.make,
+                  balance = *balance]() -> Result<std::unique_ptr<CourseDetector>> {
+    auto made = make();
+    if (!made) return made.error();
+    return WithBalance(std::move(made).value(), balance);
+  };
+  return factory;
 }
 
 }  // namespace musher::vision

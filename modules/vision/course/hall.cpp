@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "musher/base/toml/rows.hpp"
+#include "musher/modules/vision/course/marker_finder.hpp"
 
 namespace musher::vision {
 namespace {
@@ -32,6 +33,31 @@ void ReadHsv(TableReader& reader, std::string_view key, std::array<int, 3>& hsv)
                  [](std::int64_t number) { return static_cast<int>(number); });
 }
 
+std::string PathOf(const TableReader& reader, std::string_view key) {
+  return reader.path().empty() ? std::string(key) : reader.path() + "." + std::string(key);
+}
+
+void ReadRegions(TableReader& hall, std::map<std::string, Region>& regions, Findings& findings) {
+  const Table* table = hall.SubTable("regions");
+  if (table == nullptr) return;
+  TableReader reader(*table, hall.At("regions"), "hall.regions", findings);
+  for (const char* kind : {"arrow", "barrier", "marker", "light"}) {
+    Region region = kind == std::string_view("marker")  ? MarkerParameters().region
+                    : kind == std::string_view("light") ? LightParameters().region
+                                                        : Region();
+    if (ReadRegion(reader, kind, region, findings)) regions.emplace(kind, region);
+  }
+  reader.RefuseOthers();
+}
+
+void ReadBalance(TableReader& hall, std::optional<WhiteBalance>& balance) {
+  constexpr std::string_view kKey = "white_balance";
+  if (!hall.Has(kKey)) return;
+  WhiteBalance& found = balance.emplace();
+  row::Numbers(kKey, {&found.red, &found.green, &found.blue}, kLeastGain, kMostGain,
+               "expected the factors [red, green, blue], each 0.2 to 5")(hall);
+}
+
 void ReadHallTable(const Table& table, config_toml::Position at, Hall& hall, double& trunk_height_m,
                    Findings& findings) {
   TableReader reader(table, at, "hall", findings);
@@ -42,6 +68,8 @@ void ReadHallTable(const Table& table, config_toml::Position at, Hall& hall, dou
   color("yellow", hall.yellow);
   color("green", hall.green);
   color("red", hall.red);
+  ReadBalance(reader, hall.balance);
+  ReadRegions(reader, hall.regions, findings);
   ReadRows(reader, {row::Number("lane_m", hall.lane_m, 0.2, 5),
                     row::Numbers("line_width_m", {&hall.least_line_m, &hall.most_line_m}, 0.001, 1,
                                  "expected [the least, the most], in metres"),
@@ -71,9 +99,7 @@ void ReadMount(const Table& table, config_toml::Position at, double trunk_height
 bool ReadColor(TableReader& reader, std::string_view key, HsvRange& range, Findings& findings) {
   const Table* table = reader.SubTable(key);
   if (table == nullptr) return false;
-  const std::string path =
-      reader.path().empty() ? std::string(key) : reader.path() + "." + std::string(key);
-  TableReader color(*table, reader.At(key), path, findings);
+  TableReader color(*table, reader.At(key), PathOf(reader, key), findings);
   ReadHsv(color, "from", range.from);
   ReadHsv(color, "to", range.to);
   color.RefuseOthers();
@@ -84,6 +110,29 @@ bool ReadColor(TableReader& reader, std::string_view key, HsvRange& range, Findi
                     " must not be less than that of from; only a hue may go through 0");
   }
   return true;
+}
+
+bool ReadRegion(TableReader& reader, std::string_view key, Region& region, Findings& findings) {
+  const Table* table = reader.SubTable(key);
+  if (table == nullptr) return false;
+  ReadRegion(*table, reader.At(key), PathOf(reader, key), region, findings);
+  return true;
+}
+
+void ReadRegion(const Table& table, config_toml::Position at, const std::string& path,
+                Region& region, Findings& findings) {
+  TableReader reader(table, at, path, findings);
+  region.top = reader.Number("top", 0, 1).value_or(region.top);
+  region.bottom = reader.Number("bottom", 0, 1).value_or(region.bottom);
+  region.left = reader.Number("left", 0, 1).value_or(region.left);
+  region.right = reader.Number("right", 0, 1).value_or(region.right);
+  reader.RefuseOthers();
+  if (region.bottom <= region.top) {
+    reader.Fault(reader.At("bottom"), "bottom", "must be more than top: y is downwards");
+  }
+  if (region.right <= region.left) {
+    reader.Fault(reader.At("right"), "right", "must be more than left");
+  }
 }
 
 Hall ReadHall(TableReader& root, Findings& findings) {

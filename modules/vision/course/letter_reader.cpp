@@ -59,6 +59,7 @@ std::string PackagesOf(const std::string& languages) {
 
 struct LetterReader::Engine {
   tesseract::TessBaseAPI api;
+  int least_confidence_read = 100;  // since a line or region was begun
 
   ~Engine() { api.End(); }
 
@@ -73,6 +74,7 @@ struct LetterReader::Engine {
     api.SetSourceResolution(kDotsPerInch);
     const std::unique_ptr<char[]> text(api.GetUTF8Text());
     const bool is_sure = text && api.MeanTextConf() >= least_confidence;
+    if (is_sure) least_confidence_read = std::min(least_confidence_read, api.MeanTextConf());
     return is_sure ? text.get() : "";
   }
 };
@@ -116,6 +118,7 @@ std::set<std::string> LetterReader::WordsOf(const cv::Mat& letters) const {
 LetterReader::LineRead LetterReader::ReadLine(const cv::Mat& grey, const cv::Rect& line) const {
   std::vector<std::string> texts;
   std::set<std::string> fitting;
+  engine_->least_confidence_read = 100;
   for (const double letter_px : {30.0, 38.0}) {  // read best; one is read where the other is not
     const cv::Mat letters = LinePicture(grey, line, letter_px);
     for (const std::string& text : TextsOf(letters)) {
@@ -128,21 +131,24 @@ LetterReader::LineRead LetterReader::ReadLine(const cv::Mat& grey, const cv::Rec
   const std::set<std::string> all = WordsOfReadings(texts, parameters_.words);
   const bool has_word =
       std::any_of(all.begin(), all.end(), [](const auto& word) { return word != "?"; });
-  if (all.size() > 1) return {all, true};
-  return {fitting, has_word && fitting.empty()};
+  const int confidence = engine_->least_confidence_read;
+  if (all.size() > 1) return {all, true, confidence};
+  return {fitting, has_word && fitting.empty(), confidence};
 }
 
 std::optional<LettersFound> LetterReader::Read(const cv::Mat& bgr) {
   CheckCoursePicture(bgr);
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  std::map<std::string, cv::Rect> found;  // where
-  std::vector<cv::Rect> doubtful;         // a region does not know better what is there
+  std::map<std::string, LettersFound> found;
+  std::vector<cv::Rect> doubtful;  // a region does not know better what is there
   for (const TextLine& line : FindTextLines(grey)) {
     LineRead read;
     if (line.alone) read = ReadLine(grey, line.box);
     if (!line.alone || read.doubtful) doubtful.push_back(line.box);
-    for (const std::string& word : read.words) found.emplace(word, line.box);
+    for (const std::string& word : read.words) {
+      found.emplace(word, LettersFound{word, line.box, double(read.confidence)});
+    }
     if (found.size() > 1) return std::nullopt;
   }
   for (const Region& region : parameters_.regions) {
@@ -152,13 +158,15 @@ std::optional<LettersFound> LetterReader::Read(const cv::Mat& bgr) {
         std::any_of(doubtful.begin(), doubtful.end(),
                     [&](const cv::Rect& line) { return !(line & box).empty(); });
     if (is_doubtful) continue;
+    engine_->least_confidence_read = 100;
     const std::set<std::string> once = WordsOf(RegionPicture(grey, box, 2));
     if (once.size() == 1 && WordsOf(RegionPicture(grey, box, 1.6)) == once) {
-      found.emplace(*once.begin(), box);
+      const double confidence = engine_->least_confidence_read;
+      found.emplace(*once.begin(), LettersFound{*once.begin(), box, confidence});
     }
   }
   if (found.size() != 1) return std::nullopt;
-  return LettersFound{found.begin()->first, found.begin()->second};
+  return found.begin()->second;
 }
 
 }  // namespace musher::vision

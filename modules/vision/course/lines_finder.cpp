@@ -18,6 +18,8 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // Of the lane's width: two lines nearer to each other are one, and those farther apart are of two
 // lanes; one that is farther from the centre may be another lane's.
 constexpr double kLeastGap = 0.6, kMostGap = 1.35, kFarthest = 0.95;
+// By so much of its width lanes of one hall differ.
+constexpr double kLaneWidthKnown = 0.05;
 
 PieceRules RulesOf(const LinesParameters& parameters) {
   return {parameters.yellow, parameters.least_area_px2, parameters.least_length,
@@ -52,10 +54,42 @@ class Middle {
     return left_ != right_ && floor_.in_metres() && !left_->lies_across && !right_->lies_across &&
            Gap(*left_, *right_, floor_).has_value();
   }
+  // By so much the middle may be wrong, across the lane; nothing where the ground is not known, and
+  // of lines that do not lead along a lane.
+  std::optional<double> UncertaintyM() const {
+    if (!left_->leads_away || !right_->leads_away) return std::nullopt;
+    const auto one = UncertaintyM(*left_), other = UncertaintyM(*right_);
+    if (!one || !other) return std::nullopt;
+    if (left_ == right_) {
+      if (!beside_px_) return std::nullopt;
+      return std::hypot(*one, kLaneWidthKnown * parameters_.lane_m / 2);
+    }
+    const auto gap_m = Gap(*left_, *right_, floor_);
+    const double odd_m = gap_m ? std::abs(*gap_m - parameters_.lane_m) / 2 : 0;
+    return std::hypot(std::hypot(*one, *other) / 2, odd_m);
+  }
+  // From its place to the middle, to the right in the picture.
+  std::optional<double> OffsetM() const {
+    const double y = (left_->place.y + right_->place.y) / 2;
+    const auto middle = floor_.At(middle_x(), y), center = floor_.At(center_x_, y);
+    if (!floor_.in_metres() || !middle || !center) return std::nullopt;
+    const double way_m = cv::norm(*middle - *center);
+    return middle_x() < center_x_ ? -way_m : way_m;
+  }
   bool is_of_one() const { return left_ == right_ && !beside_px_; }
   const std::string& doubt() const { return doubt_; }
 
  private:
+  std::optional<double> UncertaintyM(const YellowLine& line) const {
+    constexpr double kBlurPx = 1.5, kOfWidth = 0.25;
+    const auto at = floor_.At(line.place.x, line.place.y);
+    const auto beside = floor_.At(line.place.x + 1, line.place.y);
+    if (!at || !beside) return std::nullopt;
+    const double continued = cv::norm(*at - line.middle) / line.length;
+    return std::hypot(kBlurPx * cv::norm(*beside - *at),
+                      kOfWidth * line.width * (1 + 2 * continued));
+  }
+
   void Choose(const std::vector<YellowLine>& lines) {
     const YellowLine *inner_left = nullptr, *inner_right = nullptr;
     left_ = right_ = &lines.front();
@@ -262,7 +296,13 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   if (message.doubt.empty() && little && !middle.is_pair()) {
     message.doubt = "most of what has the colour of the lines is none";
   }
+  const auto uncertainty_m = middle.UncertaintyM();
   if (message.doubt.empty()) message.ycy = Ycy(middle, parameters.ycy_threshold);
+  const auto middle_m = middle.OffsetM();
+  if (uncertainty_m && middle_m) {
+    message.middle_m = static_cast<float>(*middle_m);
+    message.uncertainty_m = static_cast<float>(*uncertainty_m);
+  }
   AddNearest(lines, region, bgr.rows, parameters, message);
   AddEdge(seen.mask, lines, region, bgr.size(), parameters.edge_columns, message);
   for (YellowLine& line : lines) {

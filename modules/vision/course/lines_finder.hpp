@@ -21,6 +21,12 @@
 //   walk  Of the same line: its lower edge is nearer to the bottom of the picture than the limit,
 //         "back"; else its centroid is farther from the centre line than the limit, "front".
 //
+// How well the middle is known, in metres across the lane, is said where the mount is and the lines
+// lead away from the camera: by the pixels and the blur of the camera, the width of each line, how
+// far a line is continued to where it counts, and by how much the distance of two lines differs
+// from a lane's width; of one line by how well that width is known. Where left or right is nearer
+// to the middle than that, it is a doubt.
+//
 // With no line at all the words are "center", and `contours` is 0. With a doubt the words are
 // "center", too, and `doubt` says why they mean nothing: the floor has the colour of the lines;
 // what has it, or most of it, is not as wide as a line, does not stand out from the floor, or has

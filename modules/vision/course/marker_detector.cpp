@@ -8,8 +8,10 @@ namespace musher::vision {
 namespace {
 
 // Its next picture may not show it whole: a robot at 0.4 m/s comes nearer by a tenth of its size
-// between two pictures, and some are missed.
-bool IsAtEdge(const cv::Rect& box, const cv::Size& picture) {
+// between two pictures, and some are missed. What leaves the picture farther away is not passed:
+// the robot turns.
+bool IsPassed(const cv::Rect& box, const cv::Size& picture, double distance_m, double within_m) {
+  if (distance_m > within_m) return false;
   constexpr double kSizes = 0.6;
   const double x = kSizes * box.width, y = kSizes * box.height;
   return box.x < x || box.y < y || box.br().x > picture.width - x ||
@@ -31,15 +33,17 @@ class MarkerDetector : public CourseDetector {
       word_ = "?";
       return sight;
     }
-    const MarkerTracker::Phase phase =
-        tracker_.OnPicture(found_.has_value(), found_ && IsAtEdge(found_->box, bgr.size()));
+    const double distance_m = DistanceBySizeM(lens, bgr.size(), found_ ? found_->size_px : 0,
+                                              parameters_.size_m, parameters_.focal_px);
+    const MarkerTracker::Phase phase = tracker_.OnPicture(
+        found_.has_value(),
+        found_ && IsPassed(found_->box, bgr.size(), distance_m, parameters_.passed_within_m));
     sight.sighting = NoSighting();
     word_ = PhaseText(phase);
     if (found_) {
-      const double distance_m = DistanceBySizeM(lens, bgr.size(), found_->size_px,
-                                                parameters_.size_m, parameters_.focal_px);
       sight.sighting = SightingAt(found_->box, bgr.size());
       sight.sighting->distance_m = static_cast<float>(distance_m);
+      sight.sighting->confidence = ConfidenceBy({found_->margin});
       const auto metres = MetresText(distance_m);
       if (phase == MarkerTracker::Phase::kTracking) sight.text = metres;
       word_ += metres ? " " + *metres + " m" : "";

@@ -78,7 +78,11 @@ std::optional<Marker> ShapeOf(const Contour& outline, const MarkerParameters& pa
   const bool round = std::abs(fill - kCircle) < kCircleTolerance;
   const bool square = !parameters.round_only && fill > kLeastSquare;
   if (!round && !square) return std::nullopt;
-  return Marker{cv::boundingRect(outline), longer, round};
+  const double fill_margin = round ? 1 - std::abs(fill - kCircle) / kCircleTolerance
+                                   : (fill - kLeastSquare) / (1 - kLeastSquare);
+  const double aspect_margin =
+      (shorter / longer - parameters.least_aspect) / std::max(0.01, 1 - parameters.least_aspect);
+  return Marker{cv::boundingRect(outline), longer, round, std::min(fill_margin, aspect_margin)};
 }
 
 // Of what the outline encloses, where it is as the parameters say.

@@ -36,11 +36,12 @@ struct MarkerParameters {
   int kernel_px = 5;          // of opening and closing
   double least_aspect = 0.6;  // its shorter side, as a share of the longer one
   bool round_only = false;
-  bool shines = false;    // a lamp: brighter than what is around it, maybe with a white core
-  double size_m = 0.2;    // its diameter or its side
-  double focal_px = 600;  // of a picture 640 pixels wide, while no lens is known
-  int sightings = 2;      // in a row, before it is tracked
-  int misses = 5;         // in a row, before it has disappeared
+  bool shines = false;           // a lamp: brighter than what is around it, maybe with a white core
+  double size_m = 0.2;           // its diameter or its side
+  double focal_px = 600;         // of a picture 640 pixels wide, while no lens is known
+  int sightings = 2;             // in a row, before it is tracked
+  int misses = 5;                // in a row, before it has disappeared
+  double passed_within_m = 1.5;  // last seen farther away it has not disappeared, but is hidden
 
   friend bool operator==(const MarkerParameters&, const MarkerParameters&) = default;
 };
@@ -54,6 +55,9 @@ struct Marker {
   cv::Rect box;
   double size_px = 0;  // its diameter, or its longer side
   bool round = false;  // else square
+  // Of its outline's shape: 0 at the limits, and of a lamp that is known by its glow; 1 for an
+  // ideal circle or square.
+  double margin = 0;
 };
 
 struct MarkerLook {

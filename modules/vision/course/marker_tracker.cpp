@@ -8,8 +8,8 @@ MarkerTracker::MarkerTracker(int sightings, int misses) : sightings_(sightings),
   MUSHER_CHECK(sightings >= 1 && misses >= 1, sightings, misses);
 }
 
-MarkerTracker::Phase MarkerTracker::OnPicture(bool seen, bool at_edge) {
-  if (seen) at_edge_ = at_edge;
+MarkerTracker::Phase MarkerTracker::OnPicture(bool seen, bool passes) {
+  if (seen) passes_ = passes;
   const bool tracking = phase_ == Phase::kTracking;
   if (seen == tracking) {
     in_row_ = 0;
@@ -18,7 +18,7 @@ MarkerTracker::Phase MarkerTracker::OnPicture(bool seen, bool at_edge) {
   ++in_row_;
   if (in_row_ >= (tracking ? misses_ : sightings_)) {
     in_row_ = 0;
-    const Phase gone = at_edge_ ? Phase::kDisappeared : Phase::kHidden;
+    const Phase gone = passes_ ? Phase::kDisappeared : Phase::kHidden;
     phase_ = tracking ? gone : Phase::kTracking;
   }
   return phase_;

@@ -7,9 +7,9 @@
 //                                                    └──────────────────────────────────┘
 //                                                      seen `sightings` times in a row
 //
-// So a single false find neither starts a track nor ends in a disappearance. What was last seen at
-// the picture's edge has left it: it was passed. What was last seen in its middle is hidden, by a
-// person or by glare, and still ahead.
+// So a single false find neither starts a track nor ends in a disappearance. What was last seen
+// near, at the picture's edge, has left it: it was passed. What was last seen far away or in its
+// middle is hidden, by a person or by glare, and still ahead.
 //
 // Threads: one call at a time.
 
@@ -24,8 +24,8 @@ class MarkerTracker {
   // Both at least 1.
   MarkerTracker(int sightings, int misses);
 
-  // Whether it is seen in the next picture, and there at the edge. Returns phase().
-  Phase OnPicture(bool seen, bool at_edge = false);
+  // Whether it is seen in the next picture, and there as if it was being passed. Returns phase().
+  Phase OnPicture(bool seen, bool passes = false);
 
   Phase phase() const { return phase_; }
 
@@ -33,8 +33,8 @@ class MarkerTracker {
   const int sightings_;
   const int misses_;
   Phase phase_ = Phase::kSearching;
-  int in_row_ = 0;        // pictures that contradict the phase
-  bool at_edge_ = false;  // when it was last seen
+  int in_row_ = 0;       // pictures that contradict the phase
+  bool passes_ = false;  // when it was last seen
 };
 
 // "searching", "tracking", "disappeared" or "hidden".

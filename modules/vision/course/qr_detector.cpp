@@ -48,12 +48,39 @@ class QrDetector : public CourseDetector {
   }
 
  private:
+  // The word of the largest code that has one: a label beside a board is no board.
   void OnCode(const CodeFound& code, const cv::Mat& bgr, CourseSight& sight) {
     letters_.OnPicture(std::nullopt);
-    const auto word = WordOfCode(code.content, parameters_.words);
+    const CodeFound* board = &code;
+    auto word = WordOfCode(code.content, parameters_.words);
+    for (const CodeFound& smaller : code.smaller) {
+      const auto other = WordOfCode(smaller.content, parameters_.words);
+      if (!other || other == word) continue;
+      if (!word) {
+        board = &smaller;
+        word = other;
+      } else if (IsNearlyAsLarge(smaller, *board)) {
+        const auto& [first, second] = std::minmax(*word, *other);
+        return OnTwoBoards(first + ", " + second, board->box, bgr, sight);
+      }
+    }
     sight.text = codes_.OnPicture(word);
-    Show(word ? *word : Excerpt(code.content), code.box, bgr, sight);
+    Show(word ? *word : Excerpt(code.content), board->box, bgr, sight);
     if (word && !sight.text) sight.sighting->text.clear();
+    // It is right by its own check sum.
+    if (sight.text) sight.sighting->confidence = 1;
+  }
+
+  static bool IsNearlyAsLarge(const CodeFound& code, const CodeFound& other) {
+    constexpr double kNearly = 0.5;  // of its area
+    return code.box.area() >= kNearly * other.box.area();
+  }
+
+  // Which of them is meant is not known.
+  void OnTwoBoards(const std::string& words, const cv::Rect& box, const cv::Mat& bgr,
+                   CourseSight& sight) {
+    codes_.OnPicture(std::nullopt);
+    Show(words, box, bgr, sight);
   }
 
   void LookForLetters(const cv::Mat& bgr, bool shows_patterns, CourseSight& sight) {
@@ -64,7 +91,10 @@ class QrDetector : public CourseDetector {
     sight.text = letters_.OnPicture(letters ? std::optional(letters->word) : std::nullopt);
     if (!letters) return;
     Show(letters->word, letters->box, bgr, sight);
-    if (!sight.text) sight.sighting->text.clear();
+    if (!sight.text) return sight.sighting->text.clear();
+    const double least = parameters_.least_confidence;
+    sight.sighting->confidence =
+        ConfidenceBy({(letters->confidence - least) / std::max(1.0, 100 - least)});
   }
 
   void Show(const std::string& text, const cv::Rect& box, const cv::Mat& bgr, CourseSight& sight) {

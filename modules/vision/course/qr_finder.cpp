@@ -9,6 +9,8 @@
 #include <opencv2/objdetect.hpp>
 #include <utility>
 
+#include "musher/modules/vision/course/zbar_codes.hpp"
+
 namespace musher::vision {
 namespace {
 
@@ -155,19 +157,33 @@ using CodeOptions = ZXing::ReaderOptions;
 using CodeOptions = ZXing::DecodeHints;
 #endif
 
-// In the picture after scaling.
+std::optional<CodeFound> LargestOf(std::vector<CodeFound> codes) {
+  if (codes.empty()) return std::nullopt;
+  std::ranges::stable_sort(codes, [](const CodeFound& one, const CodeFound& other) {
+    return one.box.area() > other.box.area();
+  });
+  CodeFound largest = std::move(codes.front());
+  codes.erase(codes.begin());
+  largest.smaller = std::move(codes);
+  return largest;
+}
+
+// The largest in the picture after scaling.
 std::optional<CodeFound> CodeIn(const cv::Mat& grey, double scale) {
   cv::Mat scaled = grey;
   if (scale != 1) cv::resize(grey, scaled, {}, scale, scale, cv::INTER_CUBIC);
   const auto options = CodeOptions().setFormats(ZXing::BarcodeFormat::QRCode);
-  const auto code =
-      ZXing::ReadBarcode({scaled.data, scaled.cols, scaled.rows, ZXing::ImageFormat::Lum}, options);
-  if (!code.isValid()) return std::nullopt;
-  Contour corners;
-  for (const auto& corner : code.position()) {
-    corners.emplace_back(cvRound(corner.x / scale), cvRound(corner.y / scale));
+  std::vector<CodeFound> codes;
+  for (const auto& code : ZXing::ReadBarcodes(
+           {scaled.data, scaled.cols, scaled.rows, ZXing::ImageFormat::Lum}, options)) {
+    if (!code.isValid()) continue;
+    Contour corners;
+    for (const auto& corner : code.position()) {
+      corners.emplace_back(cvRound(corner.x / scale), cvRound(corner.y / scale));
+    }
+    codes.push_back({code.text(), cv::boundingRect(corners)});
   }
-  return CodeFound{code.text(), cv::boundingRect(corners)};
+  return LargestOf(std::move(codes));
 }
 
 // `corners`: of the code, by its finder patterns.
@@ -209,6 +225,7 @@ ThoroughLook LookThoroughly(const cv::Mat& bgr) {
   std::vector<cv::Point2f> corners;
   look.shows_patterns = cv::QRCodeDetector().detect(grey, corners);
   if (look.shows_patterns) look.code = RectifiedCode(grey, corners);
+  if (look.shows_patterns && !look.code) look.code = LargestOf(CodesOfZBar(grey));
   for (const double scale : {3.0, 2.0}) {
     if (!look.code) look.code = CodeIn(grey, scale);
   }

@@ -2,10 +2,11 @@
 // The word of a board: a QR code, or printed letters. The functions are pure; a LetterReader keeps
 // its model.
 //
-// Codes are read by ZXing, in the picture and half as large again. Of codes of 0.4 m from 0.6 to
-// 3 m in rendered pictures it reads three of four so. A thorough look takes six times as long: it
-// lets OpenCV find the corners of the code, and reads it after a rectification or at twice and
-// three times the size, which reads the others, and it reads codes of light squares on dark ones.
+// Codes are read by ZXing, in the picture and half as large again; the largest counts. Of codes of
+// 0.4 m from 0.6 to 3 m in rendered pictures it reads three of four so. A thorough look takes six
+// times as long: it lets OpenCV find the corners of the code, and reads it after a rectification,
+// by ZBar (zbar_codes.hpp), or at twice and three times the size, which reads the others; and it
+// reads codes of light squares on dark ones.
 //
 // Letters are read by Tesseract where dark signs stand in a line on a board: a light area with four
 // corners and without dents, of one brightness, mostly free of signs (the joints of a wall are a
@@ -48,6 +49,7 @@ struct QrParameters {
 struct CodeFound {
   std::string content;  // UTF-8
   cv::Rect box;
+  std::vector<CodeFound> smaller{};  // others that are read in the same picture
 };
 
 std::optional<CodeFound> FindCode(const cv::Mat& bgr);            // 4 ms
@@ -69,7 +71,8 @@ std::vector<TextLine> FindTextLines(const cv::Mat& grey);
 
 struct LettersFound {
   std::string word;
-  cv::Rect box;  // where it was read
+  cv::Rect box;           // where it was read
+  double confidence = 0;  // Tesseract's, 0 to 100: the least of the readings
 };
 
 class LetterReader {
@@ -89,6 +92,7 @@ class LetterReader {
   struct LineRead {
     std::set<std::string> words;  // one whose signs fit it; all where the two sizes differ
     bool doubtful = false;        // a word was read that is not sure
+    int confidence = 0;           // the least of the readings
   };
 
   // What Tesseract reads of prepared letters, one for each page mode; "" where it is not sure.

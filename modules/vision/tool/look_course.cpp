@@ -35,11 +35,15 @@ std::string Offset(float offset) {
 }
 
 std::string LinesText(const msg::YellowLines& lines) {
+  const std::string known =
+      lines.uncertainty_m > 0
+          ? fmt::format(" ({:.2f} m, known to {:.2f} m)", lines.middle_m, lines.uncertainty_m)
+          : "";
   return fmt::format(
-      "  {} line{}: ycy {}, dy {}, walk {}; middle_offset {}, line_offset {}, bottom_gap_px {}, "
+      "  {} line{}: ycy {}, dy {}, walk {}; middle_offset {}{}, line_offset {}, bottom_gap_px {}, "
       "area_px2 {:.0f}\n{}",
       lines.contours, lines.contours == 1 ? "" : "s", lines.ycy, lines.dy, lines.walk,
-      Offset(lines.middle_offset), Offset(lines.line_offset), Offset(lines.bottom_gap_px),
+      Offset(lines.middle_offset), known, Offset(lines.line_offset), Offset(lines.bottom_gap_px),
       lines.area_px2, lines.doubt.empty() ? "" : "  in doubt: " + lines.doubt + "\n");
 }
 
@@ -48,9 +52,11 @@ std::string SightingText(const msg::Sighting& sighting) {
   if (!sighting.text.empty()) text += ", \"" + sighting.text + "\"";
   if (!sighting.phase.empty()) text += ", " + sighting.phase;
   if (!sighting.seen) return text + "\n";
-  return text + fmt::format(", {}, at {:.3f} {:.3f}, {:.3f} x {:.3f}\n",
-                            Metres(sighting.distance_m), sighting.x + sighting.width / 2,
-                            sighting.y + sighting.height / 2, sighting.width, sighting.height);
+  text += fmt::format(", {}, at {:.3f} {:.3f}, {:.3f} x {:.3f}", Metres(sighting.distance_m),
+                      sighting.x + sighting.width / 2, sighting.y + sighting.height / 2,
+                      sighting.width, sighting.height);
+  if (sighting.confidence > 0) text += fmt::format(", confidence {:.2f}", sighting.confidence);
+  return text + "\n";
 }
 
 class CourseSearch {

@@ -20,7 +20,8 @@ Examples:
   musher-vision look faces.toml now.png --out boxes.png     what is found, and where
   musher-vision look faces.toml now.png --hfov 70 --at 1.5  the face_m that makes the distance right
   musher-vision look course.toml hall.mp4 --detector left   what a detector of [[detectors]] finds
-  musher-vision tune course.toml hall/                      the colours of a hall, from its pictures
+  musher-vision tune course.toml hall/                      [hall] of a hall, from its pictures
+  musher-vision tune course.toml hall/ --write              and changes course.toml so
 
 Exit codes: 0 done; 1 a picture or the model cannot be read, or --out not written; 2 wrong usage, or
 the config is wrong.)";
@@ -97,10 +98,14 @@ int main(int argc, char** argv) {
       ->excludes(detector);
   musher::vision::tool::TuneOptions to_tune;
   CLI::App* tune = app.add_subcommand("tune",
-                                      "Find the colours of a hall by pictures of it, "
+                                      "Find the colours, regions and white balance of a hall by "
+                                      "pictures of it, "
                                       "front_lane-left-1.png: a detector, what it has to say");
   tune->add_option("FILE", to_tune.file, "The config of musher-vision-manager (TOML)")->required();
   tune->add_option("FOLDER", to_tune.folder, "The pictures: .png, .jpg, .bmp")->required();
+  tune->add_flag("--write", to_tune.write,
+                 "Change the table [hall] of FILE; its other lines stay, and what is replaced is "
+                 "printed");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

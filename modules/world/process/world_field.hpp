@@ -4,10 +4,11 @@
 //   t0x0101_pid       std_msgs/Float32MultiArray, subscribed: [vx, vy, wz] in the body's frame
 //   t0x0102_action    std_msgs/Float32MultiArray, subscribed: the heights of the wheels, mm
 //   t0x0103_, _0104_  std_msgs/Float32MultiArray, subscribed: a command of the arm, of the spear
-//   r0x0201           std_msgs/Float32MultiArray, 100 Hz: 4 photo switches, 4 heights in mm, 4
-//   zeros sensor_distances  std_msgs/Float32MultiArray, 100 Hz: 8 distances in mm r0x0203, r0x0204
-//   std_msgs/Float32MultiArray, 100 Hz: [0] is 1 when the command is done transformed/pose
-//   geometry_msgs/PoseStamped, 50 Hz, in the frame "map" r1_ready          std_msgs/Bool, 5 Hz
+//   r0x0201           std_msgs/Float32MultiArray, 100 Hz: 4 photo switches, 4 heights, mm, 4 zeros
+//   sensor_distances  std_msgs/Float32MultiArray, 100 Hz: 8 distances in mm
+//   r0x0203, r0x0204  std_msgs/Float32MultiArray, 100 Hz: [0] is 1 when the command is done
+//   transformed/pose  geometry_msgs/PoseStamped, 50 Hz, in the frame "map"
+//   r1_ready          std_msgs/Bool, 5 Hz
 //   world/field       std_srvs/Trigger, served: its report as JSON
 //
 // Rates are of world time; two samples of 100 Hz are published in a step of the world.

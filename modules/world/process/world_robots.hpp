@@ -8,8 +8,7 @@
 //   R/battery               sensor_msgs/BatteryState, once a second
 //   R/objects_in_sight      musher_msgs/ObjectStates, 10 Hz: those that nothing hides from it
 //   R/detections            musher_msgs/ObjectStates, best effort, in the frame R: what its
-//   detector
-//                           finds in its view, with noise, at its rate
+//                           detector finds in its view, with noise, at its rate
 //   R/lines                 musher_msgs/YellowLines, 10 Hz: of a robot with a line_view
 //   R/planned_path          nav_msgs/Path, subscribed, latched: drawn in the picture
 //   R/manipulation_control  musher_msgs/ManipulationControl, served: of a robot with a hand

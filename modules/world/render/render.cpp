@@ -31,9 +31,9 @@ std::int32_t Level(float light) {
 }
 
 // The state of a picture while it is drawn.
-class Drawing {
+class ImageRenderer {
  public:
-  Drawing(const Lens& lens, const Tracer& tracer, Image& image)
+  ImageRenderer(const Lens& lens, const Tracer& tracer, Image& image)
       : lens_(lens), tracer_(tracer), image_(image) {
     surfaces_.resize(static_cast<std::size_t>(image.width) *
                      static_cast<std::size_t>(image.height));
@@ -230,7 +230,7 @@ Image Camera::Shoot(const Scenery& scenery, const View& view) const {
   }
   const Tracer tracer(scenery, things, CameraInPlace(spec_, view.body, view.attitude, view.gaze),
                       view.body, view.attitude.height_m, lens_.pixel_rad());
-  Drawing(lens_, tracer, image).Draw();
+  ImageRenderer(lens_, tracer, image).Draw();
   if (spec_.noise > 0) AddNoise(view.seed, image);
   return image;
 }

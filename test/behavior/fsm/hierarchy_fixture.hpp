@@ -43,15 +43,6 @@ class LoggingNested : public Nested {
 
 class HierarchyFixture : public MachineFixture {
  protected:
-  using MachineFixture::Add;
-
-  LoggingState& Add(Machine& machine, const std::string& name,
-                    std::vector<std::string> transitions = {}, Role role = Role::kNormal) {
-    auto state = std::make_unique<LoggingState>(name, log_, std::move(transitions));
-    LoggingState& added = *state;
-    machine.Add(name, std::move(state), role);
-    return added;
-  }
   static std::unique_ptr<Machine> NewMachine(const std::string& name) {
     return std::make_unique<Machine>(Machine::Options{.name = name});
   }

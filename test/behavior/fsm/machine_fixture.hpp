@@ -20,9 +20,13 @@ class MachineFixture : public ::testing::Test {
  protected:
   LoggingState& Add(const std::string& name, std::vector<std::string> transitions = {},
                     Role role = Role::kNormal) {
+    return Add(machine_, name, std::move(transitions), role);
+  }
+  LoggingState& Add(Machine& machine, const std::string& name,
+                    std::vector<std::string> transitions = {}, Role role = Role::kNormal) {
     auto state = std::make_unique<LoggingState>(name, log_, std::move(transitions));
     LoggingState& added = *state;
-    machine_.Add(name, std::move(state), role);
+    machine.Add(name, std::move(state), role);
     return added;
   }
   void Start(std::string_view at) {

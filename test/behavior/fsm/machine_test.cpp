@@ -102,6 +102,9 @@ TEST_F(MachineTest, DropsQueuedCommandsWhenItIsPausedButNoUrgentOne) {
     return Next::Handle();
   };
   Start("IDLE");
+  EXPECT_TRUE(machine_.IsUrgent("stop"));
+  EXPECT_FALSE(machine_.IsUrgent("go"));
+  EXPECT_FALSE(machine_.IsUrgent("none"));
   ASSERT_TRUE(machine_.Send("go"));
   machine_.Pause();
   EXPECT_EQ(machine_.waiting_commands(), 0U);

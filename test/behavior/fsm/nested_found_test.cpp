@@ -54,9 +54,9 @@ class NestedFound : public MachineFixture {
   void Make(Nested::Options options = {}) {
     auto inner = std::make_unique<Machine>(Machine::Options{.name = "photo"});
     inner_ = inner.get();
-    confirm_ = AddInner("CONFIRM", {"TAKE", "DONE"});
-    take_ = AddInner("TAKE", {"DONE", "CONFIRM"});
-    AddInner("DONE", {}, Role::kFinal);
+    confirm_ = &Add(*inner_, "CONFIRM", {"TAKE", "DONE"});
+    take_ = &Add(*inner_, "TAKE", {"DONE", "CONFIRM"});
+    Add(*inner_, "DONE", {}, Role::kFinal);
     inner_->AddEvent("yes");
     machine_.AddEvent("yes");
     idle_ = &Add("IDLE", {"SHOW"});
@@ -71,14 +71,6 @@ class NestedFound : public MachineFixture {
     idle_->Go("SHOW");
     Run();
     log_.clear();
-  }
-
-  LoggingState* AddInner(const std::string& name, std::vector<std::string> transitions,
-                         Role role = Role::kNormal) {
-    auto state = std::make_unique<LoggingState>(name, log_, std::move(transitions));
-    LoggingState* const added = state.get();
-    inner_->Add(name, std::move(state), role);
-    return added;
   }
 
   Machine* inner_ = nullptr;

@@ -39,10 +39,10 @@ class NestedTest : public MachineFixture {
   void Make(Nested::Options options = {}, bool inner_safe = true) {
     auto inner = std::make_unique<Machine>(Machine::Options{.name = "photo"});
     inner_ = inner.get();
-    confirm_ = AddInner("CONFIRM", {"TAKE"});
-    take_ = AddInner("TAKE", {"DONE", "CONFIRM"});
-    AddInner("DONE", {}, Role::kFinal);
-    if (inner_safe) AddInner("CALM", {"CONFIRM"}, Role::kSafe);
+    confirm_ = &Add(*inner_, "CONFIRM", {"TAKE"});
+    take_ = &Add(*inner_, "TAKE", {"DONE", "CONFIRM"});
+    Add(*inner_, "DONE", {}, Role::kFinal);
+    if (inner_safe) Add(*inner_, "CALM", {"CONFIRM"}, Role::kSafe);
     for (const char* event : {"yes", "stop", "only inside"}) inner_->AddEvent(event);
     for (const char* event : {"no", "yes", "stop"}) machine_.AddEvent(event);
     idle_ = &Add("IDLE", {"SHOW"});
@@ -57,14 +57,6 @@ class NestedTest : public MachineFixture {
   void Enter() {
     idle_->Go("SHOW");
     Run();
-  }
-
-  LoggingState* AddInner(const std::string& name, std::vector<std::string> transitions,
-                         Role role = Role::kNormal) {
-    auto state = std::make_unique<LoggingState>(name, log_, std::move(transitions));
-    LoggingState* const added = state.get();
-    inner_->Add(name, std::move(state), role);
-    return added;
   }
 
   Machine* inner_ = nullptr;

@@ -7,18 +7,7 @@ namespace musher::tree::btcpp_test {
 
 using testing::HasSubstr;
 
-std::string Leaf(const std::string& name, const std::string& does, const std::string& more = "") {
-  return "<Say name=\"" + name + "\" does=\"" + does + "\" " + more + "/>";
-}
-
-struct Btcpp : testing::Test, Logged {
-  std::string Run(const std::string& content, int ticks) {
-    tree = MakeTree(Main(content), factory);
-    const std::string letters = Ticks(*tree, ticks);
-    return letters + " " + Take();
-  }
-  std::unique_ptr<Tree> tree;
-};
+using Btcpp = TickedTree;
 
 TEST_F(Btcpp, SpacesAroundTheEqualsSignAndRawOperatorsAreRead) {
   EXPECT_EQ(Run("<Sequence><Script  code = \" x := 1 \" />" + Leaf("a", "S", "_skipIf=\"x<2\"") +

@@ -4,21 +4,11 @@
 
 namespace musher::tree::cleanup_test {
 
-std::string Leaf(const std::string& name, const std::string& does, const std::string& more = "") {
-  return "<Say name=\"" + name + "\" does=\"" + does + "\" " + more + "/>";
-}
-
-struct Cleanup : testing::Test, Logged {
-  std::string Run(const std::string& content, int ticks) {
-    tree = MakeTree(Main(content), factory);
-    const std::string letters = Ticks(*tree, ticks);
-    return letters + " " + Take();
-  }
+struct Cleanup : TickedTree {
   std::string Halt() {
     const Result<> halted = tree->Halt(At(500));
     return Take() + (halted ? "" : halted.error().message);
   }
-  std::unique_ptr<Tree> tree;
 };
 
 std::string TryCatch(const std::string& children, const std::string& port = "") {

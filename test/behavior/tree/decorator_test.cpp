@@ -8,15 +8,7 @@ std::string Say(const std::string& does) {
   return "<Say name=\"a\" does=\"" + does + "\"/>";
 }
 
-struct Decorators : testing::Test, Logged {
-  // The results of so many ticks, 10 ms apart, then the log.
-  std::string Run(const std::string& content, int ticks) {
-    tree = MakeTree(Main(content), factory);
-    const std::string letters = Ticks(*tree, ticks);
-    return letters + " " + Take();
-  }
-  std::unique_ptr<Tree> tree;
-};
+using Decorators = TickedTree;
 
 TEST_F(Decorators, ChangeTheResult) {
   EXPECT_EQ(Run("<Inverter>" + Say("RSF") + "</Inverter>", 3), "RFS a^ a a^ ");

@@ -258,8 +258,9 @@ TEST(LargeTrees, ElementsThatAreTooDeepAreReported) {
     open += "<Inverter>";
     close += "</Inverter>";
   }
+  // 100 by tinyxml2 9, 500 by 10.
   EXPECT_THAT(Findings(Main(open + "<AlwaysSuccess/>" + close)),
-              testing::HasSubstr("elements are nested deeper than 100; use subtrees"));
+              testing::ContainsRegex("elements are nested deeper than [15]00; use subtrees"));
 }
 TEST(LargeTrees, TenThousandNodesAreTicked) {
   std::string xml;

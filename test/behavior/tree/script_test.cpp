@@ -1,28 +1,12 @@
 // The scripting language.
 
+#include "musher/test/behavior/tree/scripts.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
 
 namespace musher::tree::script_test {
 
-struct Scripts : testing::Test {
-  Board board;
-  Enums enums{{"RED", 1}, {"BLUE", 2}};
-  std::vector<Script::Finding> findings;
-
-  // The value as a text, or the error.
-  std::string Run(const std::string& text) {
-    findings.clear();
-    const Script script = Script::Parse(text, board, enums, false, findings);
-    for (const auto& finding : findings) {
-      if (finding.error) return std::to_string(finding.at) + ": " + finding.what;
-    }
-    try {
-      const Operand value = script.Evaluate();
-      return value.is_number() ? NumberText(value.number()) : "'" + std::string(value.text()) + "'";
-    } catch (const ScriptError& error) {
-      return error.what();
-    }
-  }
+struct Scripts : testing::Test, ScriptRunner {
+  using ScriptRunner::Run;
 };
 
 TEST_F(Scripts, Calculate) {

@@ -92,4 +92,20 @@ struct Logged {
   std::string Take() { return std::exchange(log, ""); }
 };
 
+// An element of Say with further attributes.
+inline std::string Leaf(const std::string& name, const std::string& does,
+                        const std::string& more = "") {
+  return "<Say name=\"" + name + "\" does=\"" + does + "\" " + more + "/>";
+}
+
+struct TickedTree : ::testing::Test, Logged {
+  // The results of so many ticks, 10 ms apart, then the log.
+  std::string Run(const std::string& content, int ticks) {
+    tree = MakeTree(Main(content), factory);
+    const std::string letters = Ticks(*tree, ticks);
+    return letters + " " + Take();
+  }
+  std::unique_ptr<Tree> tree;
+};
+
 }  // namespace musher::tree

@@ -5,8 +5,7 @@
 //   benchmark_race --seeds 40             seeds 1 to 40, a line for each, and the sums
 //   benchmark_race --seed 3 --choose arrow=left --log --pictures DIR
 //   benchmark_race --seeds 4 --figures    also how far the walker is beside the middle of the S,
-//   and
-//                                         the time from a picture to what is done by it
+//                                         and the time from a picture to what is done by it
 
 #include <CLI/CLI.hpp>
 #include <cmath>

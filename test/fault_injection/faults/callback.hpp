@@ -1,6 +1,8 @@
 #pragma once
 // Faults in a module's own code, in each state.
 
+#include <atomic>
+#include <cstdint>
 #include <string>
 
 #include "musher/test/fault_injection/fault_run.hpp"
@@ -22,5 +24,13 @@ struct SwitchExpectation {
 SwitchExpectation ExpectationForSwitch(const std::string& before, const std::string& target);
 // Brings the machine to a state other than `target`.
 void LeaveStateOf(FaultRun& run, const std::string& target);
+
+// Board::hang_in or Board::fail_in.
+using CallbackFault = std::atomic<std::int32_t> Board::*;
+// In the SetUp of `victim` after a crash. `what` and `is`: how the controller detects it.
+void InjectInSetUp(FaultRun& run, const std::string& victim, CallbackFault fault,
+                   const std::string& what, const Observer::Is& is);
+// In the TearDown of a module: the machine ends all the same.
+void InjectInTearDown(FaultRun& run, CallbackFault fault);
 
 }  // namespace musher::fault_injection::callback

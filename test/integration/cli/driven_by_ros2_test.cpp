@@ -1,5 +1,7 @@
 // A robot of real processes that nav2's manager starts up and shuts down.
 
+#include <optional>
+
 #include "musher/base/host.hpp"
 #include "musher/test/contract/plain_lifecycle_manager.hpp"
 #include "musher/test/contract/plain_ros2_command.hpp"
@@ -14,88 +16,84 @@ using ::testing::Not;
 class ARobotDrivenByRos2 : public MachineByCli {
  protected:
   void Add(const std::string& toml) const { std::ofstream(config_, std::ios::app) << toml; }
+  // The machine waits for nav2's manager, which has requested nothing yet.
+  void UpForManager(std::optional<double> bond_timeout_s = 4.0) {
+    Add("[ros2]\nstart = \"manager\"\n");
+    up_.emplace(Command({"up", config_}));
+    ASSERT_NE(up_->LineWith("the machine waits in SetUp for a manager to configure it"), "");
+    manager_.emplace(transport::TestDomain(), name_space_, std::vector<std::string>{"musher"},
+                     bond_timeout_s);
+  }
+  void Down() {
+    EXPECT_EQ(Musher({"down"}).exit, 0);
+    EXPECT_EQ(up_->Wait().exit, 0);
+  }
+
+  std::optional<Process> up_;
+  std::optional<PlainNav2Manager> manager_;
 };
 
 TEST_F(ARobotDrivenByRos2, WaitsInSetUpUntilABondedManagerBringsItUp) {
-  Add("[ros2]\nstart = \"manager\"\n");
-  Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
-  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
-  ASSERT_TRUE(manager.Startup());
+  ASSERT_NO_FATAL_FAILURE(UpForManager());
+  ASSERT_TRUE(manager_->Startup());
   EXPECT_EQ(Status()["state"], "Active");
-  EXPECT_TRUE(manager.Pause());
+  EXPECT_TRUE(manager_->Pause());
   EXPECT_EQ(Status()["state"], "LowPower") << "its highest state below Active: it has no DeActive";
-  EXPECT_TRUE(manager.Resume());
-  EXPECT_FALSE(manager.bond("musher")->broken());
-  EXPECT_THAT(manager.errors(), IsEmpty());
-  EXPECT_EQ(Musher({"down"}).exit, 0);
-  EXPECT_EQ(up.Wait().exit, 0);
+  EXPECT_TRUE(manager_->Resume());
+  EXPECT_FALSE(manager_->bond("musher")->broken());
+  EXPECT_THAT(manager_->errors(), IsEmpty());
+  Down();
 }
 
 TEST_F(ARobotDrivenByRos2, SaysWhoHasPausedItInStatusAndHistory) {
-  Add("[ros2]\nstart = \"manager\"\n");
-  Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
-  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
-  manager.participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
-                               "rr/lifecycle_manager/get_type_descriptionReply");
-  ASSERT_TRUE(manager.Startup());
+  ASSERT_NO_FATAL_FAILURE(UpForManager());
+  manager_->participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                                 "rr/lifecycle_manager/get_type_descriptionReply");
+  ASSERT_TRUE(manager_->Startup());
   EXPECT_EQ(Status()["requested_by"], "/lifecycle_manager");
   ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
   EXPECT_EQ(Status()["requested_by"], UserAtHost());
-  EXPECT_EQ(manager.client("musher").ChangeState(0, "activate"), false);
+  EXPECT_EQ(manager_->client("musher").ChangeState(0, "activate"), false);
   const std::string history = Musher({"history"}).out;
   EXPECT_THAT(history, HasSubstr("LowPower was last requested by " + UserAtHost()));
-  EXPECT_EQ(Musher({"down"}).exit, 0);
-  EXPECT_EQ(up.Wait().exit, 0);
+  Down();
 }
 
 // nav2 composed in one process: the name of the process is that of none of its nodes.
 TEST_F(ARobotDrivenByRos2, NamesTheNodeOfAContainerThatHasRequestedASwitch) {
-  Add("[ros2]\nstart = \"manager\"\n");
-  Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
-  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
+  ASSERT_NO_FATAL_FAILURE(UpForManager());
   const auto service = [&](const std::string& node) {
-    return manager.participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
-                                        "rr/" + node + "/get_type_descriptionReply");
+    return manager_->participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                                          "rr/" + node + "/get_type_descriptionReply");
   };
   const dds_entity_t amcl = service("amcl"), own = service("lifecycle_manager_navigation");
   EXPECT_TRUE(PublishNodes(
-      manager.participant(),
+      manager_->participant(),
       {{"amcl", {amcl}},
-       {"lifecycle_manager_navigation", {own, manager.client("musher").change_state_writer()}}}));
-  ASSERT_TRUE(manager.Startup());
+       {"lifecycle_manager_navigation", {own, manager_->client("musher").change_state_writer()}}}));
+  ASSERT_TRUE(manager_->Startup());
   EXPECT_EQ(Status()["requested_by"], "/lifecycle_manager_navigation");
-  EXPECT_EQ(Musher({"down"}).exit, 0);
-  EXPECT_EQ(up.Wait().exit, 0);
+  Down();
 }
 
 // As in Humble, its node has no services of its own: only ros_discovery_info has its name.
 TEST_F(ARobotDrivenByRos2, IsResumedByAPersonsRos2LifecycleWithoutServices) {
-  Add("[ros2]\nstart = \"manager\"\n");
-  Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
-  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
-  ASSERT_TRUE(manager.Startup());
+  ASSERT_NO_FATAL_FAILURE(UpForManager());
+  ASSERT_TRUE(manager_->Startup());
   ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
-  EXPECT_EQ(manager.client("musher").ChangeState(0, "activate"), false);
+  EXPECT_EQ(manager_->client("musher").ChangeState(0, "activate"), false);
   PlainParticipant person(transport::TestDomain());
   PlainLifecycleClient tool(person, name_space_ + "/musher");
   EXPECT_TRUE(PublishNodes(person, {{"_ros2cli_4711", {tool.change_state_writer()}}}));
   EXPECT_EQ(tool.ChangeState(0, "activate"), true);
   EXPECT_EQ(Status()["requested_by"], "ros2 lifecycle (/_ros2cli_4711)");
-  EXPECT_EQ(Musher({"down"}).exit, 0);
-  EXPECT_EQ(up.Wait().exit, 0);
+  Down();
 }
 
 // Of Humble, in its layout: its request may be discovered before its list of nodes.
 TEST_F(ARobotDrivenByRos2, IsResumedByAPersonsRos2LifecycleWhoseNodesComeAfterItsRequest) {
-  Add("[ros2]\nstart = \"manager\"\n");
-  Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
-  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
-  ASSERT_TRUE(manager.Startup());
+  ASSERT_NO_FATAL_FAILURE(UpForManager());
+  ASSERT_TRUE(manager_->Startup());
   ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
   PlainParticipant person(transport::TestDomain());
   PlainLifecycleClient tool(person, name_space_ + "/musher");
@@ -105,35 +103,27 @@ TEST_F(ARobotDrivenByRos2, IsResumedByAPersonsRos2LifecycleWhoseNodesComeAfterIt
   EXPECT_TRUE(PublishNodesOfHumble(person, {{"_ros2cli_4711", {tool.change_state_writer()}}}));
   AwaitStatus([](const nlohmann::json& status) { return status["state"] == "Active"; });
   EXPECT_EQ(Status()["requested_by"], "ros2 lifecycle (/_ros2cli_4711)");
-  EXPECT_EQ(Musher({"down"}).exit, 0);
-  EXPECT_EQ(up.Wait().exit, 0);
+  Down();
 }
 
 // Before it has published its nodes.
 TEST_F(ARobotDrivenByRos2, NamesAllNodesOfAContainerWhereItDoesNotKnowTheOne) {
-  Add("[ros2]\nstart = \"manager\"\n");
-  Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("the machine waits in SetUp for a manager to configure it"), "");
-  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"}, 4.0);
+  ASSERT_NO_FATAL_FAILURE(UpForManager());
   for (const char* node : {"e", "d", "c", "b", "a"}) {
-    manager.participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
-                                 std::string("rr/") + node + "/get_type_descriptionReply");
+    manager_->participant().Writer(lifecycle_msgs_srv_dds__GetState_Response__desc,
+                                   std::string("rr/") + node + "/get_type_descriptionReply");
   }
-  ASSERT_TRUE(manager.Startup());
+  ASSERT_TRUE(manager_->Startup());
   EXPECT_EQ(Status()["requested_by"], "/a, /b, /c, /d and 1 more");
-  EXPECT_EQ(Musher({"down"}).exit, 0);
-  EXPECT_EQ(up.Wait().exit, 0);
+  Down();
 }
 
 TEST_F(ARobotDrivenByRos2, IsShutDownByAManagerThatQueriesItFinalized) {
-  Add("[ros2]\nstart = \"manager\"\n");
-  Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("the machine waits in SetUp"), "");
-  PlainNav2Manager manager(transport::TestDomain(), name_space_, {"musher"});
-  ASSERT_TRUE(manager.Startup());
-  EXPECT_TRUE(manager.Shutdown());
-  EXPECT_THAT(manager.errors(), IsEmpty());
-  const Ended ended = up.Wait();
+  ASSERT_NO_FATAL_FAILURE(UpForManager(std::nullopt));
+  ASSERT_TRUE(manager_->Startup());
+  EXPECT_TRUE(manager_->Shutdown());
+  EXPECT_THAT(manager_->errors(), IsEmpty());
+  const Ended ended = up_->Wait();
   EXPECT_EQ(ended.exit, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("the machine is stopped after"));
   EXPECT_TRUE(AwaitNoChildren());

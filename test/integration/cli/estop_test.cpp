@@ -408,7 +408,7 @@ TEST_F(EmergencyStop, OfFilesThatThisUserMayNotReadKeepsTheMachineInSetUpUntilAP
   const std::vector<std::string> up{"up", config_, "--detach"};
   const Ended held = as_another(up);
   EXPECT_EQ(held.exit, 1) << held.err;
-  EXPECT_THAT(held.err, AllOf(HasSubstr("whether an emergency stop is engaged in " +
+  EXPECT_THAT(held.err, AllOf(HasSubstr("an emergency stop may be engaged in " +
                                         (folder_ / "by_service/musher/robot")),
                               HasSubstr("this user may not read it")));
   EXPECT_EQ(Json(as_another({"status", "--json"}).out)["state"], "SetUp");
@@ -669,6 +669,24 @@ TEST_F(EmergencyStop, WithoutAControllerSaysThatItIsOnNoDiskAndStaysPublished) {
   EXPECT_THAT(estop.err, AllOf(HasSubstr("not on disk: no controller leads that saves it"),
                                HasSubstr("the stop is lost if the actuators end; the stop stays "
                                          "published for a minute (pid ")));
+}
+
+// It names no machine, which every release left published for the whole minute.
+TEST_F(EmergencyStop, WithoutAControllerNamesTheMachineAndIsPublishedNoLongerAfterItsRelease) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  LoseController();
+  const Ended estop = Musher({"estop", "it", "smokes"});
+  EXPECT_EQ(estop.exit, 0) << estop.err;
+  EXPECT_THAT(estop.out, HasSubstr("\nmachine: "));
+  EXPECT_THAT(estop.err, HasSubstr("), for every machine that receives it"));
+  const pid_t publisher = PublisherOf(estop);
+  ASSERT_NE(publisher, 0);
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended release = Musher({"estop", "--release"});
+  ASSERT_EQ(release.exit, 0) << release.err;
+  EXPECT_TRUE(Until([&] { return waitpid(publisher, nullptr, WNOHANG) == publisher; },
+                    std::chrono::seconds(30)))
+      << "it is published for the whole minute";
 }
 
 TEST_F(EmergencyStop, NamesAnActuatorThatDoesNotSayThatItHasStopped) {

@@ -274,8 +274,9 @@ TEST_F(MachineOfOneHostOfTwo, IsNotDownWhileAnActuatorOfAnEarlierConfigRunsOnThe
   std::ofstream(folder_ / "earlier.toml") << earlier;
   Does("tail", "[state.OTA]\nrun = [\"true\"]\n");
   const auto tail = StartFar("tail", folder_ / "earlier.toml");
-  const std::string name = name_space_ + "/tail$";  // that it holds on its host
-  ASSERT_TRUE(Until([&] { return far_->Do({"grep", "-q", name, "/proc/net/unix"}).exit == 0; }));
+  ASSERT_TRUE(Until([&] {
+    return robot_->Run({"status", "--transport", "lan"}).err.find("tail") != std::string::npos;
+  }));
   const fault_injection::LinkImpairment slow{.delay = Milliseconds(150)};
   link_->Set(slow, slow, 1);
   const Ended down = robot_->Run({"down", "--transport", "lan"});

@@ -144,6 +144,37 @@ TEST_F(Up, ASupervisorsStartFinishesATearDownThatACrashInterruptedAndStaysDown) 
   EXPECT_EQ(Status()["state"], "Active");
 }
 
+// --- rules of the user ---
+
+TEST_F(Up, RefusesRulesThatHaveAnErrorWhereAPersonStartsIt) {
+  std::ofstream(config_, std::ios::app) << "[safety]\nrules = \"rules.txt\"\n";
+  std::ofstream(folder_ / "rules.txt") << "never leg Active\n";
+  const Ended refused = Musher({"up", config_, "--detach"});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("rules.txt:1:7: error: "));
+  // They only report: what a supervisor starts again does without them.
+  Process up(Command({"up", config_, "--restarted"}));
+  EXPECT_TRUE(up.AwaitError("the rules of [safety] are not checked: "));
+  EXPECT_NE(up.LineWith("the machine is Active"), "");
+  up.Signal(SIGINT);
+  EXPECT_EQ(up.Wait().exit, 0);
+}
+
+TEST_F(Up, RecordsARuleThatIsViolatedAndChangesNothing) {
+  std::ofstream(config_, std::ios::app) << "[safety]\nrules = \"rules.txt\"\n";
+  std::ofstream(folder_ / "rules.txt") << "never machine Active while voice is Active\n";
+  ASSERT_EQ(UpDetached().exit, 0);
+  Ended history;
+  EXPECT_TRUE(Until([&] {
+    history = Musher({"history", "--event", "rule_violated"});
+    return history.out.find("never machine Active while voice is Active") != std::string::npos;
+  })) << history.out
+      << history.err;
+  EXPECT_EQ(Status()["state"], "Active");
+  EXPECT_EQ(Status()["violated_rules"].dump(), R"(["never machine Active while voice is Active"])");
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr("a rule of yours is violated: never machine"));
+}
+
 // The start-up has failed before the controller's owner has the controller.
 TEST_F(Up, ReportsAFirstStageOfWhichNothingCouldBeStarted) {
   std::string config = ReadFile(config_);

@@ -68,9 +68,10 @@ TEST_F(WithoutController, DownTearsTheActuatorsDownAndEndsTheirProcesses) {
 TEST_F(WithoutController, DownKillsWhatStandsStill) {
   ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
   kill(before_["actuators"]["legs"]["pid"].get<pid_t>(), SIGSTOP);
-  const Ended down = Musher({"down", "--without-controller", "--timeout", "0.5"});
-  EXPECT_EQ(down.exit, 0) << down.out << down.err;
+  const Ended down = Musher({"down", "--without-controller", "--timeout", "5"});
+  EXPECT_EQ(down.exit, 1) << down.out << down.err;
   EXPECT_THAT(down.out, HasSubstr("exited without TearDown, after SIG"));
+  EXPECT_THAT(down.err, HasSubstr("without TearDown what legs has switched on may still be on"));
   EXPECT_TRUE(AwaitNoChildren());
 }
 
@@ -137,7 +138,7 @@ TEST_F(WithoutController, AnActuatorThatHangsIsNamedByDownUntilItIsEnded) {
   EXPECT_THAT(down.err,
               HasSubstr(ProcessOf("eyes") + " holds its name and sends no status; `musher down "
                                             "--without-controller` stops what is left"));
-  EXPECT_EQ(Musher({"down", "--without-controller", "--timeout", "0.5"}).exit, 0);
+  EXPECT_EQ(Musher({"down", "--without-controller", "--timeout", "0.5"}).exit, 1);
   EXPECT_TRUE(AwaitNoChildren());
 }
 

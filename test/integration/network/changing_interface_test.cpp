@@ -12,10 +12,7 @@ using ::testing::HasSubstr;
 using ChangingInterface = RobotAndDesk;
 
 TEST_F(ChangingInterface, IsLostAtOnceWithTheFirstAndBothComeBack) {
-  Connect(kEthernet);
-  Connect(kWifi);
-  ASSERT_NO_FATAL_FAILURE(Start());
-  AwaitDesk(true);
+  ASSERT_NO_FATAL_FAILURE(StartOnBoth());
   for (const TestNet& net : {kEthernet, kWifi}) Down(net);
   const Time end = In(kOutage);
   do {
@@ -70,10 +67,7 @@ TEST_F(ChangingInterface, ComesLateAndIsUsedAfterATakeoverThatDisturbsNoActuator
 }
 
 TEST_F(ChangingInterface, CarriesTheCommandsWhileTheFirstComesBackWithAnotherAddress) {
-  Connect(kEthernet);
-  Connect(kWifi);
-  ASSERT_NO_FATAL_FAILURE(Start());
-  AwaitDesk(true);
+  ASSERT_NO_FATAL_FAILURE(StartOnBoth());
   LoseAddress(kEthernet);
   ExpectTheRobotObeysTheDesk();
   Connect(kEthernet, 9);

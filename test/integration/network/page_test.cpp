@@ -108,6 +108,17 @@ TEST_F(PageFromTheDesk, StopsTheRobotWithoutALoginByEachOfItsNetworks) {
   ExpectNothingWasLost();
 }
 
+// `curl -X POST` without a body was refused.
+TEST_F(PageFromTheDesk, StopsTheRobotWhateverTheBodyOfTheRequestIs) {
+  ASSERT_NO_FATAL_FAILURE(Serve());
+  for (const char* body : {"", "null", "smoke", "[]", R"({"reason":7,"machine":null})"}) {
+    const Answer stop = Post(kWifi.Address(1), "/api/estop", body);
+    EXPECT_EQ(stop.status, 200) << body << ": " << stop.body;
+    EXPECT_TRUE(IsStopped()) << body;
+    ASSERT_EQ(robot_->Run({"estop", "--release"}).exit, 0);
+  }
+}
+
 TEST_F(PageFromTheDesk, LooksAndActsWithALoginOnly) {
   ASSERT_NO_FATAL_FAILURE(Serve());
   const std::string robot = kWifi.Address(1);

@@ -90,6 +90,13 @@ class RobotAndDesk : public MachineByCli {
     pids_ = Pids();
     ASSERT_EQ(pids_.size(), 4U);
   }
+  // On both networks; the desk reaches it.
+  void StartOnBoth() {
+    Connect(kEthernet);
+    Connect(kWifi);
+    ASSERT_NO_FATAL_FAILURE(Start());
+    AwaitDesk(true);
+  }
   // Of the controller and of each actuator.
   std::map<std::string, pid_t> Pids() const {
     const nlohmann::json status = robot_->Status();

@@ -14,10 +14,7 @@ using ::testing::Not;
 using SecondInterface = RobotAndDesk;
 
 TEST_F(SecondInterface, CarriesTheCommandsOfAnotherHostWhileTheFirstIsLostAndTheOtherWayRound) {
-  Connect(kEthernet);
-  Connect(kWifi);
-  ASSERT_NO_FATAL_FAILURE(Start());
-  AwaitDesk(true);
+  ASSERT_NO_FATAL_FAILURE(StartOnBoth());
   for (const TestNet& lost : {kEthernet, kWifi}) {
     SCOPED_TRACE(std::string(lost.robot) + " is down");
     Down(lost);
@@ -32,10 +29,7 @@ TEST_F(SecondInterface, CarriesTheCommandsOfAnotherHostWhileTheFirstIsLostAndThe
 }
 
 TEST_F(SecondInterface, IsUsedAndDockersBridgeAndATunnelAreNot) {
-  Connect(kEthernet);
-  Connect(kWifi);
-  ASSERT_NO_FATAL_FAILURE(Start());
-  AwaitDesk(true);
+  ASSERT_NO_FATAL_FAILURE(StartOnBoth());
   const std::string doctor = robot_->Run({"doctor", config_}).out;
   EXPECT_THAT(doctor, AllOf(HasSubstr("eth7 with 10.77.1.1 (this host has no ethernet"),
                             HasSubstr("wlan7 with 10.77.2.1 (this host has no ethernet"),
@@ -51,10 +45,7 @@ TEST_F(SecondInterface, IsUsedAndDockersBridgeAndATunnelAreNot) {
 
 // A script at the desk, which limits each command.
 TEST_F(SecondInterface, CarriesAStopWithATimeoutAndAWaitWhileTheFirstIsLostAndTheOtherWayRound) {
-  Connect(kEthernet);
-  Connect(kWifi);
-  ASSERT_NO_FATAL_FAILURE(Start());
-  AwaitDesk(true);
+  ASSERT_NO_FATAL_FAILURE(StartOnBoth());
   for (const TestNet& lost : {kEthernet, kWifi}) {
     SCOPED_TRACE(std::string(lost.robot) + " is down");
     Down(lost);
@@ -71,10 +62,7 @@ TEST_F(SecondInterface, CarriesAStopWithATimeoutAndAWaitWhileTheFirstIsLostAndTh
 
 // Its controller cannot confirm the stop, and the actuators have.
 TEST_F(SecondInterface, LeavesTimeToReportAStopThatNotAllHaveConfirmed) {
-  Connect(kEthernet);
-  Connect(kWifi);
-  ASSERT_NO_FATAL_FAILURE(Start());
-  AwaitDesk(true);
+  ASSERT_NO_FATAL_FAILURE(StartOnBoth());
   Down(kEthernet);
   const std::string controller = std::to_string(pids_["controller"]);
   ASSERT_EQ(robot_->Do({"kill", "-STOP", controller}).exit, 0);
@@ -127,10 +115,7 @@ TEST_F(SecondInterface, ACommandOfTheRobotThatCannotJoinByAnyNetworkSaysWhy) {
 
 // DDS rejects the name of the other one.
 TEST_F(SecondInterface, IsUsedWhereTheOtherCannotBeJoined) {
-  Connect(kEthernet);
-  Connect(kWifi);
-  ASSERT_NO_FATAL_FAILURE(Start());
-  AwaitDesk(true);
+  ASSERT_NO_FATAL_FAILURE(StartOnBoth());
   for (const TestNet& other : {kEthernet, kWifi}) {
     const std::string name = "far&" + std::string(other.robot);
     SCOPED_TRACE(name);

@@ -56,6 +56,36 @@ TEST_F(OtaFiles, ABundleNeedsAConfigThatCanBeUpgradedAgain) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
 }
 
+TEST_F(OtaFiles, ABundleHasTheRulesThatItsConfigNames) {
+  const auto bundle = [&] {
+    return Musher(
+        {"ota", "bundle", built_, "--version", "2.0.0", "--key", key_, "--out", folder_ / "x"});
+  };
+  std::ofstream(built_ + "/robot.toml", std::ios::app) << "[safety]\nrules = \"rules.txt\"\n";
+  const Ended missing = bundle();
+  EXPECT_EQ(missing.exit, 2);
+  EXPECT_THAT(missing.err, HasSubstr("safety.rules: " + built_ + "/rules.txt: the file cannot"));
+  std::ofstream(built_ + "/rules.txt") << "never leg Active\n";
+  const Ended wrong = bundle();
+  EXPECT_EQ(wrong.exit, 2);
+  EXPECT_THAT(wrong.err, HasSubstr(built_ + "/rules.txt:1:7: error:"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
+  std::ofstream(built_ + "/rules.txt") << "never legs Active while voice is OTA\n";
+  const Ended right = bundle();
+  EXPECT_EQ(right.exit, 0) << right.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "x/payload/rules.txt"));
+}
+
+// They may be on the robot, where the bundle does not bring them.
+TEST_F(OtaFiles, RulesThatABundleDoesNotHaveAreNamed) {
+  std::ofstream(built_ + "/robot.toml", std::ios::app)
+      << "[safety]\nrules = \"/etc/dog/rules.txt\"\n";
+  const Ended ended = Musher(
+      {"ota", "bundle", built_, "--version", "2.0.0", "--key", key_, "--out", folder_ / "x"});
+  EXPECT_EQ(ended.exit, 0);
+  EXPECT_THAT(ended.err, HasSubstr("/etc/dog/rules.txt, which [safety] rules names, is not in"));
+}
+
 TEST_F(OtaFiles, ARootIsNotMadeTwice) {
   ExpectRefused({"init", root_, "--from", Bundle("1.0.0"), "--key", open_}, 1,
                 "is already an upgrade root; `musher ota install` upgrades it");
@@ -98,6 +128,21 @@ TEST_F(OtaFiles, ConfigsThatAreFaultyAreFoundBeforeTheRobotLiesDown) {
             0);
   ASSERT_EQ(UpDetached().exit, 0);
   ExpectRefused({"install", Bundle("1.1.0")}, 1, "its state config is invalid");
+  EXPECT_EQ(Where(), "Active from a");
+}
+
+TEST_F(OtaFiles, RulesThatAreMissingAreFoundBeforeTheRobotLiesDown) {
+  const std::string built = folder_ / "built-1.1.0";
+  Make("1.1.0", {});
+  std::filesystem::remove_all(Bundle("1.1.0"));
+  std::ofstream(built + "/good.toml") << std::ifstream(built_ + "/robot.toml").rdbuf();
+  std::ofstream(built + "/robot.toml", std::ios::app) << "[safety]\nrules = \"rules.txt\"\n";
+  ASSERT_EQ(Musher({"ota", "bundle", built, "--version", "1.1.0", "--key", key_, "--out",
+                    Bundle("1.1.0"), "--config", "good.toml"})
+                .exit,
+            0);
+  ASSERT_EQ(UpDetached().exit, 0);
+  ExpectRefused({"install", Bundle("1.1.0")}, 1, "rules.txt: the file cannot be read");
   EXPECT_EQ(Where(), "Active from a");
 }
 

@@ -21,6 +21,9 @@ namespace musher::testing::kill_test {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+// Of a process that an actuator of some controller has left behind.
+constexpr const char* kMark = "MUSHER_STARTED_AS=0000000001/0//left";
+
 class Killed : public RobotWithUpgrades {
  protected:
   // An installer waits with the files until this is given back: for ten seconds, at most.
@@ -234,7 +237,7 @@ TEST_F(Killed, AMachineThatIsBeingStartedIsNotStartedTwice) {
   Make("1.1.0", {});
   ASSERT_EQ(Install("1.1.0").exit, 0);
   // A process that is left of the other slot and ignores SIGTERM: a start waits for its end.
-  Process left({"env", "MUSHER_CONFIG=" + root_ + "/slots/a/robot.toml", "sh", "-c",
+  Process left({"env", kMark, "MUSHER_CONFIG=" + root_ + "/slots/a/robot.toml", "sh", "-c",
                 "trap '' TERM; echo runs; exec sleep 60"});
   ASSERT_NE(left.LineWith("runs"), "");
   Process first(Command({"up", root_}));
@@ -330,7 +333,7 @@ TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
 TEST_F(Killed, NoProcessOfTheOtherSlotEndsWhereAControllerOfAnotherHostLeads) {
   Make("1.1.0", {.policy = "[transport]\nprofile = \"lan\"\n"});
   ASSERT_EQ(Install("1.1.0").exit, 0);
-  Process left({"env", "MUSHER_CONFIG=" + root_ + "/slots/a/robot.toml", "sh", "-c",
+  Process left({"env", kMark, "MUSHER_CONFIG=" + root_ + "/slots/a/robot.toml", "sh", "-c",
                 "trap 'echo ended; exit' TERM; echo runs; while :; do sleep 0.1; done"});
   ASSERT_NE(left.LineWith("runs"), "");
   {

@@ -48,6 +48,39 @@ TEST_F(Authority, AControllerWithALowerOrInvalidEpochIsIgnored) {
   EXPECT_TRUE(t.fenced);
 }
 
+// A laptop takes over and engages a stop, which is on its disk alone. Once the robot's power was
+// cut, the controller of the robot went to Active at boot.
+TEST_F(Authority, AControllerThatAnotherHostReplacesKeepsTheNextBootFromSwitchingOn) {
+  Harness& t = In("Active", Ours(2));
+  t.Feed(event::RivalSeen{t.machine().epoch + 1, "process 2 of host laptop", false, true});
+  ASSERT_EQ(t.machine().phase, Phase::kFenced);
+  t.RunFor(Milliseconds(1));  // the disk
+  EXPECT_TRUE(t.disk().stops.led_elsewhere);
+  for (const bool by_supervisor : {true, false}) {
+    SCOPED_TRACE(by_supervisor ? "started by a supervisor" : "started by a person");
+    Harness next(Ours(2));
+    next.disk() = t.disk();
+    next.Begin(false, t.disk().epoch, /*restarted=*/by_supervisor);
+    next.Rest();
+    EXPECT_EQ(next.machine().state, by_supervisor ? kSetUp : kActive);
+    EXPECT_FALSE(next.disk().stops.led_elsewhere);
+    EXPECT_EQ(next.disk().stops.awaits_request, by_supervisor);
+    EXPECT_TRUE(next.Set("SelfCheck").done());
+    EXPECT_TRUE(next.Set("Active").done());
+    next.Rest();
+    EXPECT_FALSE(next.disk().stops.awaits_request) << "the next boot starts it";
+  }
+}
+
+// The next controller has the same folder, with all stops.
+TEST_F(Authority, AControllerThatAnotherOneOfItsHostReplacesLeavesNoNoteOfThat) {
+  Harness& t = In("Active", Ours(2));
+  t.ReceiveRivalHeartbeat(t.machine().epoch + 1);
+  ASSERT_EQ(t.machine().phase, Phase::kFenced);
+  t.RunFor(Milliseconds(1));
+  EXPECT_FALSE(t.disk().stops.led_elsewhere);
+}
+
 TEST_F(Authority, EveryCallerIsAnsweredWhenTheControllerIsFenced) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);

@@ -691,13 +691,13 @@ TEST_F(EmergencyStopped, AFolderThatMayNotBeReadIsNotAnsweredByAManagerThatLearn
   t.disk().stops.unread = {{"/var/lib/musher/robot", "root", 7, false}};
   t.Begin();
   t.Rest();
-  EXPECT_THAT(t.start_up()->message, HasSubstr("whether an emergency stop is engaged in "
-                                               "/var/lib/musher/robot is not known"));
+  EXPECT_THAT(t.start_up()->message,
+              HasSubstr("an emergency stop may be engaged in /var/lib/musher/robot: "));
   EXPECT_TRUE(t.Set("SelfCheck", std::nullopt, manager).done());
   const SwitchResult refused = t.Set("Active", std::nullopt, manager);
   EXPECT_THAT(refused, IsRefused(Refusal::kStopsUnread));
-  EXPECT_THAT(refused.reason, HasSubstr("/var/lib/musher/robot is not known: this user may not "
-                                        "read it, user root may"));
+  EXPECT_THAT(refused.reason, HasSubstr("/var/lib/musher/robot: this user may not read it, user "
+                                        "root may; a manager cannot decide that"));
   EXPECT_THAT(t.log(), Not(Contains("a:Active")));
   EXPECT_TRUE(t.Set("Active").done());
   EXPECT_TRUE(t.disk().stops.unread.at(0).answered);
@@ -715,10 +715,11 @@ TEST_F(EmergencyStopped, AFolderThatMayNotBeReadLeavesTheMachineInSetUpUntilAPer
     t.Rest();
     EXPECT_EQ(t.machine().state, "SetUp");
     EXPECT_FALSE(t.usable());
-    EXPECT_THAT(t.start_up()->message,
-                HasSubstr("whether an emergency stop is engaged in /var/lib/musher/robot is not "
-                          "known: this user may not read it, user root may; check the robot, then "
-                          "run `musher set SelfCheck` and `musher set Active`"));
+    EXPECT_THAT(
+        t.start_up()->message,
+        HasSubstr("an emergency stop may be engaged in /var/lib/musher/robot: this user may "
+                  "not read it, user root may; check the robot, then run `musher set "
+                  "SelfCheck` and `musher set Active`"));
     t.RestartController();
     t.Rest();
     EXPECT_EQ(t.machine().state, "SetUp") << "a second start is no answer either";

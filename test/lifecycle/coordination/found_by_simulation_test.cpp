@@ -193,12 +193,14 @@ TEST_F(FoundBySimulation, AnActuatorWithAnOverdueCheckInTheRunPhaseIsWellWhenTha
 
 TEST_F(FoundBySimulation, AControllerThatListensReceivesTheReleaseOfAStop) {
   const EmergencyStop stop{7, "a panel", ""};
-  StoredStops received = Merge({}, {{stop}, {}});
+  StoredStops received;
+  AddReceived(received, stop);
   EXPECT_EQ(received.engaged.size(), 1U);
-  received = Merge(received, {{}, {7}});
+  AddReceivedRelease(received, 7);
   EXPECT_TRUE(received.engaged.empty());
-  received = Merge(received, {{stop}, {}});  // latched, and late
+  AddReceived(received, stop);  // latched, and late
   EXPECT_TRUE(received.engaged.empty());
+  EXPECT_TRUE(received.awaits_request);
 }
 
 TEST_F(FoundBySimulation, AControllerThatLeadsIgnoresReleasesOfOtherParticipants) {

@@ -257,6 +257,28 @@ TEST_F(HostProcess, ThatIsFoundAgainAfterAFalseExitIsUsedAgain) {
   EXPECT_EQ(Of(1).presence, Presence::kPresent);
 }
 
+TEST_F(HostProcess, ThatIsFoundAgainAfterAFalseExitBeforeItsStatusIsUsed) {
+  Begin();
+  Do(event::ProcessStarted{1, kPid, "there"});
+  Do(event::ProcessEnded{1, kPid, false, "exit code unknown"});
+  Do(event::ProcessStarted{1, kPid, "there", true});
+  ComeB();
+  EXPECT_EQ(Of(1).presence, Presence::kPresent);
+}
+
+// The status came by another way than the exit, and later.
+TEST_F(HostProcess, ThatExitsBeforeItsStatusArrivesIsStartedAgain) {
+  Begin();
+  Do(event::ProcessStarted{1, kPid, "there"});
+  Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
+  ASSERT_TRUE(Of(1).restart.at);
+  Forget();
+  Say(1, ReportOfB());
+  EXPECT_EQ(Of(1).presence, Presence::kLost);
+  Pass(Milliseconds(150));
+  EXPECT_THAT(Did<action::StartProcess>(), ::testing::Contains(action::StartProcess{1}));
+}
+
 TEST_F(HostProcess, ThatIsFoundInsteadOfItsRestartIsUsedAgain) {
   StartUpBoth();
   Do(event::ProcessEnded{1, kPid, false, "exit code unknown"});

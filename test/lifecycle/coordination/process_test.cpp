@@ -437,6 +437,47 @@ TEST_F(Processes, ThatReplaceOneFoundRunningAreNotTornDownByAFailedExit) {
   EXPECT_NE(answers[0].result.outcome, SwitchOutcome::kDone);
 }
 
+// The late status dropped the restart: it was taken for that of a process that another party had
+// started. Of a process of this host that has exited the shell proves no pid: it is 0.
+TEST_F(Processes, ThatExitBeforeTheirStatusArrivesAreRestarted) {
+  for (const std::int32_t pid : {700, 0}) {
+    machine_ = MakeMachine(config_);
+    event::Begin begin{false, 0, {true, true}, "here"};
+    begin.processes = {700, 701};
+    Do(begin);
+    Do(event::ProcessEnded{0, 700, false, "exit code unknown"});
+    ASSERT_TRUE(Of(0).restart.at);
+    Forget();
+    ActuatorReport late = Report(0, kActive);
+    late.pid = pid;
+    late.emergency_stop = 5;
+    Say(0, late);
+    EXPECT_EQ(Of(0).presence, Presence::kAbsent) << pid;
+    EXPECT_TRUE(machine_.emergency.stop) << "what it has latched counts";
+    Pass(Milliseconds(150));
+    EXPECT_THAT(Did<action::StartProcess>(), SizeIs(1)) << pid;
+  }
+}
+
+TEST_F(Processes, ThatAnotherPartyStartsBeforeTheirRestartAreNotStartedTwice) {
+  for (const std::string& host : {std::string("here"), std::string("there")}) {
+    StartUpOurs();
+    Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+    ASSERT_TRUE(Of(0).restart.at);
+    Pass(Milliseconds(100));
+    Do(event::ProcessStarted{0, 700});  // the kernel reuses the pid
+    Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+    ASSERT_TRUE(Of(0).restart.at);
+    ActuatorReport report = Report(0);
+    report.host = host;
+    report.pid = host == "here" ? 800 : 700;
+    report.incarnation = 80;
+    Say(0, report);
+    EXPECT_FALSE(Of(0).restart.at) << host;
+    EXPECT_EQ(Of(0).presence, Presence::kStarting) << host;
+  }
+}
+
 TEST_F(Processes, ThatVanishInTheirSetUpAreGivenUpAfterTheirTerminationAndKill) {
   Begin();
   Do(event::ProcessStarted{0, 700});

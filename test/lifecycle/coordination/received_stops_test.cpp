@@ -263,6 +263,61 @@ TEST_F(ReceivedStops, ARepeatedReleaseNamesNoCommandThatWasRequestedSinceTheFirs
   EXPECT_EQ(Did<action::PublishEmergencyStop>()[0].last_command, before);
 }
 
+// A person had stopped the robot twice without a controller, with a release between. The first
+// command still published its stop, which arrived last and replaced the second one. The disk had it
+// as released, so the next controller held no stop, and released the second one at the actuators.
+TEST_F(ReceivedStops, AReleasedOneThatIsStillPublishedEndsNoLaterOneOfItsSource) {
+  const EmergencyStop first{7, "anna@bench", "smoke"};
+  const EmergencyStop second{8, "anna@bench", "hand in the gripper"};
+  const StoredStops stored{{}, {7}};
+  for (const bool in_order : {true, false}) {
+    StoredStops received;
+    AddReceived(received, in_order ? first : second);
+    AddReceived(received, in_order ? second : first);
+    const StoredStops begin = Merge(stored, WithoutReleased(stored, received));
+    EXPECT_THAT(begin.engaged, ElementsAre(second));
+    EXPECT_THAT(begin.released, ElementsAre(StopId(7)));
+    EXPECT_TRUE(begin.awaits_request);
+  }
+}
+
+// The controller before it, with another disk, publishes the release.
+TEST_F(ReceivedStops, TheReleaseOfOneBeforeTheBeginEndsNoOtherOneOfItsSource) {
+  StoredStops received;
+  AddReceived(received, {8, "anna@bench", "hand in the gripper"});
+  AddReceived(received, {7, "anna@bench", "smoke"});
+  AddReceivedRelease(received, 7);
+  const StoredStops begin = Merge({}, WithoutReleased({}, received));
+  EXPECT_THAT(begin.engaged, ElementsAre(EmergencyStop{8, "anna@bench", "hand in the gripper"}));
+  EXPECT_THAT(begin.released, ElementsAre(StopId(7)));
+}
+
+TEST_F(ReceivedStops, OfOneSourceBeforeTheBeginAreReleasedTogether) {
+  StoredStops received;
+  AddReceived(received, {7, "anna@bench", "smoke"});
+  AddReceived(received, {7, "anna@bench", "smoke"});
+  AddReceived(received, {8, "anna@bench", "hand in the gripper"});
+  machine_ = MakeMachine(config_);
+  event::Begin begin{false, 0, {false, false}, "here"};
+  begin.stops = Merge({}, WithoutReleased({}, received));
+  Do(begin);
+  EXPECT_THAT(StopsOf(machine_).engaged,
+              ElementsAre(EmergencyStop{8, "anna@bench", "smoke; then: hand in the gripper"}));
+  Do(event::ReleaseRequested{1, "alice", {8}});
+  EXPECT_THAT(StopsOf(machine_).engaged, IsEmpty());
+  EXPECT_THAT(StopsOf(machine_).released, ElementsAre(StopId(7), StopId(8)));
+}
+
+TEST_F(ReceivedStops, OfAFloodBeforeTheBeginForgetNoneOfAnotherSource) {
+  StoredStops received;
+  AddReceived(received, {1000, "the door", "open"});
+  for (StopId id = 1; id < 1000; ++id) AddReceived(received, {id, "a panel", ""});
+  EXPECT_EQ(received.engaged.front(), (EmergencyStop{1000, "the door", "open"}));
+  EXPECT_EQ(received.engaged.back(), (EmergencyStop{999, "a panel", ""}));
+  EXPECT_EQ(received.engaged.size(), 320U);
+  EXPECT_THAT(received.released, IsEmpty());
+}
+
 // A panel publishes it for ever. A robot whose controller was started again waited for a person
 // each time.
 TEST_F(ReceivedStops, OneThatTheDiskHasAsReleasedWaitsForNoRequest) {

@@ -230,6 +230,68 @@ TEST_F(Reports, OfTwoHostsBeforeEitherProcessIsAttachedAreBothRemembered) {
   EXPECT_EQ(Of(0).report.host, "dock");
 }
 
+// It degraded the one in use, with a reason that was not its own.
+TEST_F(Reports, OfASecondProcessWhoseSetUpHasFailedLeaveTheOneInUseAsItIs) {
+  for (const bool announced : {true, false}) {
+    StartUp();
+    ActuatorReport second = Report(0, config_.default_state);
+    second.incarnation += 100;
+    second.pid += 100;
+    second.host = "dock";
+    second.epoch = 0;
+    if (announced) Say(0, second);
+    second.outcome_code = 5012;
+    second.outcome_message = "no microphone";
+    Say(0, second);
+    EXPECT_FALSE(Of(0).fault) << announced;
+    EXPECT_FALSE(Of(0).other) << announced;
+    EXPECT_EQ(Of(0).presence, Presence::kPresent) << announced;
+    EXPECT_EQ(Of(0).report.host, "here") << announced;
+    EXPECT_TRUE(IsRecorded(texts::DuplicateActuator("a", 800, "dock", 700))) << announced;
+    EXPECT_FALSE(IsRecorded(EventName::kSetUpFailed)) << announced;
+  }
+}
+
+TEST_F(Reports, OfASecondProcessWhoseSetUpHasFailedDoNotDegradeTheOneThatIsBeingAttached) {
+  Begin();
+  Say(0, Report(0));
+  ASSERT_TRUE(Of(0).control.again);
+  ActuatorReport second = Report(0, config_.default_state);
+  second.incarnation += 100;
+  second.pid += 100;
+  second.host = "dock";
+  second.outcome_code = 5012;
+  Say(0, second);
+  EXPECT_FALSE(Of(0).fault);
+  EXPECT_EQ(Of(0).report.incarnation, kFirst);
+}
+
+// The process that has failed is the next one of the actuator, and the one before is known to have
+// ended.
+TEST_F(Reports, OfASuccessorWhoseSetUpHasFailedDegradeTheActuator) {
+  StartUp();
+  Do(event::Vanished{0, kFirst, true, "its process 700 ended"});
+  ActuatorReport successor = Report(0, config_.default_state);
+  successor.incarnation += 100;
+  successor.outcome_code = 5012;
+  successor.outcome_message = "no microphone";
+  Say(0, successor);
+  EXPECT_THAT(Of(0).fault, Is(texts::SetUpFailed(5012, "no microphone")));
+}
+
+// Only one process of a host has the name of the actuator: the one before it has ended, and the
+// exit is not known yet. The reason was taken for that of a second process.
+TEST_F(Reports, OfASuccessorWhoseSetUpHasFailedBeforeTheExitIsKnownDegradeTheActuator) {
+  StartUp();
+  ActuatorReport successor = Report(0, config_.default_state);
+  successor.incarnation += 100;
+  successor.host = Of(0).report.host;
+  successor.outcome_code = 5012;
+  successor.outcome_message = "no microphone";
+  Say(0, successor);
+  EXPECT_THAT(Of(0).fault, Is(texts::SetUpFailed(5012, "no microphone")));
+}
+
 TEST_F(Reports, OfAProcessThatHasExitedAreIgnored) {
   StartUp();
   const ActuatorReport last = Report(0, "Active");

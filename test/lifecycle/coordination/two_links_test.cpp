@@ -325,6 +325,7 @@ TEST_F(TwoLinks, AControllerWhoseActuatorFollowsAHigherEpochHasBeenReplaced) {
   EXPECT_EQ(first().epochs, (std::vector<Epoch>{5})) << "a running controller never raises";
   EXPECT_EQ(second().epochs, (std::vector<Epoch>{1, 6})) << "once, at its start";
   EXPECT_EQ(robot_.EpochOf("c"), Epoch(6));
+  EXPECT_TRUE(first().disk().stops.led_elsewhere) << "the stops of B are on its disk alone";
 }
 
 TEST_F(TwoLinks, NoControllerOutbidsTheOtherWhenMessagesAreLost) {

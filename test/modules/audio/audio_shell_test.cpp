@@ -71,6 +71,20 @@ TEST_F(ListeningOnANetwork, PublishesNoTextWhileTheMicrophoneIsOff) {
   EXPECT_EQ(wake_ups_, 0);
 }
 
+// It stood up by a word that was said long before.
+TEST_F(ListeningOnANetwork, PublishesNoTextThatWaitedWhileItsProcessWasStopped) {
+  network_.Pause(*robot_);
+  Say("铁蛋铁蛋");
+  network_.RunFor(std::chrono::seconds(20));
+  network_.Resume(*robot_);
+  network_.RunFor(Milliseconds(2'500));
+  EXPECT_THAT(texts_, ElementsAre());
+  EXPECT_EQ(wake_ups_, 0);
+  EXPECT_THAT(log_, HasSubstr("a recognised text is dropped: this process could not run for 2"));
+  Say("铁蛋铁蛋");
+  EXPECT_EQ(wake_ups_, 1);
+}
+
 TEST_F(ListeningOnANetwork, WakesByItsConfiguredName) {
   EXPECT_TRUE(Call<msg::AudioNickName>("set_nick_name", {"Rex", "hey Rex"}).success);
   Say("hey Rex, come");

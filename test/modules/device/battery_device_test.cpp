@@ -141,6 +141,40 @@ TEST_F(BatteryOnANetwork, SwitchesTheMotorsPower) {
   EXPECT_THAT(power_, ElementsAre(msg::Bool{false}, msg::Bool{true}));
 }
 
+// A robot whose battery is that of its computer: they were "powered down", and had power.
+TEST_F(BatteryOnANetwork, RefusesToSwitchMotorsWithoutASubscriber) {
+  motors_.reset();
+  Start();
+  EXPECT_EQ(Command(BmsCmd::kMotorsDown, 0), 1405);
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("world/motor_power has no subscriber")));
+  SayEachSecond({80, 80});
+  ASSERT_FALSE(received_.empty());
+  EXPECT_FALSE(received_.back().power_motor_shutdown);
+}
+
+// A program that was restarted after "down" read the "up" of before, and powered the motors.
+TEST_F(BatteryOnANetwork, KeepsMotorsDownForASubscriberThatComesAfterTheCommand) {
+  Start();
+  EXPECT_EQ(Command(BmsCmd::kMotorsUp, 0), 0);
+  Run(Milliseconds(1000));
+  motors_.reset();
+  Run(Milliseconds(1000));
+  EXPECT_EQ(Command(BmsCmd::kMotorsDown, 0), 1405);
+  power_.clear();
+  motors_ = Listen<msg::Bool>("dog1/world/motor_power", power_, transport::kLatchedQos);
+  Run(Milliseconds(1000));
+  EXPECT_THAT(power_, ElementsAre(msg::Bool{false}));
+}
+
+TEST_F(BatteryOnANetwork, PowersNoMotorsForASubscriberThatComesAfterTheCommand) {
+  motors_.reset();
+  Start();
+  EXPECT_EQ(Command(BmsCmd::kMotorsUp, 0), 1405);
+  motors_ = Listen<msg::Bool>("dog1/world/motor_power", power_, transport::kLatchedQos);
+  Run(Milliseconds(1000));
+  EXPECT_THAT(power_, IsEmpty());
+}
+
 TEST_F(BatteryOnANetwork, RefusesUnknownCommands) {
   Start();
   EXPECT_EQ(Command(0, 0), 1410);

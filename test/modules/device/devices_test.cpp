@@ -284,6 +284,23 @@ TEST_F(Pad, LeavesLowPowerByADoubleTap) {
   EXPECT_EQ(calls_, 2);
 }
 
+// It stood up by a tap of long before.
+TEST_F(Pad, DoesNotLeaveLowPowerByADoubleTapThatWaitedWhileItsProcessWasStopped) {
+  Serve(true);
+  Start();
+  state_ = "LowPower";
+  network_.Pause(*robot_);
+  Touch(msg::TouchStatus::kDoubleTouch);
+  Run(std::chrono::seconds(20));
+  network_.Resume(*robot_);
+  Run(Milliseconds(2500));
+  EXPECT_EQ(calls_, 0);
+  EXPECT_THAT(log_,
+              ElementsAre(HasSubstr("a double tap is ignored: this process could not run for 2")));
+  Touch(msg::TouchStatus::kDoubleTouch);
+  EXPECT_EQ(calls_, 1);
+}
+
 TEST_F(Pad, ChangesNothingByADoubleTapInOtherStates) {
   Serve(true);
   Start();

@@ -3,12 +3,7 @@
 
 #include "musher/modules/device/input_key.hpp"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
-#include <linux/uinput.h>
-#include <sys/ioctl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
@@ -17,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/test/support/temp_folder.hpp"
+#include "musher/test/modules/device/fake_input_device.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::device::input_key_test {
@@ -27,28 +22,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-input_event Event(std::uint16_t type, std::uint16_t code, std::int32_t value) {
-  input_event event{};
-  event.type = type;
-  event.code = code;
-  event.value = value;
-  return event;
-}
-
 class Key : public ::testing::Test {
  protected:
-  Key() : pipe_(folder_ / "event0") {}
-
-  void Plug() {
-    std::filesystem::remove(pipe_);
-    ASSERT_EQ(mkfifo(pipe_.c_str(), 0600), 0);
-    writer_ = UniqueFd(open(pipe_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
-    ASSERT_TRUE(writer_.valid());
-  }
-  void Send(const std::vector<input_event>& events) {
-    const std::size_t size = events.size() * sizeof(input_event);
-    ASSERT_EQ(write(writer_.get(), events.data(), size), static_cast<ssize_t>(size));
-  }
   std::unique_ptr<InputKey> Start(const std::string& device) {
     return std::make_unique<InputKey>(
         loop_, device, kPowerKeyCode, [this](bool pressed) { keys_.push_back(pressed); },
@@ -59,19 +34,18 @@ class Key : public ::testing::Test {
                           loop_.Now() + std::chrono::seconds(30));
   }
 
-  const TempFolder folder_;
-  const std::string pipe_;
-  UniqueFd writer_;
+  FakeInputDevice device_;
   transport::LinuxEventLoop loop_;
   std::vector<bool> keys_;
   std::vector<std::string> log_;
 };
 
 TEST_F(Key, IsPressedAndReleased) {
-  Plug();
-  const auto key = Start(pipe_);
-  Send({Event(EV_KEY, KEY_A, 1), Event(EV_KEY, KEY_POWER, 1), Event(EV_SYN, SYN_REPORT, 0),
-        Event(EV_KEY, KEY_POWER, 2), Event(EV_REL, KEY_POWER, 1), Event(EV_KEY, KEY_POWER, 0)});
+  device_.Plug();
+  const auto key = Start(device_.file());
+  device_.Send({InputEvent(EV_KEY, KEY_A, 1), InputEvent(EV_KEY, KEY_POWER, 1),
+                InputEvent(EV_SYN, SYN_REPORT, 0), InputEvent(EV_KEY, KEY_POWER, 2),
+                InputEvent(EV_REL, KEY_POWER, 1), InputEvent(EV_KEY, KEY_POWER, 0)});
   ASSERT_TRUE(Await(2));
   EXPECT_THAT(keys_, ElementsAre(true, false)) << "neither another key nor a repetition counts";
   EXPECT_THAT(log_, IsEmpty());
@@ -79,25 +53,25 @@ TEST_F(Key, IsPressedAndReleased) {
 
 // Otherwise a key whose device is gone would switch the robot off.
 TEST_F(Key, IsReleasedWhenItsDeviceIsLostAndWorksAgainOnceItIsBack) {
-  Plug();
-  const auto key = Start(pipe_);
-  Send({Event(EV_KEY, KEY_POWER, 1)});
+  device_.Plug();
+  const auto key = Start(device_.file());
+  device_.Send({InputEvent(EV_KEY, KEY_POWER, 1)});
   ASSERT_TRUE(Await(1));
-  writer_ = UniqueFd();
+  device_.Unplug();
   ASSERT_TRUE(Await(2));
   EXPECT_THAT(keys_, ElementsAre(true, false));
   EXPECT_THAT(log_, ElementsAre(HasSubstr("it was closed; it is opened again every second")));
-  Plug();
+  device_.Plug();
   ASSERT_TRUE(
       loop_.RunUntil([&] { return log_.size() == 2; }, loop_.Now() + std::chrono::seconds(30)));
   EXPECT_THAT(log_.back(), HasSubstr("is available"));
-  Send({Event(EV_KEY, KEY_POWER, 1)});
+  device_.Send({InputEvent(EV_KEY, KEY_POWER, 1)});
   ASSERT_TRUE(Await(3));
   EXPECT_TRUE(keys_.back());
 }
 
 TEST_F(Key, WithoutItsDeviceIsLoggedOnce) {
-  const auto key = Start(pipe_);
+  const auto key = Start(device_.file());
   ASSERT_TRUE(Await(2));
   EXPECT_THAT(keys_, ::testing::Each(false));
   EXPECT_THAT(log_, SizeIs(1));
@@ -106,9 +80,10 @@ TEST_F(Key, WithoutItsDeviceIsLoggedOnce) {
 
 // The event loop refuses a folder, a file and /dev/null.
 TEST_F(Key, OfAFileThatIsNoInputDeviceIsLoggedOnce) {
-  const std::string file = folder_ / "file";
+  const TempFolder folder;
+  const std::string file = folder / "file";
   std::ofstream(file) << "text";
-  for (const std::string& device : {folder_ / ".", file, std::string("/dev/null")}) {
+  for (const std::string& device : {folder.path(), file, std::string("/dev/null")}) {
     SCOPED_TRACE(device);
     keys_.clear();
     log_.clear();
@@ -122,12 +97,7 @@ TEST_F(Key, OfAFileThatIsNoInputDeviceIsLoggedOnce) {
 TEST_F(Key, OfADeviceOfTheKernelIsKnownWhenItIsPressedAlready) {
   const UniqueFd uinput(open("/dev/uinput", O_WRONLY | O_NONBLOCK | O_CLOEXEC));
   if (!uinput.valid()) GTEST_SKIP() << "/dev/uinput: " << std::strerror(errno);
-  ASSERT_EQ(ioctl(uinput.get(), UI_SET_EVBIT, EV_KEY), 0);
-  ASSERT_EQ(ioctl(uinput.get(), UI_SET_KEYBIT, KEY_POWER), 0);
-  uinput_setup setup{};
-  std::strncpy(setup.name, "musher test key", sizeof(setup.name) - 1);
-  ASSERT_EQ(ioctl(uinput.get(), UI_DEV_SETUP, &setup), 0);
-  ASSERT_EQ(ioctl(uinput.get(), UI_DEV_CREATE), 0);
+  ASSERT_NO_FATAL_FAILURE(MakeDeviceWithKey(uinput, "musher test key", KEY_POWER));
   char name[64] = {};
   ASSERT_GE(ioctl(uinput.get(), UI_GET_SYSNAME(sizeof(name)), name), 0);
   std::string device;
@@ -137,8 +107,8 @@ TEST_F(Key, OfADeviceOfTheKernelIsKnownWhenItIsPressedAlready) {
     if (file.starts_with("event")) device = "/dev/input/" + file;
   }
   if (!std::filesystem::exists(device)) GTEST_SKIP() << "no udev makes " << device;
-  const input_event press[] = {Event(EV_KEY, KEY_POWER, 1), Event(EV_SYN, SYN_REPORT, 0)};
-  ASSERT_EQ(write(uinput.get(), press, sizeof(press)), static_cast<ssize_t>(sizeof(press)));
+  ASSERT_NO_FATAL_FAILURE(
+      WriteEvents(uinput, {InputEvent(EV_KEY, KEY_POWER, 1), InputEvent(EV_SYN, SYN_REPORT, 0)}));
   const auto key = Start(device);
   EXPECT_THAT(keys_, ElementsAre(true));
   std::string why;

@@ -1,12 +1,7 @@
 // A touch pad that is an input device of Linux: events as the kernel has them, by a pipe, in
 // virtual time, and by a device of uinput where this kernel has it.
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
-#include <linux/uinput.h>
-#include <sys/ioctl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstring>
@@ -16,8 +11,8 @@
 
 #include "musher/modules/device/input_device.hpp"
 #include "musher/test/modules/device/devices_fixture.hpp"
+#include "musher/test/modules/device/fake_input_device.hpp"
 #include "musher/test/modules/world/socket_node.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::device::touch_input_test {
@@ -27,14 +22,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-input_event Event(std::uint16_t type, std::uint16_t code, std::int32_t value) {
-  input_event event{};
-  event.type = type;
-  event.code = code;
-  event.value = value;
-  return event;
-}
-
 class TouchInput : public DevicesOnANetwork {
  protected:
   TouchInput() {
@@ -42,18 +29,11 @@ class TouchInput : public DevicesOnANetwork {
     config_.led.source = LedSource::kNone;
     config_.battery.source = BatterySource::kNone;
     config_.touch.source = KeySource::kInput;
-    config_.touch.input.file = folder_ / "event0";
-    Plug();
-  }
-  void Plug() {
-    std::filesystem::remove(config_.touch.input.file);
-    ASSERT_EQ(mkfifo(config_.touch.input.file.c_str(), 0600), 0);
-    writer_ = UniqueFd(open(config_.touch.input.file.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
-    ASSERT_TRUE(writer_.valid());
+    config_.touch.input.file = device_.file();
+    device_.Plug();
   }
   void Send(std::uint16_t type, std::uint16_t code, std::int32_t value) {
-    const input_event event = Event(type, code, value);
-    ASSERT_EQ(write(writer_.get(), &event, sizeof(event)), static_cast<ssize_t>(sizeof(event)));
+    ASSERT_NO_FATAL_FAILURE(device_.Send({InputEvent(type, code, value)}));
     Run(Milliseconds(10));
   }
   void Tap() {
@@ -70,8 +50,7 @@ class TouchInput : public DevicesOnANetwork {
     return states;
   }
 
-  const TempFolder folder_;
-  UniqueFd writer_;
+  FakeInputDevice device_;
   std::vector<msg::TouchStatus> received_;
   std::unique_ptr<transport::Subscription> touches_ =
       Listen<msg::TouchStatus>("dog1/touch_status", received_);
@@ -106,10 +85,10 @@ TEST_F(TouchInput, HasKeysForTheTouchesOfAPadThatKnowsThem) {
 TEST_F(TouchInput, LeavesNoHalfDoubleTapWhenItsDeviceIsLostOrItsEventsAreDropped) {
   Start();
   Tap();
-  writer_ = UniqueFd();
+  device_.Unplug();
   Run(Milliseconds(20));
   EXPECT_THAT(Failures(), ElementsAre(1509));
-  Plug();
+  device_.Plug();
   EXPECT_THAT(Touches(), IsEmpty());
   Run(Milliseconds(200));
   EXPECT_THAT(Failures(), IsEmpty()) << "it is available again";
@@ -126,11 +105,11 @@ TEST_F(TouchInput, MakesNoDoubleTapOfTwoTapsThatItReadsLate) {
   Run(std::chrono::seconds(10));
   const auto ago = [&](Duration time, std::int32_t pressed) {
     const Duration at = robot_->loop().Now().time_since_epoch() - time;
-    input_event event = Event(EV_KEY, BTN_TOUCH, pressed);
+    input_event event = InputEvent(EV_KEY, BTN_TOUCH, pressed);
     event.input_event_sec = std::chrono::duration_cast<std::chrono::seconds>(at).count();
     event.input_event_usec =
         std::chrono::duration_cast<std::chrono::microseconds>(at % std::chrono::seconds(1)).count();
-    ASSERT_EQ(write(writer_.get(), &event, sizeof(event)), static_cast<ssize_t>(sizeof(event)));
+    ASSERT_NO_FATAL_FAILURE(device_.Send({event}));
   };
   ago(Milliseconds(3000), 1);
   ago(Milliseconds(2900), 0);
@@ -142,13 +121,8 @@ TEST_F(TouchInput, MakesNoDoubleTapOfTwoTapsThatItReadsLate) {
 TEST(TouchInputDevice, IsFoundByItsName) {
   const UniqueFd uinput(open("/dev/uinput", O_WRONLY | O_NONBLOCK | O_CLOEXEC));
   if (!uinput.valid()) GTEST_SKIP() << "/dev/uinput: " << std::strerror(errno);
-  ASSERT_EQ(ioctl(uinput.get(), UI_SET_EVBIT, EV_KEY), 0);
-  ASSERT_EQ(ioctl(uinput.get(), UI_SET_KEYBIT, BTN_TOUCH), 0);
-  uinput_setup setup{};
   const std::string name = "musher touch pad " + std::to_string(getpid());
-  std::strncpy(setup.name, name.c_str(), sizeof(setup.name) - 1);
-  ASSERT_EQ(ioctl(uinput.get(), UI_DEV_SETUP, &setup), 0);
-  ASSERT_EQ(ioctl(uinput.get(), UI_DEV_CREATE), 0);
+  ASSERT_NO_FATAL_FAILURE(MakeDeviceWithKey(uinput, name, BTN_TOUCH));
   if (!std::filesystem::exists("/dev/input")) GTEST_SKIP() << "no udev makes /dev/input";
   transport::LinuxEventLoop loop;
   std::vector<bool> keys;
@@ -156,8 +130,8 @@ TEST(TouchInputDevice, IsFoundByItsName) {
                              [](const std::string&) {}};
   const InputDevice device(loop, {"", name}, {BTN_TOUCH}, events);
   EXPECT_EQ(device.fault(), "");
-  const input_event press[] = {Event(EV_KEY, BTN_TOUCH, 1), Event(EV_SYN, SYN_REPORT, 0)};
-  ASSERT_EQ(write(uinput.get(), press, sizeof(press)), static_cast<ssize_t>(sizeof(press)));
+  ASSERT_NO_FATAL_FAILURE(
+      WriteEvents(uinput, {InputEvent(EV_KEY, BTN_TOUCH, 1), InputEvent(EV_SYN, SYN_REPORT, 0)}));
   EXPECT_TRUE(loop.RunUntil([&] { return !keys.empty() && keys.back(); },
                             loop.Now() + std::chrono::seconds(30)));
 }

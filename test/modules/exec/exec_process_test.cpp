@@ -332,7 +332,9 @@ TEST(MusherExec, RunsItsEmergencyStopBesideTheCommandOfAStateAndAgainAfterIt) {
   peer.Send("Active");
   ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
   peer.EngageStop();
-  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_TRUE(peer.AwaitTrouble([](const std::string& trouble) {
+    return trouble.starts_with("its callback for Active still runs");
+  })) << peer.trouble();
   EXPECT_EQ(Runs(peer, "off"), 1);
   EXPECT_FALSE(peer.reply()) << "the command of Active runs on: it ignores SIGTERM";
 
@@ -342,6 +344,30 @@ TEST(MusherExec, RunsItsEmergencyStopBesideTheCommandOfAStateAndAgainAfterIt) {
   EXPECT_TRUE(peer.Until([&] { return Runs(peer, "off") == 2; }));
   EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
   EXPECT_NE(access((peer.folder() / "on").c_str(), F_OK), 0);
+}
+
+// The robot that fell to Protected below a stop drove, and its status said that the stop held it.
+TEST(MusherExec, RepeatsItsEmergencyStopAfterACommandThatRanBelowIt) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.LowPower]\n"
+      "shell = \"echo on ${MUSHER_EMERGENCY_STOP:-free} >> $MUSHER_TEST/log\"\n"
+      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/log\"\n");
+  const auto log = [&] {
+    std::ifstream file(peer.folder() / "log");
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  ASSERT_TRUE(peer.Switch("LowPower"));
+  EXPECT_TRUE(peer.Until([&] { return log() == "off\non 1\noff\n"; })) << log();
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+
+  ASSERT_TRUE(peer.ReleaseStop());
+  ASSERT_TRUE(peer.Switch("LowPower"));
+  EXPECT_EQ(log(), "off\non 1\noff\non free\n");
 }
 
 TEST(MusherExec, EndsItsProgramAtAnEmergencyStopAndIsNotSwitchedOnWithoutIt) {

@@ -27,7 +27,8 @@ class StateRunnerTest : public ::testing::Test {
   void Start(const std::string& line) { config_.states["SetUp"].start = {"sh", "-c", line}; }
 
   Result<> Run(StateRunner& runner, const State& state) {
-    return runner.Run(state, [] { return false; });
+    return runner.Run(
+        state, [] { return false; }, false);
   }
   Result<> Run(const State& state) {
     StateRunner runner("motion", config_, reaper_.value());
@@ -98,7 +99,8 @@ TEST_F(StateRunnerTest, PassesStateActuatorAndProgramToACommand) {
 TEST_F(StateRunnerTest, StopsACommandWhoseResultIsNoLongerNeeded) {
   On("Active", "echo $$ > " + folder_ / "ready" + "; exec sleep infinity");
   StateRunner runner("motion", config_, reaper_.value());
-  const auto result = runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; });
+  const auto result = runner.Run(
+      "Active", [this] { return ReadPid(folder_ / "ready") > 0; }, false);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, 3007);
   EXPECT_THAT(result.error().message,
@@ -109,7 +111,8 @@ TEST_F(StateRunnerTest, TreatsASuccessfulExitAsDoneEvenWhenStopped) {
   On("Active",
      "trap 'exit 0' TERM; echo $$ > " + folder_ / "ready" + "; while :; do sleep 0.01; done");
   StateRunner runner("motion", config_, reaper_.value());
-  EXPECT_TRUE(runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; }));
+  EXPECT_TRUE(runner.Run(
+      "Active", [this] { return ReadPid(folder_ / "ready") > 0; }, false));
 }
 
 TEST_F(StateRunnerTest, StartsNoCommandAfterHurry) {

@@ -110,6 +110,19 @@ TEST(LineWalker, EndsWhenMotionRefusesForLongAndNotByASingleRefusal) {
   EXPECT_THAT(run.walker.StatusText(run.now()), EndsWith(",End:refused"));
 }
 
+// Its first frames came just after the motion manager could not run, which takes none for 2 s then.
+TEST(LineWalker, WaitsWhereMotionRefusesWhatMayBeLate) {
+  SLaneRun run(1, 0, 0);
+  run.RunFor(Milliseconds(2000));
+  msg::MotionServoResponse refused;
+  refused.code = 3007;
+  run.walker.OnResponse(refused, run.now());
+  run.RunFor(Milliseconds(1900));
+  EXPECT_FALSE(run.walker.end());
+  run.RunFor(Milliseconds(700));
+  EXPECT_EQ(run.walker.end(), End::kRefused) << "it does not wait for ever";
+}
+
 TEST(LineWalker, IsAdjustingWhereItIsBesideTheMiddle) {
   SLaneRun run(1, 0.12, 0);
   run.RunFor(Milliseconds(600));

@@ -357,6 +357,21 @@ TEST(SLaneWalk, ThatWasStoppedLongAgoDoesNotContinue) {
   EXPECT_EQ(Fastest(run), 0);
 }
 
+// The same after the computer was suspended, which no clock and no odometry show.
+TEST(SLaneWalk, WhoseLaneIsForgottenDoesNotContinue) {
+  SLaneRun run(1, 0, 0);
+  RunBeyondTheLines(run);
+  run.walker.Stop(run.now());
+  run.walker.ForgetLane();
+  run.RunFor(Milliseconds(1000));
+  run.spoil = SeeNoLine;
+  run.frames.clear();
+  ASSERT_TRUE(run.walker.Start(run.now()));
+  run.RunToEnd();
+  EXPECT_EQ(run.walker.end(), End::kLost);
+  EXPECT_EQ(Fastest(run), 0);
+}
+
 // A pause or a light may have come between the end and who waits for it; then START follows.
 TEST(SLaneWalk, ThatIsStartedAgainAtItsEndEndsThereAtOnce) {
   WalkRules rules;

@@ -2,8 +2,10 @@
 
 #include "musher/modules/line_walker/walker_topics.hpp"
 
+#include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/test/modules/line_walker/s_lane.hpp"
 #include "musher/test/modules/module_on_network.hpp"
+#include "musher/test/transport/suspended_node.hpp"
 
 namespace musher::line_walker::walker_topics_test {
 
@@ -169,6 +171,66 @@ TEST_F(WalkerTopicsTest, RefuseStartUntilItIsPermitted) {
   EXPECT_EQ(Readers(), 0);
 }
 
+// A race that has ended meanwhile sent its STOP to a process that did not exist for it any more.
+TEST_F(WalkerTopicsTest, RefuseAStartThatMayHaveWaitedWhileTheComputerWasSuspended) {
+  topics_.reset();
+  testing::SuspendedNode node(network_.MakeNode("suspended"));
+  const auto topics = test::Must(WalkerTopics::Make(
+      {node, *clock_, "dog1", [this](LogLevel, const std::string& line) { log_.push_back(line); }},
+      config_));
+  topics->Permit(true, "");
+  Run(500);  // discovery
+  node.loop().each_look = std::chrono::seconds(9);
+  Command("START");
+  EXPECT_FALSE(topics->walker().active());
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("START refused: this process could not run for 9.")));
+  node.loop().each_look = {};
+  Run(2500);
+  Command("START");
+  EXPECT_TRUE(topics->walker().active());
+}
+
+// It walked on at once, by the lane of before.
+TEST_F(WalkerTopicsTest, EndTheWalkAfterASuspensionOfTheComputer) {
+  topics_.reset();
+  testing::SuspendedNode node(network_.MakeNode("suspended"));
+  topics_ = test::Must(WalkerTopics::Make(
+      {node, *clock_, "dog1", [this](LogLevel, const std::string& line) { log_.push_back(line); }},
+      config_));
+  Run(500);  // discovery
+  StartWalking();
+  node.loop().suspended += std::chrono::seconds(9);
+  See(1);
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_THAT(log_.back(), HasSubstr("stopped: this process could not run for 9."));
+  topics_.reset();  // before its node
+}
+
+// A /clock of another computer that stood for longer: its walk went on when the clock did.
+TEST_F(WalkerTopicsTest, EndTheWalkAfterASuspensionAlsoWhereItsClockStands) {
+  topics_.reset();
+  testing::SuspendedNode node(network_.MakeNode("suspended"));
+  const auto clock = test::Must(transport::Clock::FromTopic(node));
+  const auto world = Publisher<msg::Clock>(transport::kClockTopic, transport::kClockQos);
+  bool stands = false;
+  topics_ = test::Must(WalkerTopics::Make(
+      {node, *clock, "dog1", [this](LogLevel, const std::string& line) { log_.push_back(line); }},
+      config_));
+  const auto sending = desk_->loop().Every(Milliseconds(20), [&] {
+    if (stands) return;
+    EXPECT_TRUE(world->Publish({msg::ToStamp(network_.now().time_since_epoch())}));
+  });
+  Run(500);  // discovery
+  StartWalking();
+  stands = true;
+  Run(100);
+  node.loop().suspended += std::chrono::seconds(9);
+  Run(1000);
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_FALSE(topics_->walker().active());
+  topics_.reset();  // before its node
+}
+
 TEST_F(WalkerTopicsTest, EndAWalkAtOnceWhenItIsNotPermittedAnyMore) {
   StartWalking();
   topics_->Permit(false, "an emergency stop holds it");
@@ -219,6 +281,28 @@ TEST_F(WalkerTopicsTest, EndWhenThePicturesStop) {
   }
   EXPECT_THAT(statuses_.back(), HasSubstr(",End:silent"));
   EXPECT_THAT(log_.back(), HasSubstr("no pictures of the left and right line for 1000 ms"));
+}
+
+// The vision of a second robot, for which the topic has the same name: it walked by both cameras.
+TEST_F(WalkerTopicsTest, EndTheWalkWhereTwoPublishersOfALineTakeTurns) {
+  StartWalking();
+  const auto other = Publisher<msg::YellowLines>("yellow_line_detector/left");
+  See(5);
+  EXPECT_TRUE(topics_->walker().active());
+  EXPECT_TRUE(other->Publish({}));
+  See(2);
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_THAT(statuses_.back(), HasSubstr("End:stopped"));
+  EXPECT_THAT(log_.back(), HasSubstr("two publishers of /yellow_line_detector/left take turns"));
+}
+
+TEST_F(WalkerTopicsTest, CheckThatALineHasOnePublisher) {
+  const auto other = Publisher<msg::YellowLines>("yellow_line_detector/left");
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Run(500);
+  const Result<> checked = topics_->Check();
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().message, "more than one publisher of /yellow_line_detector/left");
 }
 
 TEST_F(WalkerTopicsTest, CheckThatMotionAndTheDetectorsAreThere) {

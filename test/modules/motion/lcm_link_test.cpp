@@ -235,6 +235,29 @@ TEST_F(LcmLinkTest, HoldsTheBodyAsItFindsItAfterItHasHung) {
   EXPECT_GT(FramesOfMode(7), 0);
 }
 
+// Its own time stood meanwhile.
+TEST_F(LcmLinkTest, HoldsTheBodyAsItFindsItAfterItsComputerWasSuspended) {
+  Stand();
+  Command(11, 27, 0.5F);
+  RunFor(Milliseconds(100), 11, 27);
+  frames_.clear();
+  link_.OnSuspended(std::chrono::hours(1));
+  Command(11, 27, 0.4F);  // the motion manager has no report of the lying body yet
+  RunFor(Milliseconds(600), 7, 1);
+  EXPECT_EQ(FramesOfMode(11), 0) << "the board has let the body lie down";
+  EXPECT_GT(FramesOfMode(7), 0);
+}
+
+TEST_F(LcmLinkTest, KeepsAnEmergencyStopAfterItsComputerWasSuspended) {
+  Stand();
+  Command(0, 0);
+  RunFor(Milliseconds(500), 0, 0, 2);
+  frames_.clear();
+  link_.OnSuspended(std::chrono::hours(1));
+  RunFor(Milliseconds(100), 7, 1);
+  EXPECT_GT(FramesOfMode(0), 0);
+}
+
 TEST_F(LcmLinkTest, KeepsAnEmergencyStopAfterItHasHung) {
   Stand();
   Command(0, 0);

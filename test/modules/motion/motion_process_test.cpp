@@ -92,6 +92,25 @@ TEST(MotionProcess, StopsTheBodyWhenTheStreamerCrashes) {
   EXPECT_TRUE(robot.AwaitLog("no frame for 200 ms"));
 }
 
+// It walked on by itself when a laptop was opened again.
+TEST(MotionProcess, DoesNotWalkOnOnceAStreamerThatWasStoppedRunsAgain) {
+  constexpr int kReports = 300;  // of six seconds
+  RobotRig robot;
+  ASSERT_TRUE(robot.BringUp());
+  Process streamer({BinDir() + "/musher-motion", "servo", "--vx", "0.3", "--seconds", "600"});
+  EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.vel[0] > 0.2F; }));
+  streamer.Signal(SIGSTOP);
+  EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }));
+  int reports = 0;
+  robot.OnBoard([&](TopicBoard& board) { reports = board.reports; });
+  ASSERT_TRUE(
+      robot.Await([&](const TopicBoard& board) { return board.reports > reports + kReports; }));
+  streamer.Signal(SIGCONT);
+  EXPECT_TRUE(streamer.AwaitError("this command could not run for "));
+  EXPECT_EQ(streamer.Wait().exit, 1);
+  robot.OnBoard([](TopicBoard& board) { EXPECT_EQ(board.last.gait, 1); });
+}
+
 TEST(MotionProcess, StopsTheBodyWhenTheStreamerIsInterrupted) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());

@@ -354,6 +354,18 @@ TEST(MotionResult, EndsWhenTheWorldIsRestarted) {
   EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3035) << "nothing is known of the body yet";
 }
 
+// With two programs that publish /clock the board was "silent".
+TEST(MotionResult, NamesWhyTheTimeHasJumped) {
+  const std::string why = "2 programs publish /clock, and its time went back by 4.00 s";
+  Harness harness;
+  const auto token = harness.RequestMotion(121);
+  harness.Do(motion_event::WorldRestarted{why});
+  EXPECT_EQ(harness.answers.at(token).message, why);
+  const auto next = harness.RequestMotion(121);
+  EXPECT_EQ(harness.CodeOf(next), 3035);
+  EXPECT_EQ(harness.answers.at(next).message, why);
+}
+
 // A board on LCM repeats the last command by itself.
 TEST(MotionResult, OfAWalkIsStoppedWhenTheWorldIsRestarted) {
   for (const bool servo : {true, false}) {

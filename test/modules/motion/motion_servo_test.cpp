@@ -199,6 +199,27 @@ TEST(MotionServo, IsStoppedAtTheSecondCheckWhenNoFrameWasQueued) {
   EXPECT_TRUE(harness.core.Idle());
 }
 
+// A body that lay stood up for a stream that was over.
+TEST(MotionServo, BeginsByNoFrameThatMayBeLate) {
+  Harness harness;
+  harness.Body(kGetDown);
+  ServoCommand command;
+  command.requested.id = 303;
+  command.requested.arguments.vel_des = {0.3F, 0, 0};
+  harness.Do(motion_event::ServoArrived{command, std::chrono::seconds(9)});
+  harness.RunFor(Milliseconds(2000));
+  EXPECT_EQ(harness.ServoCode(), MotionCode(KeyCode::kTimeout));
+  EXPECT_THAT(harness.Commanded(), IsEmpty());
+  harness.Stream(303, Milliseconds(5000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand, 303));
+  command.requested.arguments.vel_des = {0.1F, 0, 0};
+  harness.Do(motion_event::ServoArrived{command, std::chrono::seconds(9)});
+  EXPECT_EQ(harness.ServoCode(), kCodeOk) << "the body follows it already";
+  command.type = ServoCommand::kEnd;
+  harness.Do(motion_event::ServoArrived{command, std::chrono::seconds(9)});
+  EXPECT_TRUE(harness.core.Idle());
+}
+
 TEST(MotionServo, IsStoppedWithItsLastValueAndStepHeight) {
   Harness harness;
   ServoCommand command;

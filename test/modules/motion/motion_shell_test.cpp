@@ -3,20 +3,28 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/modules/motion/motion_shell.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/modules/motion/topic_backend.hpp"
 #include "musher/test/modules/motion/harness.hpp"
 #include "musher/test/modules/motion/topic_board.hpp"
+#include "musher/test/support/paths.hpp"
+#include "musher/test/transport/suspended_node.hpp"
 #include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::motion::testing::motion_shell_test {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class MotionShellTest : public ::testing::Test {
  protected:
@@ -91,7 +99,8 @@ class MotionShellTest : public ::testing::Test {
   }
 
   transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> node_ = network_.MakeNode("dog");
+  std::unique_ptr<musher::testing::SuspendedNode> node_ =
+      std::make_unique<musher::testing::SuspendedNode>(network_.MakeNode("dog"));
   std::unique_ptr<transport::Node> body_ = network_.MakeNode("dog");
   std::unique_ptr<transport::Node> user_ = network_.MakeNode("desk");
   std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(node_->loop());
@@ -133,37 +142,489 @@ TEST_F(MotionShellTest, AnswersAResultCommandWhenItsMotionIsDone) {
 }
 
 // Its caller has given up.
-TEST_F(MotionShellTest, BeginsNoMotionThatWasRequestedWhileItsProcessStoodStill) {
+TEST_F(MotionShellTest, BeginsNoMotionThatWasRequestedWhileItsProcessCouldNotRun) {
   auto client =
       transport::MakeClient<msg::MotionResultCmd>(*user_, "dog1/motion_result_cmd").value();
   network_.RunFor(Milliseconds(500));
   msg::MotionResultCmd::Request flip;
   flip.motion_id = 121;
-  network_.Pause(*node_);
+  network_.Pause(node_->simulated());
   bool given_up = false;
   client->Call(flip, Milliseconds(1000), [&](const auto& reply) { given_up = !reply; });
   network_.RunFor(std::chrono::seconds(20));
   EXPECT_TRUE(given_up);
-  network_.Resume(*node_);
+  network_.Resume(node_->simulated());
   network_.RunFor(Milliseconds(500));
   EXPECT_EQ(board_.commands, 0);
-  EXPECT_THAT(log_, Contains(HasSubstr("stood still for a while")));
-  network_.RunFor(Milliseconds(1000));
+  EXPECT_THAT(log_, Contains(HasSubstr("the motion manager could not run for 20 s")));
+  network_.RunFor(Milliseconds(2000));
   EXPECT_TRUE(RequestMotion(121).result);
 }
 
-TEST_F(MotionShellTest, CarriesOutAStopThatWasRequestedWhileItsProcessStoodStill) {
+// A writer repeats each second what was not received.
+TEST_F(MotionShellTest, BeginsNoMotionByARequestThatIsRepeatedAfterItsProcessCouldNotRun) {
+  network_.Pause(node_->simulated());
+  network_.RunFor(std::chrono::seconds(20));
+  network_.Resume(node_->simulated());
+  network_.RunFor(Milliseconds(1500));
+  EXPECT_EQ(RequestMotion(121).code, MotionCode(KeyCode::kTimeout));
+  EXPECT_EQ(board_.commands, 0);
+}
+
+TEST_F(MotionShellTest, BeginsNoMotionThatWasRequestedWhileItsComputerWasSuspended) {
+  auto client =
+      transport::MakeClient<msg::MotionResultCmd>(*user_, "dog1/motion_result_cmd").value();
+  network_.RunFor(Milliseconds(500));
+  msg::MotionResultCmd::Request flip;
+  flip.motion_id = 121;
+  node_->loop().suspended += std::chrono::hours(1);
+  std::int32_t code = kCodeOk;
+  client->Call(flip, Milliseconds(1000), [&](const auto& reply) { code = reply.value().code; });
+  network_.RunFor(Milliseconds(500));
+  EXPECT_EQ(code, MotionCode(KeyCode::kTimeout));
+  EXPECT_EQ(board_.commands, 0);
+  network_.RunFor(Milliseconds(2000));
+  EXPECT_TRUE(RequestMotion(121).result);
+}
+
+// A body that lay stood up for a stream that was over.
+TEST_F(MotionShellTest, BeginsNoMotionByAFrameThatWaitedWhileItsProcessCouldNotRun) {
+  network_.Pause(node_->simulated());
+  Stream(303, {0.5F, 0, 0}, Milliseconds(500));
+  network_.RunFor(std::chrono::seconds(20));
+  network_.Resume(node_->simulated());
+  network_.RunFor(Milliseconds(2500));
+  EXPECT_EQ(board_.commands, 0);
+  ASSERT_FALSE(responses_.empty());
+  EXPECT_EQ(responses_.back().code, MotionCode(KeyCode::kTimeout));
+  Stream(303, {0.5F, 0, 0}, Milliseconds(1000));
+  EXPECT_EQ(board_.last.gait, 27);
+}
+
+TEST_F(MotionShellTest, CarriesOutAStopThatWasRequestedWhileItsProcessCouldNotRun) {
   auto client =
       transport::MakeClient<msg::MotionResultCmd>(*user_, "dog1/motion_result_cmd").value();
   network_.RunFor(Milliseconds(500));
   msg::MotionResultCmd::Request stop;
   stop.motion_id = kEmergencyStop;
-  network_.Pause(*node_);
+  network_.Pause(node_->simulated());
   client->Call(stop, Milliseconds(1000), [](const auto&) {});
   network_.RunFor(std::chrono::seconds(20));
-  network_.Resume(*node_);
+  network_.Resume(node_->simulated());
   network_.RunFor(Milliseconds(500));
   EXPECT_TRUE(shell_->core().emergency_stop);
+}
+
+// Another robot of the same image is in reach: `user_` is a program of it.
+class MotionShellBesideAnotherRobot : public MotionShellTest {
+ protected:
+  MotionShellBesideAnotherRobot() { PublishStatus(*node_, own_, "dog", "boot of dog"); }
+
+  using StatusPublisher = std::unique_ptr<transport::Publisher<msg::ActuatorStatus>>;
+  void Advertise(transport::Node& node, StatusPublisher& publisher) {
+    publisher = transport::MakePublisher<msg::ActuatorStatus>(
+                    node, transport::ActuatorStatusTopic("dog1"), transport::kLatchedQos)
+                    .value();
+  }
+  void PublishStatus(transport::Node& node, StatusPublisher& publisher, const std::string& machine,
+                     const std::string& host) {
+    if (!publisher) Advertise(node, publisher);
+    msg::ActuatorStatus status;
+    status.name = "program";
+    status.state = "Active";
+    status.machine = machine;
+    status.host = host;
+    status.participant = node.participant().value();
+    ASSERT_TRUE(publisher->Publish(status));
+    network_.RunFor(Milliseconds(200));
+  }
+
+  // Whether it was answered.
+  bool RequestsMotion(std::int32_t id) {
+    msg::MotionResultCmd::Request request;
+    request.motion_id = id;
+    bool answered = false;
+    calls_.push_back(
+        transport::MakeClient<msg::MotionResultCmd>(*user_, "dog1/motion_result_cmd").value());
+    calls_.back()->Call(request, std::chrono::seconds(20),
+                        [&answered](const auto& reply) { answered = reply.ok(); });
+    network_.RunFor(std::chrono::seconds(25));
+    return answered;
+  }
+
+  StatusPublisher own_;
+  StatusPublisher theirs_;
+  std::vector<std::unique_ptr<transport::Client<msg::MotionResultCmd>>> calls_;
+};
+
+TEST_F(MotionShellBesideAnotherRobot, IsNotMovedByItsStream) {
+  PublishStatus(*user_, theirs_, "another dog", "boot of another dog");
+  const int mode = board_.last.mode;
+  Stream(303, {0.3F, 0, 0}, std::chrono::seconds(3));
+  EXPECT_FALSE(shell_->core().servo);
+  EXPECT_EQ(board_.last.mode, mode);
+  EXPECT_TRUE(responses_.empty());  // its program would take them for those of its own robot
+  EXPECT_THAT(log_, Contains(HasSubstr("another dog")));
+}
+
+TEST_F(MotionShellBesideAnotherRobot, NeitherExecutesItsRequestsNorAnswersThem) {
+  PublishStatus(*user_, theirs_, "another dog", "boot of another dog");
+  EXPECT_FALSE(RequestsMotion(121));
+  EXPECT_TRUE(shell_->core().Idle());
+}
+
+TEST_F(MotionShellBesideAnotherRobot, IsStoppedByItsStop) {
+  PublishStatus(*user_, theirs_, "another dog", "boot of another dog");
+  EXPECT_TRUE(RequestsMotion(kEmergencyStop));
+  EXPECT_TRUE(shell_->core().emergency_stop);
+}
+
+TEST_F(MotionShellBesideAnotherRobot, IsNotMovedByItsController) {
+  auto heartbeats = transport::MakePublisher<msg::ControllerHeartbeat>(
+                        *user_, transport::ControllerHeartbeatTopic("dog1"), transport::kLatchedQos)
+                        .value();
+  msg::ControllerHeartbeat heartbeat;
+  heartbeat.machine = "another dog";
+  heartbeat.host = "boot of another dog";
+  heartbeat.participant = user_->participant().value();
+  ASSERT_TRUE(heartbeats->Publish(heartbeat));
+  network_.RunFor(Milliseconds(200));
+  EXPECT_FALSE(RequestsMotion(121));
+}
+
+// The status of a program arrives after its first frames: two robots have just come into reach.
+TEST_F(MotionShellBesideAnotherRobot, IsNotMovedBeforeItIsKnownWhoseProgramItIs) {
+  Advertise(*user_, theirs_);
+  network_.RunFor(Milliseconds(200));
+  Stream(303, {0.3F, 0, 0}, Milliseconds(500));
+  EXPECT_FALSE(shell_->core().servo);
+  PublishStatus(*user_, theirs_, "dog", "boot of a second computer");
+  Stream(303, {0.3F, 0, 0}, Milliseconds(500));
+  EXPECT_TRUE(shell_->core().servo);
+}
+
+TEST_F(MotionShellBesideAnotherRobot, ExecutesARequestOnceItsCallerIsKnownToBeOfThisRobot) {
+  Advertise(*user_, theirs_);
+  network_.RunFor(Milliseconds(200));
+  const auto known = user_->loop().At(user_->loop().Now() + Milliseconds(500), [this] {
+    msg::ActuatorStatus status;
+    status.name = "program";
+    status.machine = "dog";
+    status.participant = user_->participant().value();
+    static_cast<void>(theirs_->Publish(status));
+  });
+  EXPECT_TRUE(RequestsMotion(121));
+}
+
+TEST_F(MotionShellBesideAnotherRobot, ExecutesNoRequestWhoseCallerWasNotKnownForTooLong) {
+  Advertise(*user_, theirs_);
+  network_.RunFor(Milliseconds(200));
+  const auto known = user_->loop().At(user_->loop().Now() + std::chrono::seconds(5), [this] {
+    msg::ActuatorStatus status;
+    status.name = "program";
+    status.machine = "dog";
+    status.participant = user_->participant().value();
+    static_cast<void>(theirs_->Publish(status));
+  });
+  EXPECT_FALSE(RequestsMotion(121));
+}
+
+TEST_F(MotionShellBesideAnotherRobot, SaysOnceWhyItIgnoresTheStreamOfAProgramThatIsNotKnown) {
+  Advertise(*user_, theirs_);
+  network_.RunFor(Milliseconds(200));
+  Stream(303, {0.3F, 0, 0}, Milliseconds(1500));
+  EXPECT_THAT(log_, Not(Contains(HasSubstr("none has arrived"))));
+  Stream(303, {0.3F, 0, 0}, Milliseconds(5000));
+  EXPECT_FALSE(shell_->core().servo);
+  EXPECT_THAT(log_, Contains(HasSubstr("none has arrived")).Times(1));
+}
+
+TEST_F(MotionShellBesideAnotherRobot, SaysWhyItIgnoresTheRequestOfAProgramThatIsNotKnown) {
+  Advertise(*user_, theirs_);
+  network_.RunFor(Milliseconds(200));
+  EXPECT_FALSE(RequestsMotion(121));
+  EXPECT_THAT(log_, Contains(HasSubstr("none has arrived")));
+}
+
+// Its status came once. Many processes with a status were restarted after it.
+TEST_F(MotionShellBesideAnotherRobot, IsMovedByAProgramOfItsOwnAfterManyOthersHaveCome) {
+  PublishStatus(*user_, theirs_, "dog", "boot of a second computer");
+  for (int round = 0; round < 5; ++round) {
+    std::vector<std::unique_ptr<transport::Node>> guests(60);
+    std::vector<StatusPublisher> statuses(guests.size());
+    for (std::size_t i = 0; i < guests.size(); ++i) {
+      guests[i] = network_.MakeNode("guest");
+      PublishStatus(*guests[i], statuses[i], "another dog", "boot of another dog");
+    }
+  }
+  network_.RunFor(std::chrono::seconds(1));
+  Stream(303, {0.3F, 0, 0}, Milliseconds(500));
+  EXPECT_TRUE(shell_->core().servo);
+}
+
+// The status of its sender arrives after a stop that came later than the request: the body stood
+// up.
+class MotionShellThatIsStopped : public MotionShellBesideAnotherRobot {
+ protected:
+  MotionShellThatIsStopped() {
+    Advertise(*user_, theirs_);
+    network_.RunFor(Milliseconds(500));
+    Request(kRecoveryStand, [this](std::int32_t code) { stand_code_ = code; });
+    network_.RunFor(Milliseconds(200));
+  }
+
+  void Request(std::int32_t id, std::function<void(std::int32_t code)> on_code) {
+    msg::MotionResultCmd::Request request;
+    request.motion_id = id;
+    client_->Call(request, std::chrono::seconds(20), [on_code](const auto& reply) {
+      on_code(reply ? reply.value().code : kCodeNetError);
+    });
+  }
+  void ExpectThatItStaysStopped() {
+    EXPECT_EQ(stand_code_, std::nullopt);
+    ASSERT_TRUE(shell_->core().emergency_stop);
+    PublishStatus(*user_, theirs_, "dog", "boot of a second computer");
+    network_.RunFor(std::chrono::seconds(2));
+    EXPECT_EQ(stand_code_, MotionCode(MotionKey::kEstop));
+    EXPECT_TRUE(shell_->core().emergency_stop);
+    EXPECT_NE(board_.last.mode, TheTable().Find(kRecoveryStand)->mode);
+  }
+
+  std::unique_ptr<transport::Client<msg::MotionResultCmd>> client_ =
+      transport::MakeClient<msg::MotionResultCmd>(*user_, "dog1/motion_result_cmd").value();
+  std::optional<std::int32_t> stand_code_;
+};
+
+TEST_F(MotionShellThatIsStopped, ByARequestDoesNotStandUpByAnEarlierOne) {
+  Request(kEmergencyStop, [](std::int32_t) {});
+  network_.RunFor(Milliseconds(200));
+  ExpectThatItStaysStopped();
+}
+
+TEST_F(MotionShellThatIsStopped, ByTheMachineDoesNotStandUpByAnEarlierRequest) {
+  shell_->Do(motion_event::EmergencyStop{});
+  ExpectThatItStaysStopped();
+}
+
+TEST_F(MotionShellThatIsStopped, ByItsBoardDoesNotStandUpByAnEarlierRequest) {
+  board_.board.report.mode = TheTable().Find(kEmergencyStop)->mode;
+  network_.RunFor(Milliseconds(200));
+  ExpectThatItStaysStopped();
+}
+
+TEST_F(MotionShellThatIsStopped, AgainDoesNotStandUpByARequestFromBetweenTwoStops) {
+  shell_->Do(motion_event::EmergencyStop{});
+  Request(kRecoveryStand, [this](std::int32_t code) { stand_code_ = code; });
+  network_.RunFor(Milliseconds(200));
+  shell_->Do(motion_event::EmergencyStop{});
+  ExpectThatItStaysStopped();
+}
+
+// The config of a program that was started by hand on this computer has another name.
+TEST_F(MotionShellBesideAnotherRobot, IsMovedByAProgramOfItsOwnHost) {
+  PublishStatus(*user_, theirs_, "another name", "boot of dog");
+  EXPECT_TRUE(RequestsMotion(121));
+}
+
+// A bridge repeats the statuses of others; what it sends itself is of no machine.
+TEST_F(MotionShellBesideAnotherRobot, IsMovedByWhatABridgeRepeats) {
+  Advertise(*user_, theirs_);
+  msg::ActuatorStatus status;
+  status.name = "program";
+  status.machine = "another dog";
+  status.host = "boot of another dog";
+  status.participant = node_->participant().value();
+  ASSERT_TRUE(theirs_->Publish(status));
+  network_.RunFor(Milliseconds(200));
+  EXPECT_TRUE(RequestsMotion(121));
+}
+
+// The line waited for a disk that did not answer, and the stop for the line.
+TEST_F(MotionShellTest, SendsAStopBeforeTheLineThatSaysSo) {
+  class Board : public MotionBackend {
+   public:
+    explicit Board(std::vector<std::string>& done) : done_(done) {}
+    void Send(const BodyCommand& command) override {
+      done_.push_back("mode " + std::to_string(command.mode));
+    }
+
+   private:
+    std::vector<std::string>& done_;
+  };
+  std::vector<std::string> done;
+  const auto node = network_.MakeNode("another dog");
+  const auto clock = transport::Clock::Steady(node->loop());
+  const auto shell =
+      MotionShell::Make(
+          {*node, *clock, TheTable(), config_, "dog2",
+           [](const std::string&) -> Result<> { return Ok(); },
+           [&](const std::string& text) { done.push_back(text); }},
+          [&](const MotionBackend::OnBody&) -> Result<std::unique_ptr<MotionBackend>> {
+            return std::unique_ptr<MotionBackend>(std::make_unique<Board>(done));
+          })
+          .value();
+  shell->Do(motion_event::EmergencyStop{});
+  EXPECT_THAT(done, ElementsAre("mode 0", "emergency stop"));
+}
+
+// A board that takes gaits, and a disk that answers when the test lets it.
+class MotionShellWithASlowDisk : public MotionShellTest {
+ protected:
+  class Board : public MotionBackend {
+   public:
+    explicit Board(std::vector<OnDefined>& definitions) : definitions_(definitions) {}
+    void Send(const BodyCommand& /*command*/) override {}
+    bool TakesGaits() const override { return true; }
+    void DefineGait(const UserGait& /*gait*/, OnDefined then) override {
+      definitions_.push_back(std::move(then));
+    }
+
+   private:
+    std::vector<OnDefined>& definitions_;
+  };
+
+  MotionShellWithASlowDisk() {
+    config_.gaits = SourceDir() + "/config/motion/gaits";
+    MotionShell::Dependencies dependencies{
+        *slow_node_,
+        *slow_clock_,
+        TheTable(),
+        config_,
+        "dog2",
+        [](const std::string&) -> Result<> { return Ok(); },
+        [this](const std::string& text) { log_.push_back(text); }};
+    dependencies.in_background = [this](MotionShell::Background work) {
+      disk_.push_back(std::move(work));
+    };
+    slow_ = MotionShell::Make(
+                std::move(dependencies),
+                [this](MotionBackend::OnBody on_body) -> Result<std::unique_ptr<MotionBackend>> {
+                  on_body_ = std::move(on_body);
+                  return std::unique_ptr<MotionBackend>(std::make_unique<Board>(definitions_));
+                })
+                .value();
+    network_.RunFor(Milliseconds(200));
+    Request(msg::MotionCustomCmd::kDefinition);
+  }
+
+  void Request(std::int32_t type) {
+    msg::MotionCustomCmd::Request request;
+    request.cmd_type = type;
+    request.motion_id = 400;
+    code_.reset();
+    client_->Call(request, std::chrono::seconds(30), [this](const auto& reply) {
+      code_ = reply ? reply.value().code : kCodeNetError;
+    });
+    network_.RunFor(Milliseconds(100));
+  }
+  // From now on a body stands, in Active.
+  void StartBoard() {
+    slow_->Do(motion_event::Opened{});
+    standing_.report.mode = TheTable().Find(kRecoveryStand)->mode;
+    standing_.report.bar = 100;
+    standing_.has_new_motion = false;
+    reports_ = slow_node_->loop().Every(Milliseconds(20), [this] { on_body_(standing_); });
+    network_.RunFor(Milliseconds(100));
+  }
+  // The disk has read the files of that DEFINITION, and the board takes the gait.
+  void Define(std::size_t definition) {
+    ASSERT_EQ(disk_.size(), definition + 1);
+    disk_[definition]()();
+    ASSERT_EQ(definitions_.size(), definition + 1);
+    definitions_[definition](Ok());
+    network_.RunFor(Milliseconds(100));
+  }
+
+  std::unique_ptr<transport::Node> slow_node_ = network_.MakeNode("another dog");
+  std::unique_ptr<transport::Clock> slow_clock_ = transport::Clock::Steady(slow_node_->loop());
+  std::vector<MotionShell::Background> disk_;
+  std::vector<MotionBackend::OnDefined> definitions_;  // that the board has not answered
+  MotionBackend::OnBody on_body_;
+  BodyState standing_;
+  transport::LoopHandlePtr reports_;
+  std::unique_ptr<transport::Client<msg::MotionCustomCmd>> client_ =
+      transport::MakeClient<msg::MotionCustomCmd>(*user_, "dog2/motion_custom_cmd").value();
+  std::optional<std::int32_t> code_;
+  std::unique_ptr<MotionShell> slow_;
+};
+
+// The disk was read on the loop, and meanwhile the board got no frame.
+TEST_F(MotionShellWithASlowDisk, ReadsAGaitBesideItsLoop) {
+  network_.RunFor(std::chrono::seconds(1));
+  ASSERT_EQ(disk_.size(), 1U);
+  EXPECT_FALSE(code_);
+  disk_[0]()();
+  network_.RunFor(std::chrono::seconds(1));
+  ASSERT_TRUE(code_);
+  EXPECT_NE(*code_, MotionCode(KeyCode::kTimeout)) << "it is refused, as the body is not known";
+}
+
+TEST_F(MotionShellWithASlowDisk, DefinesNoGaitWhoseCallerMayHaveGivenUp) {
+  network_.RunFor(std::chrono::seconds(3));
+  ASSERT_EQ(disk_.size(), 1U);
+  disk_[0]()();
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(code_, MotionCode(KeyCode::kTimeout));
+}
+
+// It executed the gait from before, which the board still had.
+TEST_F(MotionShellWithASlowDisk, ExecutesNoGaitWhileItsNewDefinitionIsRead) {
+  StartBoard();
+  Define(0);
+  ASSERT_EQ(code_, kCodeOk);
+  Request(msg::MotionCustomCmd::kDefinition);
+  Request(msg::MotionCustomCmd::kExecution);
+  EXPECT_EQ(code_, MotionCode(MotionKey::kSequenceDefinition));
+  EXPECT_TRUE(slow_->core().Idle());
+  Define(1);
+  EXPECT_EQ(code_, kCodeOk);
+  Request(msg::MotionCustomCmd::kExecution);
+  EXPECT_FALSE(slow_->core().Idle());
+}
+
+// It came a moment after the stop, and was played if recovery stand had been taken before.
+TEST_F(MotionShellWithASlowDisk, PlaysNoSequenceThatIsDefinedAfterAStop) {
+  StartBoard();
+  Define(0);
+  const auto client =
+      transport::MakeClient<msg::MotionSequenceShow>(*user_, "dog2/motion_sequence_cmd").value();
+  network_.RunFor(Milliseconds(500));
+  msg::MotionSequenceShow::Request sequence;
+  sequence.motion_id = 400;
+  sequence.gait_list = {{true, false, false, true, 12}};
+  sequence.pace_list.emplace_back();
+  sequence.pace_list[0].right_forefoot.w = 0.05;
+  sequence.pace_list[0].duration = 300;
+  std::string describe;
+  client->Call(sequence, std::chrono::seconds(30), [&describe](const auto& reply) {
+    describe = reply ? reply.value().describe : reply.error().message;
+  });
+  network_.RunFor(Milliseconds(100));
+  ASSERT_EQ(definitions_.size(), 2U) << describe;
+  slow_->Do(motion_event::EmergencyStop{});
+  definitions_[1](Ok());
+  network_.RunFor(Milliseconds(100));
+  EXPECT_THAT(describe, HasSubstr("stopped after it was requested"));
+}
+
+// Each waited for the one before, without limit.
+TEST_F(MotionShellWithASlowDisk, ReadsTheFilesOfAGaitOnceAtATime) {
+  StartBoard();
+  Request(msg::MotionCustomCmd::kDefinition);
+  EXPECT_EQ(code_, MotionCode(KeyCode::kTargetBusy));
+  Define(0);
+  EXPECT_EQ(code_, kCodeOk);
+  Request(msg::MotionCustomCmd::kDefinition);
+  EXPECT_EQ(disk_.size(), 2U);
+}
+
+TEST_F(MotionShellWithASlowDisk, DropsAGaitThatIsReadAfterItsEnd) {
+  network_.RunFor(std::chrono::seconds(1));
+  ASSERT_EQ(disk_.size(), 1U);
+  const auto then = disk_[0]();
+  slow_.reset();
+  then();
+  EXPECT_FALSE(code_);
 }
 
 TEST_F(MotionShellTest, AnswersARefusedResultCommandWithItsCodeAndLogsTheReason) {

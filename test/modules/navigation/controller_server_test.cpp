@@ -8,6 +8,8 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/messages/tf2_msgs/tf_message.hpp"
 #include "musher/test/modules/navigation/navigation_rig.hpp"
+#include "musher/test/support/refusals.hpp"
+#include "musher/test/transport/suspended_node.hpp"
 
 namespace musher::navigation::controller_server_test {
 
@@ -426,10 +428,50 @@ TEST_F(ControllerServerTest, StandsAtOnceInEveryStateButActive) {
   }
 }
 
+// It had waited in the kernel, and its client had long gone: the robot drove off.
+TEST_F(ControllerServerTest, RejectsAGoalThatMayHaveWaitedWhileItsProcessCouldNotRun) {
+  StartServers();
+  network_.Pause(*controller_node_);
+  Follow(PathOf({At(1, 2), At(3, 2)}));
+  Run(9000);
+  const int commands = robot_.commands();
+  network_.Resume(*controller_node_);
+  Run(1000);
+  EXPECT_EQ(robot_.commands(), commands);
+  EXPECT_THAT(log_, Contains(musher::testing::HasRefusal(ApplicationRefusal::kMayBeLate)));
+  Run(2000);
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(3, 2)}));
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
+}
+
+TEST_F(ControllerServerTest, EndsTheDriveThatWasUnderWayBeforeALongBreakOfItsProcess) {
+  auto node = std::make_unique<musher::testing::SuspendedNode>(network_.MakeNode("robot"));
+  Duration& suspended = node->loop().suspended;
+  controller_clock_ = transport::Clock::Steady(node->loop());
+  controller_node_ = std::move(node);
+  StartServers();
+  const std::size_t drive = StartDriving();
+  suspended += std::chrono::seconds(50);
+  Run(100);
+  EXPECT_FALSE(drives_.ends[drive]);
+  suspended += std::chrono::minutes(2);
+  Run(100);
+  EXPECT_EQ(CodeOf(drive), 100);
+  EXPECT_THAT(log_,
+              Contains(HasSubstr("the drive has ended: this server could not run for 120 s")));
+  Run(1000);
+  ExpectStanding();
+  Run(2000);
+  const std::size_t next = Follow(PathOf({At(robot_.pose().at.x_m, 2), At(6.5, 2)}));
+  ASSERT_TRUE(AwaitEnd(next));
+  EXPECT_EQ(drives_.ends[next]->end, GoalEnd::kSucceeded) << log_.back();
+}
+
 TEST_F(ControllerServerTest, StandsWhenTheWorldIsRestarted) {
   StartServers();
   const std::size_t drive = StartDriving();
-  controller_->OnTimeJump();
+  controller_->OnTimeJump("the time has jumped");
   Run(50);
   EXPECT_EQ(CodeOf(drive), 100);
   ExpectStanding();

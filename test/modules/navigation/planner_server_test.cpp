@@ -209,7 +209,7 @@ TEST_F(PlannerServerTest, ForgetsThePlaceOfTheRobotWhenTheWorldIsRestarted) {
   StartServers();
   robot_.odometry_silent = true;
   Run(50);
-  planner_->OnTimeJump();
+  planner_->OnTimeJump("the time has jumped");
   ExpectRefused({.goal = At(3, 3)}, 202, "no odometry on jetbot_0/odom yet");
 }
 

@@ -42,6 +42,18 @@ TEST(Command, StartAfterTheEndNeedsAReset) {
   EXPECT_EQ(rig.state(), "START_TO_QRA");
 }
 
+// state_info said that the task was completed while the robot walked.
+TEST(Command, StartWithANameAfterTheEndIsNoCompletedTask) {
+  Rig rig;
+  rig.Command("START:END");
+  rig.Tick();
+  rig.Command("STOP");
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("TaskCompleted:True"));
+  rig.Command("START:QRA_TO_A1");
+  rig.Tick();
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:3,QRResult:None,TaskCompleted:False");
+}
+
 TEST(Command, StartWithANameOrANumberGoesThereFromAnywhere) {
   Rig rig;
   rig.Command("START:IN_S2");
@@ -300,6 +312,24 @@ TEST(Command, ThatIsUnknownIsRefusedAndLoggedAtALimitedRate) {
   rig.Run(Milliseconds(2100));
   EXPECT_EQ(rig.state(), "START");
   EXPECT_EQ(rig.field.streams, 0);
+}
+
+// What waited while the process was stopped, or its computer suspended.
+TEST(Command, ThatMayBeLateMovesNothingButStopCounts) {
+  Rig rig;
+  const Result<> late = Error{kCodeTimeout, "race could not run for 9 s"};
+  for (const char* word : {"START", "START:IN_S2", "in_s2", "A-2", "EXIT_B_ZONE"}) {
+    rig.race->OnCommand(word, rig.now, late);
+    rig.Tick();
+    EXPECT_EQ(rig.state(), "START") << word;
+  }
+  EXPECT_TRUE(rig.field.Logged("START is refused: race could not run for 9 s"));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("QRResult:None"));
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
+  rig.race->OnCommand("STOP", rig.now, late);
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_EQ(rig.state(), "START");
 }
 
 TEST(Command, StartIsRefusedInAPause) {

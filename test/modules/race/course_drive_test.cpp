@@ -141,6 +141,33 @@ TEST(WayThroughTheSLane, GoesOnToItsEndFromALightBehindTheLines) {
   EXPECT_NEAR(result.world->body().pose().position_m.x(), 4.93, 0.2) << Joined(result.log);
 }
 
+// From beside the lane of board B, 0.1 m off the place where the way aside begins: the line ahead
+// of a bay says nothing of that, and the lines on either side do.
+TEST(WayIntoTheBaysOfZoneB, IsCorrectedByTheLinesThatBoundThem) {
+  for (const double aside_m : {0.1, -0.1}) {
+    DriveSettings settings;
+    settings.seed = 7;
+    settings.from = "QRB_TO_B1";
+    settings.pose = world::Pose2{{12.83, 0.743 + aside_m}, 0};
+    settings.until = "IN_B2";
+    settings.limit = std::chrono::minutes(3);
+    std::map<std::string, double> beside_m;
+    settings.on_state = [&](const std::string& state, const world::World& world) {
+      beside_m[state] = world.body().pose().position_m.y();
+    };
+    CourseDrive drive(settings);
+    const DriveResult result = drive.Run();
+    EXPECT_EQ(result.state, "IN_B2") << Joined(result.log);
+    EXPECT_NEAR(beside_m["IN_B1"], 2.163, 0.08) << Joined(result.log);
+    EXPECT_NEAR(result.world->body().pose().position_m.y(), -0.677, 0.08) << Joined(result.log);
+    EXPECT_EQ(result.world->referee().whole_foot_count(), 0U) << Joined(result.log);
+    EXPECT_THAT(result.reservations, ::testing::IsEmpty());
+    std::cout << fmt::format("begun {:+.2f} m aside: {:+.3f} m in B1, {:+.3f} m in B2\n", aside_m,
+                             beside_m["IN_B1"] - 2.163,
+                             result.world->body().pose().position_m.y() + 0.677);
+  }
+}
+
 // The course of the design document, in the hall of its measures.
 TEST(WholeCourseOfTheDocument, IsDrivenByTheCamerasAlone) {
   for (const Route& route : {Route{1, {{"qr_a", "A-1"}, {"arrow", "left"}, {"qr_b", "B-2"}}},

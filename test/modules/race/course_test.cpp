@@ -149,10 +149,34 @@ TEST(CourseFile, ReportsConditionsOfStepsThatAreNone) {
   EXPECT_THAT(
       Faults("unsure = \"unsure_bay\" },", "unsure = \"unsure_bey\" },"),
       ElementsAre(HasSubstr("there is no speech 'unsure_bey'; did you mean 'unsure_bay'?")));
+  EXPECT_THAT(
+      Faults("say = \"countdown\", only = \"marker\"", "say = \"countdown\", only = \"market\""),
+      ElementsAre(HasSubstr("there is no until 'market'; did you mean 'marker'?")));
+}
+
+TEST(CourseFile, ReportsAgreementsAndStepsBackThatAreNone) {
+  const auto faults_of = [](const std::string& line) {
+    return Faults("[check.left_ycy]\n", "[check.left_ycy]\n" + line + "\n");
+  };
+  EXPECT_THAT(faults_of("agrees_with = \"right_ycy\""), IsEmpty());
+  EXPECT_THAT(faults_of("agrees_with = \"right_ycx\""),
+              ElementsAre(HasSubstr("there is no check 'right_ycx'; did you mean 'right_ycy'?")));
+  EXPECT_THAT(faults_of("agrees_with = \"left_ycy\""),
+              ElementsAre(HasSubstr("expected another check, of another camera")));
+  EXPECT_THAT(Faults("[check.board]\n", "[check.board]\nagrees_with = \"right_ycy\"\n"),
+              ElementsAre(HasSubstr("expected a check of lines, found one of a box")));
+  const auto steps_back = [](const std::string& value) {
+    return Faults("[checks]\n", "[checks]\nstep_back = " + value + "\n");
+  };
+  EXPECT_THAT(steps_back("{ away = { move = \"backward\" }, back = { move = \"forward\" } }"),
+              IsEmpty());
+  EXPECT_THAT(steps_back("{ away = { move = \"backward\" } }"), ElementsAre(HasSubstr("back")));
+  EXPECT_THAT(steps_back("{ away = { move = \"stand\" }, back = { move = \"forward\" } }"),
+              ElementsAre(HasSubstr("stand is one motion; expected a movement with a twist")));
 }
 
 TEST(CourseFile, ReportsRulesOfDoubtAndOdometryThatAreNone) {
-  EXPECT_THAT(Faults("most_given_up = 5", "most_given_up = -1"),
+  EXPECT_THAT(Faults("most_given_up = 9", "most_given_up = -1"),
               ElementsAre(HasSubstr("expected an integer from 0 to 1000, found -1")));
   EXPECT_THAT(
       Faults("topic = \"odom_out\"", "topic = \"odom out\""),

@@ -65,6 +65,33 @@ TEST(RaceFault, OfRefusedServoFramesLeadsToTheError) {
   ExpectError(rig, Milliseconds(1500), "the motion manager refuses to walk: 3001");
 }
 
+// The motion manager could not run just before the walk, and takes no frame for 2 s then.
+TEST(RaceFault, IsNoRefusalForTwoSecondsOfFramesThatMayBeLate) {
+  const auto time_to_a1 = [](bool late) {
+    Rig rig;
+    rig.Command("START:QRA_TO_A1");
+    EXPECT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
+    const Time begun = rig.now;
+    if (late) rig.race->OnServoReply(false, 3007, rig.now);
+    rig.Run(Milliseconds(1900));
+    EXPECT_EQ(rig.state(), "QRA_TO_A1");
+    rig.race->OnServoReply(true, 0, rig.now);
+    EXPECT_TRUE(rig.RunTo("IN_A1", std::chrono::seconds(60)));
+    return rig.now - begun;
+  };
+  const Duration longer = time_to_a1(true) - time_to_a1(false);
+  EXPECT_GE(longer, Milliseconds(1800)) << "the body stood";
+  EXPECT_LE(longer, Milliseconds(2000));
+}
+
+TEST(RaceFault, OfFramesThatAreRefusedAsLateForLongLeadsToTheError) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
+  rig.race->OnServoReply(false, 3007, rig.now);
+  ExpectError(rig, Milliseconds(3500), "the motion manager refuses to walk: 3007");
+}
+
 TEST(RaceFault, OfASilentCameraLeadsToTheError) {
   Rig rig;
   rig.script.cameras = false;

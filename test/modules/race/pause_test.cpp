@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <tuple>
+#include <utility>
 
 #include "musher/test/modules/race/race_replay.hpp"
 
@@ -129,6 +130,30 @@ TEST_F(Latched, BodyStandsUpBeforeALieDownThatHasNotBegun) {
   StopAndContinue();
   ASSERT_TRUE(rig_.RunTo("A1_TO_S1", std::chrono::seconds(40))) << rig_.race->InfoText();
   EXPECT_THAT(rig_.field.motions, ElementsAre(111, 111, 101));
+}
+
+// Between the last step of a state and its transition nothing seemed to be under way.
+TEST_F(Latched, BodyStandsUpBetweenTwoStates) {
+  Rig before;
+  before.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(before.RunTo("IN_A1"));
+  rig_.Command("START:QRA_TO_A1");
+  while (rig_.now + Milliseconds(50) < before.now) rig_.Tick();
+  ASSERT_EQ(rig_.state(), "QRA_TO_A1");
+  StopAndContinue();
+  ASSERT_TRUE(rig_.RunTo("A1_TO_S1", std::chrono::seconds(40))) << rig_.race->InfoText();
+  EXPECT_THAT(rig_.field.motions, ElementsAre(111, 111, 101));
+}
+
+// The walk of a later command was refused.
+TEST_F(Latched, BodyThatStoodInTheStartStandsUpBeforeItWalks) {
+  rig_.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig_.RunUntil([&] { return rig_.field.streaming; }));
+  rig_.Command("STOP");
+  StopAndContinue();
+  rig_.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig_.RunTo("IN_A1", std::chrono::minutes(1)));
+  EXPECT_THAT(rig_.field.motions, ElementsAre(111, 111));
 }
 
 TEST(Pause, OfALyingRobotDoesNotMakeItStand) {
@@ -288,6 +313,80 @@ TEST(Pause, IsNotNeededForACharger) {
   ExpectReplays(rig);
 }
 
+// Its process was stopped, or its computer suspended: it walked on, wherever it was put meanwhile.
+TEST(Pause, InWhichItsProcessCouldNotRunIsFollowedByTheRestOnlyAfterStart) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  ASSERT_TRUE(rig.field.streaming);
+  rig.now += std::chrono::seconds(20);
+  rig.race->OnBreak(std::chrono::seconds(20), rig.now);
+  EXPECT_FALSE(rig.field.streaming);
+  rig.Run(std::chrono::seconds(30));
+  EXPECT_EQ(rig.state(), "QRA_TO_A1");
+  EXPECT_EQ(rig.field.streams, 1);
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr(",Waits:START"));
+  EXPECT_TRUE(rig.field.Logged("could not run for 20000 ms: it goes on after START"));
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("IN_A1", std::chrono::seconds(60)));
+  ExpectReplays(rig);
+}
+
+// The clock does not count it: after a night it went on as after some seconds.
+TEST(Pause, IsAsLongAsTheSuspensionOfItsComputerInIt) {
+  for (const auto& [asleep, streams] :
+       {std::pair(std::chrono::seconds(20), 2), std::pair(std::chrono::seconds(58), 1)}) {
+    Rig rig;
+    rig.script.odometry = Truth;
+    rig.Command("START:QRA_TO_A1");
+    rig.Run(Milliseconds(3000));
+    rig.race->Pause(rig.now);
+    rig.machine->Pause();
+    rig.Run(std::chrono::seconds(3));
+    rig.race->OnBreak(asleep / 2, rig.now);  // each of several counts
+    rig.race->OnBreak(asleep / 2, rig.now);
+    rig.race->Resume(rig.now);
+    rig.Run(Milliseconds(3000));
+    EXPECT_EQ(rig.field.streams, streams);
+    ExpectReplays(rig);
+  }
+}
+
+TEST(Pause, InWhichItsProcessCouldNotRunOverrulesAJumpThatWaitsForTheBody) {
+  Rig rig;
+  rig.script.motion_replies = false;
+  rig.Command("START:IN_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return !rig.field.motions.empty(); }));
+  rig.Command("START:QRA_TO_A1");
+  rig.now += std::chrono::seconds(9);
+  rig.race->OnBreak(std::chrono::seconds(9), rig.now);
+  rig.script.motion_replies = true;
+  rig.Run(std::chrono::seconds(20));
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_EQ(rig.field.streams, 0);
+}
+
+// After an hour it stood up from its error, and walked.
+TEST(Pause, InWhichItsProcessCouldNotRunOverrulesAJumpThatWaitsInTheError) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(3000));
+  rig.script.motion_replies = false;
+  rig.race->OnCharger(true, rig.now);
+  ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(200)));
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.motions.back() == 101; }));
+  rig.race->OnCharger(false, rig.now);
+  rig.Command("START:QRA_TO_A1");
+  rig.now += std::chrono::hours(1);
+  rig.race->OnBreak(std::chrono::hours(1), rig.now);
+  EXPECT_TRUE(rig.field.Logged("START:QRA_TO_A1 is dropped: this process could not run"));
+  rig.script.motion_replies = true;
+  rig.Run(std::chrono::seconds(60));
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_EQ(rig.field.streams, 1);
+}
+
 TEST(Pause, ThatIsLongMayBeEndedByAnotherCommand) {
   Rig rig;
   rig.Command("START:QRA_TO_A1");
@@ -405,6 +504,36 @@ TEST(Pause, WithoutOdometryIsAReservation) {
   ASSERT_TRUE(rig.RunTo("IN_A1"));
   EXPECT_TRUE(rig.field.Logged("whether it was moved in the pause is not known"));
   EXPECT_EQ(rig.race->memory().reserved(), 2U) << "and that it walks by its time";
+}
+
+// It said that it had arrived, wherever it was carried meanwhile.
+TEST(Pause, AfterWhichItsPlaceIsNotKnownIsSpokenInTheBay) {
+  Rig rig;
+  rig.script.odometry = Truth;
+  rig.Command("START:IN_A1");
+  rig.Run(Milliseconds(2000));
+  rig.script.odometry = nullptr;
+  PauseFor(rig, Milliseconds(5000));
+  ASSERT_TRUE(rig.RunUntil([&] { return !rig.field.spoken.empty(); }));
+  EXPECT_EQ(rig.field.spoken.front(), "不确定是否已到达库位");
+}
+
+TEST(Pause, InTheCountdownAfterWhichItsPlaceIsNotKnownIsSpokenInTheBay) {
+  Rig rig;
+  bool light = true;
+  rig.script.odometry = Truth;
+  rig.script.sight = [&light](const std::string& detector) -> Sighting {
+    return {light && detector == "light", 0.5, "", ""};
+  };
+  rig.Command("START:QRB_TO_B1");
+  ASSERT_TRUE(rig.RunTo("YELLOW_LIGHT_COUNTDOWN"));
+  light = false;
+  rig.script.odometry = nullptr;
+  PauseFor(rig, Milliseconds(5000));
+  rig.script.odometry = Truth;
+  ASSERT_TRUE(rig.RunTo("IN_B1"));
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.state() != "IN_B1"; }));
+  EXPECT_EQ(rig.field.spoken.back(), "不确定是否已到达库位");
 }
 
 // The walker was started again behind the lane's end.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "musher/base/files.hpp"
 #include "musher/test/modules/race/race_rig.hpp"
 
 namespace musher::race::walk_test {
@@ -44,6 +45,18 @@ TEST(Walk, LastsAsLongAtAnUnevenPace) {
   EXPECT_LE(rig.now - begin, 23 * Milliseconds(200) + Milliseconds(90));
 }
 
+// A process that did not run for a moment has sent no frames, and the body has stood.
+TEST(Walk, CountsNoStepsWhileNoFramesAreSent) {
+  Course course = TheCourse();
+  course.light.reset();
+  Rig rig(course);
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) == 20; }));
+  rig.now += Milliseconds(3000);
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  EXPECT_GE(rig.FramesOf({0.4, 0, 0}), 23 * kFramesOfAStep - 5);
+}
+
 TEST(Walk, OfALyingRobotBeginsWhenItStands) {
   Rig rig;
   rig.Command("START:QRA_TO_A1");
@@ -52,6 +65,22 @@ TEST(Walk, OfALyingRobotBeginsWhenItStands) {
   EXPECT_FALSE(rig.field.streaming);
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
   EXPECT_THAT(rig.field.frames_of_stream, ElementsAre(23 * kFramesOfAStep));
+}
+
+// The reply of the lie-down was lost, or came after its limit: the walk was refused.
+TEST(Walk, AfterALieDownThatFailedBeginsWhenItStands) {
+  Rig rig;
+  rig.script.motion = [](std::int32_t motion) -> Result<> {
+    return motion == 101 ? Result<>(Error{3028, "failed"}) : Ok();
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
+  rig.Command("START:IN_A1");
+  ASSERT_TRUE(rig.RunTo("ERROR"));
+  rig.Run(std::chrono::seconds(20));
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
+  EXPECT_THAT(rig.field.motions, ElementsAre(111, 101, 101, 111));
 }
 
 TEST(Walk, OfL1IsSlowAndLow) {
@@ -220,8 +249,27 @@ TEST(Walk, UntilAMarkerIgnoresAPictureThatWasTakenBefore) {
                        rig.now);
   rig.Tick(2);
   EXPECT_EQ(rig.state(), "B2_TO_R1");
+  rig.race->OnSighting(marker, {true, 1, "tracking", ""}, rig.now, rig.now);
+  rig.Tick(2);
   rig.race->OnSighting(marker, {false, 0, "disappeared", ""}, rig.now, rig.now);
   ASSERT_TRUE(rig.RunTo("IN_R1", Milliseconds(2000)));
+}
+
+// A viewer has kept the detector open since the marker of the run before: the walk ended at once.
+TEST(Walk, UntilAMarkerIgnoresOneThatDisappearedBefore) {
+  std::string phase = "disappeared";
+  Rig rig;
+  rig.script.sight = [&phase](const std::string& detector) -> Sighting {
+    return {false, kUnknown, detector == "marker" ? phase : "", ""};
+  };
+  rig.Command("START:B2_TO_R1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.FramesOf({0.4, 0, 0}) > 10 * kFramesOfAStep; }));
+  EXPECT_EQ(rig.state(), "B2_TO_R1");
+  phase = "tracking";
+  rig.Run(Milliseconds(1000));
+  EXPECT_EQ(rig.state(), "B2_TO_R1");
+  phase = "disappeared";
+  ASSERT_TRUE(rig.RunTo("IN_R1", Milliseconds(1000)));
 }
 
 TEST(Walk, UntilASightStandsWithoutAFreshPicture) {
@@ -489,6 +537,106 @@ TEST(Check, TakesAWordInAnyCase) {
   EXPECT_TRUE(rig.field.Logged("check right_ycy: left, correction 1"));
 }
 
+// Course.toml with these lines behind [checks] and behind [check.right_ycy].
+Course WithChecks(const std::string& rules, const std::string& right_ycy) {
+  std::string text = ReadFile(CourseFile());
+  const auto add = [&text](std::string_view header, const std::string& lines) {
+    const std::size_t at = text.find(header);
+    EXPECT_NE(at, std::string::npos) << header;
+    text.insert(at + header.size(), lines);
+  };
+  add("\n[checks]\n", rules);
+  add("\n[check.right_ycy]\n", right_ycy);
+  const CourseReading reading = ReadCourseText(text, CourseFile());
+  for (const Diagnostic& found : reading.diagnostics) ADD_FAILURE() << FormatDiagnostic(found);
+  return reading.course.value_or(Course{});
+}
+
+constexpr const char* kStepsBack =
+    "step_back = { away = { move = \"backward\", count = 4 }, "
+    "back = { move = \"forward\", count = 3 } }\n";
+
+// Of QRA_TO_A1, whose check right_ycy corrects ahead and back, and right_dy aside.
+struct SteppingBack : Rig {
+  explicit SteppingBack(std::string_view unseen) : Rig(WithChecks(kStepsBack, "")) {
+    script.lines = [this, unseen](const std::string& detector) {
+      const bool sees = detector != unseen || sees_when(detector);
+      return Lines{sees ? 2U : 0U, LineWord::kCenter, LineWord::kCenter};
+    };
+  }
+  int StepsBack() const { return FramesOf({-0.3, 0, 0}) / 4; }
+  int StepsAhead() const { return FramesOf({0.4, 0, 0}) / 4; }
+  std::function<bool(const std::string&)> sees_when = [](const std::string&) { return false; };
+};
+
+TEST(CheckThatStepsBack, LooksFromBehindOnceAndGoesOnAtItsPlace) {
+  SteppingBack rig("right_edge");
+  rig.sees_when = [&](const std::string&) { return rig.StepsBack() >= 4; };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_TRUE(rig.field.Logged("check right_dy: no picture of it within 3000 ms; it steps back"));
+  EXPECT_EQ(rig.StepsBack(), 4 + 9);
+  EXPECT_EQ(rig.StepsAhead(), 23 + 3);
+  EXPECT_EQ(rig.race->memory().given_up(), 0);
+}
+
+TEST(CheckThatStepsBack, NeedsNoWayBackWhereItCorrectsThatWay) {
+  SteppingBack rig("right_lane");
+  rig.sees_when = [&](const std::string&) { return rig.StepsBack() >= 4; };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_EQ(rig.StepsBack(), 4 + 9);
+  EXPECT_EQ(rig.StepsAhead(), 23);
+}
+
+TEST(CheckThatStepsBack, IsGivenUpAtItsPlaceWhereThatDoesNotHelp) {
+  SteppingBack rig("right_lane");
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_EQ(rig.StepsBack(), 4 + 9) << "once";
+  EXPECT_EQ(rig.StepsAhead(), 23 + 3);
+  EXPECT_TRUE(rig.field.Logged("check right_ycy: no picture of it within 3000 ms; it continues"));
+  EXPECT_EQ(rig.race->memory().given_up(), 1);
+}
+
+TEST(CheckThatStepsBack, DoesNotWhereItIsRequired) {
+  SteppingBack rig("front_start");
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("ERROR"));
+  EXPECT_EQ(rig.StepsBack(), 0);
+}
+
+// What is seen on the left of the robot and on its right is the same lane.
+struct TwoCameras : Rig {
+  TwoCameras(LineWord right, LineWord left) : Rig(WithChecks("", "agrees_with = \"left_ycy\"\n")) {
+    script.lines = [this, right, left](const std::string& detector) {
+      const bool corrected = FramesOf({-0.3, 0, 0}) > 0 || FramesOf({0.4, 0, 0}) > 23 * 4;
+      const LineWord word = corrected                  ? LineWord::kCenter
+                            : detector == "right_lane" ? right
+                            : detector == "left_lane"  ? left
+                                                       : LineWord::kCenter;
+      return Lines{2, word, LineWord::kCenter};
+    };
+    Command("START:QRA_TO_A1");
+    EXPECT_TRUE(RunTo("IN_A1"));
+  }
+};
+
+TEST(CheckOfTwoCameras, CorrectsWhereTheyAgreeOrOneHasNothingToCorrect) {
+  using W = LineWord;
+  EXPECT_TRUE(TwoCameras(W::kLeft, W::kRight).field.Logged("correction 1: backward 2"));
+  EXPECT_TRUE(TwoCameras(W::kRight, W::kLeft).field.Logged("correction 1: forward 2"));
+  EXPECT_TRUE(TwoCameras(W::kLeft, W::kCenter).field.Logged("correction 1: backward 2"));
+}
+
+TEST(CheckOfTwoCameras, IsInDoubtWhereTheyContradictEachOther) {
+  const TwoCameras rig(LineWord::kLeft, LineWord::kLeft);
+  EXPECT_FALSE(rig.field.Logged("check right_ycy: left, correction"));
+  EXPECT_TRUE(rig.field.Logged(
+      "check right_ycy: no picture of it within 3000 ms: two cameras do not agree: left by "
+      "right_lane, left by left_lane; it continues"));
+}
+
 TEST(Check, OpensItsDetectorShortlyBeforeTheMovementEndsAndClosesItAfterwards) {
   Rig rig;
   rig.Command("START:QRA_TO_A1");
@@ -530,6 +678,21 @@ TEST(Wait, TakesTheDefaultsOfBayAndArrow) {
 }
 
 // A reflection that was read once decided the way.
+TEST(Wait, SaysTheConfidenceOfItsWordAndRecordsIt) {
+  for (const double confidence : {0.9375, 0.0, 7.0}) {
+    Rig rig;
+    rig.script.sight = [&](const std::string&) {
+      return Sighting{true, kUnknown, "", "A-1", 0, confidence};
+    };
+    rig.Command("START:IN_QR_A");
+    ASSERT_TRUE(rig.RunTo("QRA_TO_A1"));
+    const bool is_known = confidence > 0 && confidence <= 1;
+    EXPECT_EQ(rig.field.Logged("qr_a is A-1 (confidence 0.94)"), is_known);
+    EXPECT_EQ(rig.field.Logged("without its confidence of 7; expected 0 to 1"), confidence > 1);
+    EXPECT_THAT(rig.recording, HasSubstr(is_known ? "A-1 0 0.9375" : "A-1 0 0\""));
+  }
+}
+
 TEST(Wait, NeedsAWordInTwoPictures) {
   Rig rig;
   rig.script.silent = {"qr"};
@@ -638,6 +801,17 @@ TEST(Lane, ThatOthersStopIsNotStartedAgain) {
   EXPECT_TRUE(rig.field.Logged("the line walker has ended with stopped"));
 }
 
+// Nothing moves because a process was restarted: the new one approached the lane blindly, in it.
+TEST(Lane, WhoseWalkerWasRestartedIsNotStartedAgain) {
+  Rig rig;
+  rig.script.walker = [](Duration walked) -> std::string {
+    return walked < Milliseconds(3000) ? "State:WALKING,Active:True" : "State:IDLE,Active:False";
+  };
+  rig.Command("START:S1_TO_S2");
+  ASSERT_TRUE(rig.RunTo("ERROR", std::chrono::seconds(10)));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+}
+
 // In the statuses is still the end by the STOP of before.
 TEST(Lane, ThatTheRaceItselfHasStoppedIsStartedAgain) {
   Rig rig;
@@ -722,6 +896,22 @@ TEST_F(MeasuredLane, WhoseOdometryJumpsIsAReservation) {
   };
   ASSERT_TRUE(rig_.RunTo("IN_S2", std::chrono::seconds(15))) << rig_.race->InfoText();
   EXPECT_TRUE(rig_.field.Logged("how far it has come is not known"));
+}
+
+TEST(Speech, OfASightIsLeftOutWithoutIt) {
+  for (const bool seen : {true, false}) {
+    Rig rig;
+    rig.script.sight = [&](const std::string& detector) {
+      Sighting sighting{false, kUnknown, "", ""};
+      if (detector != "marker") return sighting;
+      sighting.phase = seen && rig.FramesOf({0.4, 0, 0}) > 40 ? "disappeared" : "searching";
+      return sighting;
+    };
+    rig.Command("START:S2_TO_R1");
+    ASSERT_TRUE(rig.RunTo("R1_TO_QRB"));
+    EXPECT_EQ(rig.field.spoken.size(), seen ? 5U : 0U);
+    EXPECT_EQ(rig.field.Logged("IN_R1: countdown is left out: no marker was found"), !seen);
+  }
 }
 
 TEST(Speech, OfTheCountdownTakesFiveSeconds) {

@@ -8,19 +8,17 @@
 #include <string>
 
 #include "musher/behavior/tree/nav2/nodes.hpp"
-#include "musher/modules/navigation/controller_server/controller_server.hpp"
-#include "musher/modules/navigation/planner_server/planner_server.hpp"
 #include "musher/modules/skills/nav2/tree_robot.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
-#include "musher/test/modules/navigation/loop_background.hpp"
+#include "musher/test/modules/navigation/servers_on_network.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
 #include "musher/test/navigation/maps.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::nav2_trees_test {
 
-using navigation::testing::LoopBackground;
+using navigation::testing::ServersOnNetwork;
 using navigation::testing::SimulatedRobot;
 using tree::nav2::Pose;
 
@@ -35,30 +33,10 @@ class Nav2OnARobot : public ::testing::Test {
  protected:
   Nav2OnARobot() {
     navigation::PlannerConfig planner;
-    navigation::PlannerRobot planned;
+    planner.robots = {navigation::testing::PlannerTable("a")};
     navigation::ControllerConfig controller;
-    navigation::ControllerRobot driven;
-    planned.name = driven.name = "a";
-    planned.odometry = driven.odometry = "a/odom";
-    planned.scanners = driven.scanners = {{.topic = "a/scan"}};
-    planned.action = "a/compute_path_to_pose";
-    planned.path = "a/planned_path";
-    planned.refuge = "a/compute_refuge";
-    driven.action = "a/follow_path";
-    driven.trajectory = "a/timed_trajectory";
-    driven.command = "a/cmd_vel";
-    planner.robots.push_back(planned);
-    controller.robots.push_back(driven);
-    const auto log = [](LogLevel, const std::string&) {};
-    planner_ = Must(navigation::PlannerServer::Make(
-        {*planner_node_, *planner_clock_, "", log}, planner, [this] {
-          return std::make_unique<LoopBackground>(planner_node_->loop(), Milliseconds(20));
-        }));
-    controller_ = Must(navigation::ControllerServer::Make(
-        {*controller_node_, *controller_clock_, "", log}, controller,
-        std::make_unique<LoopBackground>(controller_node_->loop(), Milliseconds(5))));
-    planner_->Permit(true, "");
-    controller_->Permit(true, "");
+    controller.robots = {navigation::testing::ControllerTable("a")};
+    servers_.Start(planner, controller);
     map_ =
         Must(transport::MakePublisher<msg::OccupancyGrid>(*peers_, "map", transport::kLatchedQos));
     EXPECT_TRUE(map_->Publish(navigation::testing::GridOf(walls_.map())));
@@ -100,20 +78,13 @@ class Nav2OnARobot : public ::testing::Test {
   }
 
   transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> planner_node_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> controller_node_ = network_.MakeNode("robot");
+  ServersOnNetwork servers_{network_};
   std::unique_ptr<transport::Node> node_ = network_.MakeNode("robot");
   std::unique_ptr<transport::Node> peers_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Clock> planner_clock_ =
-      transport::Clock::Steady(planner_node_->loop());
-  std::unique_ptr<transport::Clock> controller_clock_ =
-      transport::Clock::Steady(controller_node_->loop());
   const navigation::Clearance walls_{
       navigation::testing::Carved(13, 7, 0.05, {{0.5, 0.5, 12.5, 6.5}})};
   SimulatedRobot body_{*peers_, walls_, {.name = "a", .start = {{1, 3, 0}, 0}}};
   std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> map_;
-  std::unique_ptr<navigation::PlannerServer> planner_;
-  std::unique_ptr<navigation::ControllerServer> controller_;
   skills::RosRobot robot_{Config()};
   transport::Endpoints endpoints_{*node_, ""};
   skills::TreeRobot nav2_{robot_};

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "musher/test/support/refusals.hpp"
+#include "musher/test/transport/suspended_node.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::skills::plan_server_test {
@@ -39,7 +41,7 @@ class APlanServer : public ::testing::Test {
  protected:
   APlanServer() {
     endpoints_ = std::make_unique<transport::Endpoints>(*node_, "");
-    auto server = std::make_shared<PlanServer>(*node_, "", DispatcherConfig{},
+    auto server = std::make_shared<PlanServer>(*node_, "plan_dispatcher", "", DispatcherConfig{},
                                                [](LogLevel, const std::string&) {});
     server->Open(*endpoints_);
     endpoints_->Keep(server);
@@ -84,7 +86,8 @@ class APlanServer : public ::testing::Test {
   }
 
   transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> node_ = network_.MakeNode("robot");
+  std::unique_ptr<musher::testing::SuspendedNode> node_ =
+      std::make_unique<musher::testing::SuspendedNode>(network_.MakeNode("robot"));
   std::unique_ptr<transport::Node> a_node_ = network_.MakeNode("a");
   std::unique_ptr<transport::Node> b_node_ = network_.MakeNode("b");
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
@@ -202,6 +205,54 @@ TEST_F(APlanServer, RefusesWhatItCannotExecute) {
   const auto first = Send(PlanOf({{"a"}}));
   EXPECT_EQ(EndOf(*Send(PlanOf({{"b"}}))), "aborted: another plan is executed");
   EXPECT_THAT(b_.goals, SizeIs(0));
+}
+
+// Its client has long gone, and the robots do not see that it waited.
+TEST_F(APlanServer, RefusesAPlanThatMayHaveWaitedWhileItsProcessCouldNotRun) {
+  node_->loop().suspended += std::chrono::seconds(9);
+  const auto late = Send(PlanOf({{"a"}}));
+  EXPECT_THAT(EndOf(*late), musher::testing::HasRefusal(ApplicationRefusal::kMayBeLate));
+  EXPECT_THAT(EndOf(*late), HasSubstr("aborted: plan_dispatcher could not run for 9 s"));
+  EXPECT_THAT(a_.goals, SizeIs(0));
+  Run(2000);
+  static_cast<void>(Send(PlanOf({{"a"}})));
+  EXPECT_THAT(a_.goals, SizeIs(1));
+}
+
+// It sent the next step, an hour after its robots had finished the first one.
+TEST_F(APlanServer, EndsThePlanThatWasUnderWayBeforeALongBreakOfItsProcess) {
+  const auto sent = Send(PlanOf({{"a", "b"}, {"b"}}));
+  ASSERT_THAT(a_.goals, SizeIs(1));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  node_->loop().suspended += std::chrono::hours(1);
+  a_.goals[0].Succeed({true, "completed"});
+  b_.goals[0].Succeed({true, "completed"});
+  Run(500);
+  EXPECT_THAT(b_.goals, SizeIs(1));
+  EXPECT_EQ(EndOf(*sent),
+            "aborted: Cancelled in timestep 1: plan_dispatcher could not run for 3600 s");
+}
+
+TEST_F(APlanServer, CancelsTheSkillsThatRunAfterALongBreakOfItsProcess) {
+  const auto sent = Send(PlanOf({{"a", "b"}}));
+  node_->loop().suspended += std::chrono::hours(1);
+  Run(500);
+  EXPECT_EQ(a_.cancels, 1);
+  EXPECT_EQ(b_.cancels, 1);
+  EXPECT_EQ(EndOf(*sent),
+            "aborted: Cancelled in timestep 1: plan_dispatcher could not run for 3600 s");
+}
+
+TEST_F(APlanServer, GoesOnWithItsPlanAfterAShortBreakAndAfterALongOneBeforeIt) {
+  node_->loop().suspended += std::chrono::hours(1);
+  Run(3000);
+  const auto sent = Send(PlanOf({{"a"}, {"b"}}));
+  ASSERT_THAT(a_.goals, SizeIs(1));
+  node_->loop().suspended += std::chrono::seconds(50);
+  a_.goals[0].Succeed({true, "completed"});
+  Run(500);
+  EXPECT_THAT(b_.goals, SizeIs(1));
+  EXPECT_EQ(EndOf(*sent), "not ended");
 }
 
 TEST_F(APlanServer, CancelsThePlanWhenTheMachineLeavesActive) {

@@ -17,12 +17,10 @@
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/navigation/controller_server/controller_server.hpp"
-#include "musher/modules/navigation/planner_server/planner_server.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
 #include "musher/modules/skills/skills/body_skills.hpp"
 #include "musher/modules/skills/skills/navigation_skills.hpp"
-#include "musher/test/modules/navigation/loop_background.hpp"
+#include "musher/test/modules/navigation/servers_on_network.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
 #include "musher/test/navigation/maps.hpp"
 #include "musher/test/navigation/scanned_body.hpp"
@@ -30,7 +28,7 @@
 
 namespace musher::random_runs_test {
 
-using navigation::testing::LoopBackground;
+using navigation::testing::ServersOnNetwork;
 using navigation::testing::SimulatedRobot;
 
 constexpr double kRadiusM = 0.2;
@@ -128,38 +126,13 @@ class RandomRun {
         "/tmp/r.toml");
     return *reading.config;
   }
-  template <class Robot>
-  static Robot TableOf() {
-    Robot robot;
-    robot.name = "r";
-    robot.odometry = "r/odom";
-    robot.scanners = {{.topic = "r/scan"}};
-    return robot;
-  }
   void StartServers() {
     navigation::PlannerConfig planner;
-    auto planned = TableOf<navigation::PlannerRobot>();
-    planned.action = "r/compute_path_to_pose";
-    planned.path = "r/planned_path";
-    planned.refuge = "r/compute_refuge";
-    planner.robots.push_back(planned);
+    planner.robots = {navigation::testing::PlannerTable("r")};
     navigation::ControllerConfig controller;
-    auto driven = TableOf<navigation::ControllerRobot>();
-    driven.action = "r/follow_path";
-    driven.trajectory = "r/timed_trajectory";
-    driven.command = "r/cmd_vel";
-    driven.gate.reaction_s = 0.3;
-    controller.robots.push_back(driven);
-    const auto log = [](LogLevel, const std::string&) {};
-    planner_ = Must(navigation::PlannerServer::Make(
-        {*planner_node_, *planner_clock_, "", log}, planner, [this] {
-          return std::make_unique<LoopBackground>(planner_node_->loop(), Milliseconds(20));
-        }));
-    controller_ = Must(navigation::ControllerServer::Make(
-        {*controller_node_, *controller_clock_, "", log}, controller,
-        std::make_unique<LoopBackground>(controller_node_->loop(), Milliseconds(5))));
-    planner_->Permit(true, "");
-    controller_->Permit(true, "");
+    controller.robots = {navigation::testing::ControllerTable("r")};
+    controller.robots[0].gate.reaction_s = 0.3;
+    servers_.Start(planner, controller);
   }
 
   // A box beside the start, which no scan sees, and a hand; in `place` it holds the box.
@@ -356,14 +329,9 @@ class RandomRun {
   const std::uint64_t seed_;
   std::mt19937_64 random_;
   transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> planner_node_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> controller_node_ = network_.MakeNode("robot");
+  ServersOnNetwork servers_{network_};
   std::unique_ptr<transport::Node> node_ = network_.MakeNode("robot");
   std::unique_ptr<transport::Node> peers_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Clock> planner_clock_ =
-      transport::Clock::Steady(planner_node_->loop());
-  std::unique_ptr<transport::Clock> controller_clock_ =
-      transport::Clock::Steady(controller_node_->loop());
   const navigation::Clearance walls_;
   std::unique_ptr<SimulatedRobot> body_;
   navigation::Pose last_;
@@ -383,8 +351,6 @@ class RandomRun {
   std::unique_ptr<transport::Publisher<msg::ObjectStates>> objects_;
   std::unique_ptr<transport::Publisher<msg::Image>> camera_;
   std::unique_ptr<transport::Server<msg::ManipulationControl>> hand_;
-  std::unique_ptr<navigation::PlannerServer> planner_;
-  std::unique_ptr<navigation::ControllerServer> controller_;
   skills::RosRobot robot_;
   transport::Endpoints endpoints_;
   std::unique_ptr<skill::Manager> manager_;

@@ -5,17 +5,21 @@
 #include <fstream>
 
 #include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/messages/nav2_msgs/navigate_to_pose.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/modules/skills/load_skills.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
 #include "musher/test/application/show.hpp"
+#include "musher/test/application/suspended_thread.hpp"
+#include "musher/test/support/refusals.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::skills::skills_actuator_test {
 
 using testing::Harness;
+using testing::HasRefusal;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -44,6 +48,21 @@ Result<> RegisterTestSkills(skill::Registry& registry, Robot& robot) {
   return registry.Add<Go>("run", robot);
 }
 
+// What a goal of nav2 starts. Without a skill of that name its actions are not served.
+class GoTo : public Go {
+ public:
+  using Go::Go;
+  void Declare(skill::Table& table) override {
+    Go::Declare(table);
+    table.Takes("goal_pos", skill::Numbers{}, "m");
+    table.Takes("goal_quat_wxyz", skill::Numbers{}, "");
+  }
+};
+
+Result<> RegisterGoTo(skill::Registry& registry, Robot& robot) {
+  return registry.Add<GoTo>("navigate_to", robot);
+}
+
 SkillsConfig Config(const std::string& more = "") {
   return *ReadSkillsText("robot = \"r\"\nkind = \"jetbot\"\nself_check_ms = 300\n" + more +
                              "\n[topics]\nscan = \"\"\n",
@@ -54,15 +73,15 @@ SkillsConfig Config(const std::string& more = "") {
 // With the name of the harness's config.
 class TestSkills : public SkillsActuator {
  public:
-  explicit TestSkills(RosRobot& robot)
-      : SkillsActuator("show", robot,
-                       *LoadSkills(robot.config(), robot, RegisterTestSkills).entries) {}
+  explicit TestSkills(RosRobot& robot, const RegisterFunction& skills = RegisterTestSkills)
+      : SkillsActuator("show", robot, *LoadSkills(robot.config(), robot, skills).entries) {}
   template <class Look>
   auto Of(Look look) {
     decltype(look(*this)) found{};
     RunOnLoop([&] { found = look(*this); });
     return found;
   }
+  using SkillsActuator::CheckMayStart;
   using SkillsActuator::manager;
   using SkillsActuator::Now;
 };
@@ -107,8 +126,11 @@ class ASkillsActuator : public ::testing::Test {
                                             [this] { static_cast<void>(odometry_->Publish({})); });
     });
   }
-  void BeginActive() {
-    harness_.Open(skills_);
+  void BeginActive() { BeginActive(skills_); }
+  // `node`: its own.
+  void BeginActive(ActuatorRunner<TestSkills>& skills,
+                   std::shared_ptr<transport::NodeThread> node = nullptr) {
+    harness_.Open(skills, std::move(node));
     BeginOdometry();
     ASSERT_TRUE(Switch("SelfCheck"));
     ASSERT_TRUE(Switch("Active"));
@@ -234,6 +256,42 @@ TEST_F(ASkillsActuator, RefusesAGoalWithTheReason) {
   for (const std::string value : {"[1, 2", "1, 2]", "[1, nan]", "[[1]]", "{}"}) {
     EXPECT_THAT(ReasonOf({"go"}, "names", value), HasSubstr("go: parameter names: ")) << value;
   }
+}
+
+// A goal that waited in the kernel drove the robot when its computer ran again.
+TEST_F(ASkillsActuator, BeginsNoGoalOfNav2ThatWaitedWhileTheComputerWasSuspended) {
+  const auto thread = std::make_shared<testing::SuspendedThread>();
+  RosRobot robot(Config());
+  ActuatorRunner<TestSkills> skills(robot, RegisterGoTo);
+  BeginActive(skills, thread);
+  std::unique_ptr<transport::ActionClient<msg::NavigateToPose>> client;
+  Loop([&] {
+    client = transport::MakeActionClient<msg::NavigateToPose>(harness_.node().node(),
+                                                              "r/navigate_to_pose")
+                 .value();
+  });
+  std::optional<std::string> reason;
+  const auto send = [&] {
+    transport::GoalEvents<msg::NavigateToPose> events;
+    events.on_end = [&](const auto& outcome) { reason = outcome.result.error_msg; };
+    Loop([&] {
+      client->SendGoal({.pose = ToMessage(navigation::Pose{{4, 3, 0}, 0}, {}), .behavior_tree = {}},
+                       std::chrono::seconds(20), events);
+    });
+  };
+  const auto runs = [&] { return skills.Of([](TestSkills& s) { return s.manager().running(); }); };
+  thread->SuspendEachTime(std::chrono::seconds(9));
+  send();
+  Await([&] { return reason.has_value(); });
+  EXPECT_THAT(reason.value_or(""), HasRefusal(ApplicationRefusal::kMayBeLate));
+  EXPECT_FALSE(runs());
+  thread->SuspendEachTime({});
+  // The same goal, once it cannot be late any more.
+  EXPECT_TRUE(testing::Until(
+      [&] { return skills.Of([](TestSkills& s) { return s.CheckMayStart().ok(); }); }));
+  send();
+  EXPECT_TRUE(testing::Until(runs));
+  Loop([&] { client.reset(); });
 }
 
 TEST_F(ASkillsActuator, EndsWhatMovesTheRobotWithALowBatteryAndNamesIt) {

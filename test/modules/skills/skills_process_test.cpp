@@ -1,12 +1,9 @@
 // The real programs over DDS, driven as a controller drives them.
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <fstream>
-#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -16,34 +13,27 @@
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/plan_msgs/plan.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
-#include "musher/test/support/paths.hpp"
+#include "musher/test/modules/module_process.hpp"
 #include "musher/transport/action.hpp"
 
 namespace musher::skills::skills_process_test {
 
 using ::testing::HasSubstr;
 
-const std::vector<std::string> kStates = {"SetUp",    "TearDown", "SelfCheck",
-                                          "Active",   "DeActive", "Protected",
-                                          "LowPower", "OTA",      "Error"};
-
-class SkillsProcess : public ::testing::Test {
+class SkillsProcess : public test::ModuleProcess {
  protected:
-  SkillsProcess() {
-    odometry_ = transport::MakePublisher<msg::Odometry>(peer_.node(), "r/odom").value();
-    commands_in_ = transport::MakeSubscription<msg::Twist>(
-                       peer_.node(), "r/cmd_vel",
-                       [this](const msg::Twist& twist, const auto&) { commands_.push_back(twist); })
-                       .value();
+  SkillsProcess() : ModuleProcess("r", "musher-skills") {
+    odometry_ = Publisher<msg::Odometry>("r/odom");
+    Subscribe<msg::Twist>("r/cmd_vel",
+                          [this](const msg::Twist& twist) { commands_.push_back(twist); });
     client_ =
         transport::MakeActionClient<msg::SkillExecution>(peer_.node(), "r/skill_execution").value();
     again_ = peer_.node().loop().Every(Milliseconds(20),
                                        [this] { static_cast<void>(odometry_->Publish({})); });
   }
   void Begin(const std::string& more = "") {
-    peer_.Start("robot = \"r\"\nkind = \"cf2x\"\nflies = true\nself_check_ms = 1000\n" + more);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    ASSERT_NO_FATAL_FAILURE(
+        Start("robot = \"r\"\nkind = \"cf2x\"\nflies = true\nself_check_ms = 1000\n" + more));
     ASSERT_TRUE(peer_.Switch("SelfCheck")) << peer_.Output();
     ASSERT_TRUE(peer_.Switch("Active")) << peer_.Output();
   }
@@ -68,45 +58,24 @@ class SkillsProcess : public ::testing::Test {
     ASSERT_NO_FATAL_FAILURE(Begin(more));
   }
   msg::SkillFeedback FeedbackOfTakeOff() {
-    std::optional<msg::SkillFeedback> feedback;
-    const auto report = transport::MakeClient<msg::GetSkill>(peer_.node(), "r/get_skill").value();
-    EXPECT_TRUE(peer_.Until([&] { return report->Ready(); }));
     msg::GetSkill::Request request;
     request.skill = "take_off";
-    report->Call(request, std::chrono::seconds(20), [&](const auto& reply) {
-      feedback = reply ? reply.value().feedback : msg::SkillFeedback();
-    });
-    EXPECT_TRUE(peer_.Until([&] { return feedback.has_value(); }));
-    return feedback.value_or(msg::SkillFeedback());
+    return Call<msg::GetSkill>("r/get_skill", request).feedback;
   }
 
   // Pauses or resumes take_off: "true EXECUTING", as the service answers.
   std::string Pause(bool pause) {
-    std::optional<msg::PauseSkill::Response> answer;
-    const auto service =
-        transport::MakeClient<msg::PauseSkill>(peer_.node(), "r/pause_skill").value();
-    EXPECT_TRUE(peer_.Until([&] { return service->Ready(); }));
     msg::PauseSkill::Request request;
     request.skill = "take_off";
     request.pause = pause;
-    service->Call(request, std::chrono::seconds(20), [&](const auto& reply) {
-      answer = reply ? reply.value() : msg::PauseSkill::Response();
-    });
-    EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
-    return answer ? (answer->success ? "true " : "false ") + answer->message : "";
+    const auto answer = Call<msg::PauseSkill>("r/pause_skill", request);
+    return (answer.success ? "true " : "false ") + answer.message;
   }
   // What `musher` with these words prints, while the robot goes on.
   std::string Musher(std::vector<std::string> words) {
-    words.insert(words.begin(), BinDir() + "/musher");
-    const std::string file = peer_.folder() / "musher";
-    const UniqueFd output(open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-    const auto tool =
-        exec::Child::Start({words, peer_.folder().path(), {}}, peer_.reaper(), output.get());
-    EXPECT_TRUE(tool) << (tool ? "" : tool.error().message);
-    EXPECT_TRUE(tool && peer_.Until([&tool] { return tool.value().Ended(); }));
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
+    words.insert(words.begin(), "musher");
+    Run(std::move(words));
+    return Said();
   }
   // For a second no command rises.
   void ExpectNoRise() {
@@ -121,10 +90,8 @@ class SkillsProcess : public ::testing::Test {
     return peer_.Until([this] { return !commands_.empty() && commands_.back().linear.z > 0.1; });
   }
 
-  test::ActuatorPeer peer_{"r", kStates, "musher-skills"};
   std::vector<msg::Twist> commands_;
   std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
-  std::unique_ptr<transport::Subscription> commands_in_;
   std::unique_ptr<transport::ActionClient<msg::SkillExecution>> client_;
   transport::LoopHandlePtr again_;
 };
@@ -212,21 +179,21 @@ TEST_F(SkillsProcess, ThatWasKilledWithAPausedSkillMovesNothingByItself) {
 }
 
 TEST_F(SkillsProcess, ExitsWithCode2AndTheErrorsOfItsConfig) {
-  peer_.Start("robot = \"r\"\nkindd = \"cf2x\"\nradius_m = 0\n");
-  EXPECT_EQ(peer_.AwaitExit(), 2);
-  EXPECT_THAT(peer_.Output(), HasSubstr("unknown key \"kindd\"; did you mean \"kind\"?"));
+  ExpectRefused("robot = \"r\"\nkindd = \"cf2x\"\nradius_m = 0\n",
+                "unknown key \"kindd\"; did you mean \"kind\"?");
   EXPECT_THAT(peer_.Output(), HasSubstr(":3:12: error: radius_m: "));
 }
 
-TEST(DispatcherProcess, ExitsWithCode2AndTheErrorsOfItsConfig) {
-  test::ActuatorPeer peer("plan_dispatcher", kStates, "musher-plan-dispatcher");
-  peer.Start("server_wait = 3\n");
-  EXPECT_EQ(peer.AwaitExit(), 2);
-  EXPECT_THAT(peer.Output(), HasSubstr("did you mean \"server_wait_ms\"?"));
+class DispatcherProcess : public test::ModuleProcess {
+ protected:
+  DispatcherProcess() : ModuleProcess("plan_dispatcher", "musher-plan-dispatcher") {}
+};
+
+TEST_F(DispatcherProcess, ExitsWithCode2AndTheErrorsOfItsConfig) {
+  ExpectRefused("server_wait = 3\n", "did you mean \"server_wait_ms\"?");
 }
 
-TEST(DispatcherProcess, ThatIsKilledInAPlanSendsNoGoalUntilTheNextPlan) {
-  test::ActuatorPeer peer("plan_dispatcher", kStates, "musher-plan-dispatcher");
+TEST_F(DispatcherProcess, ThatIsKilledInAPlanSendsNoGoalUntilTheNextPlan) {
   int goals = 0;
   std::vector<transport::ServerGoal<msg::SkillExecution>> kept;  // that never end
   transport::ActionHandlers<msg::SkillExecution> handlers;
@@ -236,15 +203,14 @@ TEST(DispatcherProcess, ThatIsKilledInAPlanSendsNoGoalUntilTheNextPlan) {
   };
   handlers.cancel = [](transport::ServerGoal<msg::SkillExecution> goal) { goal.Canceled({}); };
   const auto robot = transport::MakeActionServer<msg::SkillExecution>(
-                         peer.node(), "r/skill_execution", std::move(handlers))
+                         peer_.node(), "r/skill_execution", std::move(handlers))
                          .value();
   const auto client =
-      transport::MakeActionClient<msg::PlanExecution>(peer.node(), "plan_execution").value();
+      transport::MakeActionClient<msg::PlanExecution>(peer_.node(), "plan_execution").value();
   const auto begin = [&] {
-    peer.Start("");
-    ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
-    ASSERT_TRUE(peer.Switch("SelfCheck")) << peer.Output();
-    ASSERT_TRUE(peer.Switch("Active")) << peer.Output();
+    ASSERT_NO_FATAL_FAILURE(Start(""));
+    ASSERT_TRUE(peer_.Switch("SelfCheck")) << peer_.Output();
+    ASSERT_TRUE(peer_.Switch("Active")) << peer_.Output();
   };
   bool ended = false;
   const auto send = [&] {
@@ -258,19 +224,19 @@ TEST(DispatcherProcess, ThatIsKilledInAPlanSendsNoGoalUntilTheNextPlan) {
   };
   ASSERT_NO_FATAL_FAILURE(begin());
   send();
-  ASSERT_TRUE(peer.Until([&] { return goals == 1; })) << peer.Output();
+  ASSERT_TRUE(peer_.Until([&] { return goals == 1; })) << peer_.Output();
   // So that the status of its successor is known from its own.
-  ASSERT_TRUE(peer.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
-  peer.Signal(SIGKILL);
-  ASSERT_EQ(peer.AwaitExit(), -SIGKILL);
-  ASSERT_TRUE(peer.Until([&] { return ended; })) << "its client knows that it is lost";
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  ASSERT_TRUE(peer_.Until([&] { return ended; })) << "its client knows that it is lost";
   ASSERT_NO_FATAL_FAILURE(begin());
   int looks = 0;
-  const auto look = peer.node().loop().Every(Milliseconds(50), [&looks] { ++looks; });
-  ASSERT_TRUE(peer.Until([&looks] { return looks == 20; }));
+  const auto look = peer_.node().loop().Every(Milliseconds(50), [&looks] { ++looks; });
+  ASSERT_TRUE(peer_.Until([&looks] { return looks == 20; }));
   EXPECT_EQ(goals, 1);
   send();
-  EXPECT_TRUE(peer.Until([&] { return goals == 2; })) << peer.Output();
+  EXPECT_TRUE(peer_.Until([&] { return goals == 2; })) << peer_.Output();
 }
 
 }  // namespace musher::skills::skills_process_test

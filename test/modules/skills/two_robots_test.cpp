@@ -10,18 +10,16 @@
 #include <string>
 
 #include "musher/behavior/skill/manager.hpp"
-#include "musher/modules/navigation/controller_server/controller_server.hpp"
-#include "musher/modules/navigation/planner_server/planner_server.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
 #include "musher/modules/skills/skills/navigation_skills.hpp"
-#include "musher/test/modules/navigation/loop_background.hpp"
+#include "musher/test/modules/navigation/servers_on_network.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
 #include "musher/test/navigation/maps.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::two_robots_test {
 
-using navigation::testing::LoopBackground;
+using navigation::testing::ServersOnNetwork;
 using navigation::testing::SimulatedRobot;
 using skill::Status;
 using ::testing::HasSubstr;
@@ -117,58 +115,26 @@ class TwoRobots {
   }
 
  private:
-  template <class Robot>
-  static Robot TableOf(const std::string& name) {
-    Robot robot;
-    robot.name = name;
-    robot.odometry = name + "/odom";
-    robot.scanners = {{.topic = name + "/scan"}};
-    return robot;
-  }
   void StartServers() {
     navigation::PlannerConfig planner;
     navigation::ControllerConfig controller;
-    for (const std::string name : {"a", "b"}) {
-      auto planned = TableOf<navigation::PlannerRobot>(name);
-      planned.action = name + "/compute_path_to_pose";
-      planned.path = name + "/planned_path";
-      planned.refuge = name + "/compute_refuge";
-      planner.robots.push_back(planned);
-      auto driven = TableOf<navigation::ControllerRobot>(name);
-      driven.action = name + "/follow_path";
-      driven.trajectory = name + "/timed_trajectory";
-      driven.command = name + "/cmd_vel";
-      controller.robots.push_back(driven);
+    for (const char* name : {"a", "b"}) {
+      planner.robots.push_back(navigation::testing::PlannerTable(name));
+      controller.robots.push_back(navigation::testing::ControllerTable(name));
     }
-    const auto log = [](LogLevel, const std::string&) {};
-    planner_ = Must(navigation::PlannerServer::Make(
-        {*planner_node_, *planner_clock_, "", log}, planner, [this] {
-          return std::make_unique<LoopBackground>(planner_node_->loop(), Milliseconds(20));
-        }));
-    controller_ = Must(navigation::ControllerServer::Make(
-        {*controller_node_, *controller_clock_, "", log}, controller,
-        std::make_unique<LoopBackground>(controller_node_->loop(), Milliseconds(5))));
-    planner_->Permit(true, "");
-    controller_->Permit(true, "");
+    servers_.Start(planner, controller);
   }
 
   transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> planner_node_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> controller_node_ = network_.MakeNode("robot");
+  ServersOnNetwork servers_{network_};
   std::unique_ptr<transport::Node> node_a_ = network_.MakeNode("robot");
   std::unique_ptr<transport::Node> node_b_ = network_.MakeNode("robot");
   std::unique_ptr<transport::Node> peers_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Clock> planner_clock_ =
-      transport::Clock::Steady(planner_node_->loop());
-  std::unique_ptr<transport::Clock> controller_clock_ =
-      transport::Clock::Steady(controller_node_->loop());
   const navigation::Clearance walls_;
   SimulatedRobot body_a_, body_b_;
   double least_gap_m_ = 10;
   transport::LoopHandlePtr eyes_;
   std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> map_;
-  std::unique_ptr<navigation::PlannerServer> planner_;
-  std::unique_ptr<navigation::ControllerServer> controller_;
   std::unique_ptr<Skills> a_, b_;
 };
 

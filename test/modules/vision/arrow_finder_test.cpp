@@ -144,7 +144,7 @@ class ArrowBoard : public ::testing::Test {
     DrawArrow(picture, {50, 130, 412, 250});
     const std::string path = folder_ / (left ? "left.png" : "right.png");
     cv::imwrite(path, left ? Mirrored(picture) : picture);
-    world::Scene scene = Hall();
+    world::Scene scene = HallScene();
     scene.ground.texture = texture;
     world::Board board = BoardAt(far_m, 0.5, yaw_deg);
     board.sign = {world::Sign::Kind::kPicture, path};

@@ -181,7 +181,7 @@ TEST(BarrierOverALane, HasItsDistanceUntilItReachesTheTop) {
   parameters.height_m = 0.1;
   for (const double far_m : testing::Ends({0.8, 1.0, 1.5, 2.0, 3.0})) {
     for (const double yaw_deg : testing::Ends({-15.0, 0.0, 15.0})) {
-      world::Scene scene = Hall();
+      world::Scene scene = HallScene();
       scene.boxes = {{"", {kEyeM + far_m, 0}, {0.025, 0.5}, 0, 0.1, 0.5, {200, 30, 30}}};
       const cv::Mat bgr = SceneShot(scene, CourseCamera::kFront, {{0, 0}, yaw_deg * M_PI / 180});
       const auto barrier = FindBarrier(bgr, parameters);
@@ -193,7 +193,7 @@ TEST(BarrierOverALane, HasItsDistanceUntilItReachesTheTop) {
 }
 
 TEST(BarrierOverALane, ReachesTheTopBeforeItLeavesThePicture) {
-  world::Scene scene = Hall();
+  world::Scene scene = HallScene();
   scene.boxes = {{"", {3, 0}, {0.025, 0.5}, 0, 0.1, 0.5, {200, 30, 30}}};
   const auto scenery = world::SceneryOf(scene);
   bool was_top = false;

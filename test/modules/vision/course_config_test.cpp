@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "musher/modules/vision/course/course_parameters.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/test/support/paths.hpp"
 
@@ -193,6 +194,51 @@ kind = "marker"
   EXPECT_EQ(std::get<MarkerParameters>(config.detectors[2].parameters).yellow, of_hall);
 }
 
+TEST(Hall, GivesItsRegionsAndItsWhiteBalanceToItsDetectors) {
+  const VisionConfig config = Read(R"(
+detect_faces = false
+[hall]
+white_balance = [0.6, 1, 1.9]
+regions.barrier = { bottom = 0.8 }
+regions.light = { top = 0.2 }
+[[detectors]]
+name = "bar"
+kind = "barrier"
+[[detectors]]
+name = "own"
+kind = "barrier"
+publish = "own/distance"
+parameters.region = { bottom = 0.7 }
+[[detectors]]
+name = "lamp"
+kind = "light"
+[[detectors]]
+name = "lane"
+kind = "lines"
+)");
+  const auto region = [&](std::size_t i) {
+    return std::get<BarrierParameters>(config.detectors[i].parameters).region;
+  };
+  EXPECT_EQ(region(0), (Region{0, 0.8, 0, 1}));
+  EXPECT_FALSE(config.detectors[0].own_region);
+  EXPECT_EQ(region(1), (Region{0, 0.7, 0, 1}));
+  EXPECT_TRUE(config.detectors[1].own_region);
+  Region of_light = LightParameters().region;
+  of_light.top = 0.2;
+  EXPECT_EQ(std::get<MarkerParameters>(config.detectors[2].parameters).region, of_light);
+  for (const CourseEntry& entry : config.detectors) {
+    EXPECT_EQ(entry.balance, (WhiteBalance{0.6, 1, 1.9})) << entry.name;
+  }
+  // Yellow lines under warm lamps, whose light has too little blue and too much red.
+  cv::Mat bgr(480, 640, CV_8UC3, cv::Scalar(40, 120, 200));
+  for (const int x : {90, 530}) bgr(cv::Rect(x, 300, 20, 180)).setTo(cv::Scalar(3, 110, 250));
+  const auto lines = [&](const CourseFactory& factory) {
+    return factory.make().value()->Look(bgr, 1, std::nullopt).lines.value();
+  };
+  EXPECT_EQ(lines(config.detectors[3].factory).contours, 2U);
+  EXPECT_NE(lines(FactoryOf(config.detectors[3].parameters)).contours, 2U);
+}
+
 TEST(Hall, WithErrorsSaysWhereAndWhatWasExpected) {
   EXPECT_THAT(Said(R"(
 detect_faces = false
@@ -201,6 +247,9 @@ yellow = { from = [18, 300, 40] }
 lane_m = 0
 line_width_m = [0.1, 0.02]
 colour = 1
+white_balance = [1, 9, 1]
+regions.arrow = { top = 0.9, bottom = 0.1 }
+regions.lines = { top = 0.5 }
 [[mounts]]
 hfov_deg = 180
 [[mounts]]
@@ -216,7 +265,9 @@ kind = "lines"
                   HasSubstr("course.toml:5:10: error: hall.lane_m: "),
                   HasSubstr("course.toml:6:16: error: hall.line_width_m: expected the least"),
                   HasSubstr("course.toml:7:1: error: hall: unknown key \"colour\""),
-                  HasSubstr("course.toml:8:1: error: mounts: the key \"picture\" is missing"),
+                  HasSubstr("expected the factors [red, green, blue], each 0.2 to 5"),
+                  HasSubstr("must be more than top"), HasSubstr("unknown key \"lines\""),
+                  HasSubstr("course.toml:11:1: error: mounts: the key \"picture\" is missing"),
                   HasSubstr("mounts.hfov_deg: a pinhole has less"),
                   HasSubstr("there is a mount of the camera of \"image_rgb\" already")));
 }
@@ -295,6 +346,7 @@ parameters.size_m = 0.1
 parameters.focal_px = 500
 parameters.sightings = 3
 parameters.misses = 4
+parameters.passed_within_m = 2
 [[detectors]]
 name = "e"
 kind = "qr"
@@ -337,6 +389,7 @@ parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
   light.focal_px = 500;
   light.sightings = 3;
   light.misses = 4;
+  light.passed_within_m = 2;
   QrParameters qr;
   qr.words = {"left", "right"};
   qr.min_repeats = 2;
@@ -368,7 +421,7 @@ rate_hz = 3
           HasSubstr("course.toml:2:8: error: detectors.name: expected a name of letters"),
           HasSubstr(
               "course.toml:3:8: error: detectors.kind: expected one of qr, aruco, arrow, barrier, "
-              "marker, light and lines, found \"arow\"; did you mean \"arrow\"?"),
+              "marker, light, lines and net, found \"arow\"; did you mean \"arrow\"?"),
           HasSubstr("course.toml:4:11: error: detectors.picture: expected the name of a topic"),
           HasSubstr("course.toml:5:11: error: detectors.rate_hz: expected a number from 0"),
           HasSubstr("course.toml:6:1: error: detectors: unknown key \"failurs\"; did you mean "

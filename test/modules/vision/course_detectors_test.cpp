@@ -95,6 +95,18 @@ TEST(BarrierDetector, SaysTheDistanceByTheLensOrByItsParameters) {
   EXPECT_EQ(none.sighting->phase, "");
 }
 
+// One picture with something red at its edge ended the walk to the bar: the robot came to it
+// upright.
+TEST(BarrierDetector, SaysThatABarIsAtTheTopInTheSecondPictureWithIt) {
+  Series barriers(MakeBarrierDetector({}));
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(100, 0, 400, 60)).setTo(kRed);
+  EXPECT_EQ(barriers.Look(bgr).sighting->phase, "seen");
+  EXPECT_EQ(barriers.Look(GreyPicture()).sighting->phase, "");
+  EXPECT_EQ(barriers.Look(bgr).sighting->phase, "seen");
+  EXPECT_EQ(barriers.Look(bgr).sighting->phase, "top");
+}
+
 TEST(MarkerDetector, SaysTheDistanceWhileItTracksAndThenThatItHasDisappeared) {
   Series markers(MakeMarkerDetector({}));
   EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "searching");
@@ -106,7 +118,7 @@ TEST(MarkerDetector, SaysTheDistanceWhileItTracksAndThenThatItHasDisappeared) {
   EXPECT_NEAR(second.sighting->distance_m, 0.2 * 600 / 61, 0.04);
   ASSERT_TRUE(second.text);
   EXPECT_NEAR(std::stod(*second.text), second.sighting->distance_m, 0.006);
-  markers.Look(WithDisc(30, 40));
+  markers.Look(WithDisc(60, 70));  // 1 m
   for (int i = 0; i < 4; ++i) EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "tracking");
   const CourseSight gone = markers.Look(GreyPicture());
   EXPECT_EQ(gone.sighting->phase, "disappeared");
@@ -117,6 +129,14 @@ TEST(MarkerDetector, SaysTheDistanceWhileItTracksAndThenThatItHasDisappeared) {
 TEST(MarkerDetector, SaysThatASignIsHiddenThatWasFarFromTheEdge) {
   Series markers(MakeMarkerDetector({}));
   for (int i = 0; i < 3; ++i) markers.Look(WithDisc(12));
+  for (int i = 0; i < 4; ++i) markers.Look(GreyPicture());
+  EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "hidden");
+}
+
+// A robot that turned lost it at the edge, two metres before it, and counted it as passed.
+TEST(MarkerDetector, SaysThatASignIsHiddenThatWasFarAwayAtTheEdge) {
+  Series markers(MakeMarkerDetector({}));
+  for (int i = 0; i < 3; ++i) markers.Look(WithDisc(30, 40));  // 2 m
   for (int i = 0; i < 4; ++i) markers.Look(GreyPicture());
   EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "hidden");
 }
@@ -146,9 +166,32 @@ TEST(QrDetector, SaysAWordOfItsListAndOnlyShowsAnotherCode) {
   EXPECT_TRUE(other.sighting->seen);
   EXPECT_EQ(other.sighting->text, "A-3");
   EXPECT_EQ(other.text, std::nullopt);
-  const CourseSight long_one = codes.Look(WithCode(std::string(300, 'x')));
+  const CourseSight long_one = codes.Look(WithCode(std::string(100, 'x')));
   EXPECT_EQ(long_one.sighting->text, std::string(64, 'x'));
   EXPECT_EQ(long_one.text, std::nullopt);
+}
+
+// The second code in the right half, `scale` times as large as the first.
+cv::Mat WithTwoCodes(const std::string& left, const std::string& right, double scale) {
+  cv::Mat bgr(480, 960, CV_8UC3, kWhite), small;
+  const cv::Mat one = WithCode(left), other = WithCode(right);
+  one(cv::Rect(20, 20, 440, 440)).copyTo(bgr(cv::Rect(0, 0, 440, 440)));
+  cv::resize(other(cv::Rect(20, 20, 440, 440)), small, {}, scale, scale, cv::INTER_AREA);
+  small.copyTo(bgr(cv::Rect(500, 0, small.cols, small.rows)));
+  return bgr;
+}
+
+// It took the one that was decoded first.
+TEST(QrDetector, TakesTheLargerOfTwoBoardsAndNoneOfTwoThatAreAsLarge) {
+  Series codes(MakeQrDetector({}));
+  EXPECT_THAT(codes.Look(WithTwoCodes("A-1", "A-2", 0.5)).text, Optional(Eq("A-1")));
+  EXPECT_THAT(codes.Look(WithTwoCodes("A-2", "A-1", 0.5)).text, Optional(Eq("A-2")));
+  const CourseSight both = codes.Look(WithTwoCodes("A-1", "A-2", 1));
+  EXPECT_TRUE(both.sighting->seen);
+  EXPECT_EQ(both.sighting->text, "A-1, A-2");
+  EXPECT_EQ(both.text, std::nullopt);
+  EXPECT_THAT(codes.Look(WithTwoCodes("A-1", "A-1", 1)).text, Optional(Eq("A-1")));
+  EXPECT_THAT(codes.Look(WithTwoCodes("https://a.label", "A-2", 0.5)).text, Optional(Eq("A-2")));
 }
 
 TEST(QrDetector, WaitsForRepeats) {
@@ -231,6 +274,49 @@ TEST(TextLines, AreNoneOnAStoneWall) {
     }
     EXPECT_TRUE(FindTextLines(wall).empty()) << seed;
   }
+}
+
+TEST(Confidence, IsHalfAtTheLimitsAndOneForTheIdealThing) {
+  EXPECT_FLOAT_EQ(ConfidenceBy({1, 1}), 1);
+  EXPECT_FLOAT_EQ(ConfidenceBy({1, 0.4}), 0.7F);
+  EXPECT_FLOAT_EQ(ConfidenceBy({3, -1}), 0.5F);
+  EXPECT_FLOAT_EQ(ConfidenceBy({std::nan("")}), 0.5F);
+}
+
+TEST(Confidence, OfASightingIsThatOfItsWeakestRule) {
+  const auto confidence = [](std::unique_ptr<CourseDetector> detector, const cv::Mat& bgr) {
+    return detector->Look(bgr, 1, std::nullopt).sighting->confidence;
+  };
+  const float arrow = confidence(MakeArrowDetector({}), WithArrow(true));
+  EXPECT_GT(arrow, 0.7F);
+  EXPECT_LE(arrow, 1);
+  EXPECT_EQ(confidence(MakeArrowDetector({}), GreyPicture()), 0) << "nothing is seen";
+  const float disc = confidence(MakeMarkerDetector({}), WithDisc(30));
+  EXPECT_GT(disc, 0.8F);
+  // A sign from the side.
+  cv::Mat bgr = GreyPicture();
+  cv::ellipse(bgr, {300, 150}, {40, 26}, 0, 0, 360, kYellow, cv::FILLED, cv::LINE_AA);
+  const float oval = confidence(MakeMarkerDetector({}), bgr);
+  EXPECT_LT(oval, 0.7F);
+  EXPECT_GE(oval, 0.5F);
+  QrParameters once;
+  once.letters = false;
+  EXPECT_EQ(confidence(MakeQrDetector(once), WithCode("A-2")), 1) << "by its check sum";
+  EXPECT_EQ(confidence(MakeQrDetector(once), WithCode("hello")), 0.5F) << "no word";
+  once.min_repeats = 2;
+  EXPECT_EQ(confidence(MakeQrDetector(once), WithCode("A-2")), 0.5F) << "no word yet";
+}
+
+TEST(Confidence, OfABarGrowsWithItsLength) {
+  const auto confidence = [](int length_px) {
+    cv::Mat bgr = GreyPicture();
+    bgr(cv::Rect(40, 200, length_px, 30)).setTo(cv::Scalar(40, 30, 200));
+    const auto sighting = MakeBarrierDetector({})->Look(bgr, 1, std::nullopt).sighting;
+    EXPECT_TRUE(sighting->seen) << length_px;
+    return sighting->confidence;
+  };
+  EXPECT_LT(confidence(130), 0.6F);
+  EXPECT_GT(confidence(500), 0.9F);
 }
 
 TEST(LinesDetector, SaysOnlyLines) {

@@ -69,7 +69,7 @@ inline cv::Mat SceneShot(const world::Scene& scene, CourseCamera camera,
   return SceneShot(*world::SceneryOf(scene), camera, robot);
 }
 
-inline world::Scene Hall() {
+inline world::Scene HallScene() {
   world::Scene scene = world::EmptyYard();
   scene.ground.finest_per_m = 100;
   return scene;

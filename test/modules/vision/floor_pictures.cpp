@@ -88,7 +88,22 @@ cv::Mat Concrete(cv::RNG& random) {
   return floor;
 }
 
+// Side by side, each second one mirrored, so that the edges of a photograph are no joints.
+cv::Mat Repeated(const cv::Mat& photograph, double wide_m) {
+  const double scale = wide_m * kPxPerM / photograph.cols;
+  cv::Mat once, mirrored, row;
+  cv::resize(photograph, once, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  cv::flip(once, mirrored, 1);
+  cv::hconcat(once, mirrored, row);
+  cv::flip(row, mirrored, 0);
+  cv::vconcat(row, mirrored, row);
+  cv::Mat floor;
+  cv::repeat(row, kSidePx / row.rows + 1, kSidePx / row.cols + 1, floor);
+  return floor(cv::Rect(0, 0, kSidePx, kSidePx)).clone();
+}
+
 cv::Mat FloorOf(const Floor& floor, cv::RNG& random) {
+  if (!floor.photograph.empty()) return Repeated(floor.photograph, floor.wide_m);
   switch (floor.material) {
     case Material::kOak:
       return Wood(random, {0.1, 0.2, 0.33}, 0.18);

@@ -42,6 +42,8 @@ struct Floor {
   Light light;
   std::vector<Tape> tapes;
   std::uint64_t seed = 1;
+  cv::Mat photograph{};  // CV_32FC3, linear: repeated, instead of the material; empty: that
+  double wide_m = 1;     // of it
 };
 
 struct Camera {

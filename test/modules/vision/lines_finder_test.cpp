@@ -295,7 +295,7 @@ RC_GTEST_PROP(LinesProperty, OfAMirroredPictureAreOnTheOtherSide, ()) {
 
 // A lane along x, 0.83 m wide.
 world::Scene Lane() {
-  world::Scene scene = Hall();
+  world::Scene scene = HallScene();
   for (const double y : {-0.44, 0.44}) {
     world::Line line;
     line.points_m = {{-3, y}, {3, y}};
@@ -354,6 +354,48 @@ TEST(OnlyLineOfALane, IsEnoughForItsMiddle) {
   EXPECT_EQ(ycy(0, without), "right") << "of the line on the right only its side is known";
 }
 
+TEST(LaneModel, SaysItsUncertaintyInMetres) {
+  const auto lane = world::SceneryOf(Lane());
+  world::Scene single = Lane();
+  single.lines.pop_back();  // the one on the left
+  const auto one = world::SceneryOf(single);
+  for (const double y_m : {-0.2, 0.0, 0.1, 0.2}) {
+    const auto lines = [&](const auto& scenery, const LinesParameters& parameters) {
+      return FindLines(SceneShot(*scenery, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines;
+    };
+    const msg::YellowLines both = lines(lane, Mounted()), only = lines(one, Mounted());
+    EXPECT_GT(both.uncertainty_m, 0);
+    EXPECT_LT(both.uncertainty_m, 0.05);
+    EXPECT_NEAR(both.middle_m, y_m, both.uncertainty_m);
+    EXPECT_GT(only.uncertainty_m, both.uncertainty_m) << "the width of the lane counts, too";
+    EXPECT_NEAR(only.middle_m, y_m, only.uncertainty_m);
+  }
+  LinesParameters without = Mounted();
+  without.mount.reset();
+  const cv::Mat bgr = SceneShot(*lane, CourseCamera::kFront, At(-2, 0.2, 0));
+  EXPECT_EQ(FindLines(bgr, without).lines.uncertainty_m, 0) << "without a mount it is not known";
+}
+
+// Two lines that are not as far apart as those of a lane: one of them is none, or of another lane.
+// A doubt would hide all else that the picture says, and a robot that keeps to the lane would
+// stand.
+TEST(LaneModel, SaysLeftOrRightAlsoWithinItsUncertainty) {
+  LinesParameters parameters = Mounted();
+  parameters.lane_m = 1.2;
+  parameters.ycy_threshold = 0.03;
+  const auto lane = world::SceneryOf(Lane());
+  const auto lines = [&](double y_m) {
+    return FindLines(SceneShot(*lane, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines;
+  };
+  const msg::YellowLines near = lines(0.1), far = lines(0.25);
+  EXPECT_NEAR(near.uncertainty_m, (1.2 - 0.88) / 2, 0.02);
+  EXPECT_LT(std::abs(near.middle_m), near.uncertainty_m);
+  EXPECT_EQ(near.doubt, "");
+  EXPECT_EQ(near.ycy, "left");
+  EXPECT_EQ(far.doubt, "");
+  EXPECT_EQ(far.ycy, "left");
+}
+
 TEST(OnlyLine, FartherAwayThanALaneIsWideIsADoubt) {
   world::Scene lane = Lane();
   lane.lines.pop_back();
@@ -401,7 +443,7 @@ TEST(LinesAlong, ThatAreNoLaneApartAreADoubt) {
 
 // Of lanes side by side, the line between them worn away.
 TEST(LinesOfTwoLanes, AreNotThoseOfOne) {
-  world::Scene lanes = Hall();
+  world::Scene lanes = HallScene();
   LinesParameters far = Mounted();
   far.region = {0.5, 1, 0, 1};
   for (const double side : {1.0, -1.0}) {
@@ -420,7 +462,7 @@ TEST(LinesOfTwoLanes, AreNotThoseOfOne) {
 }
 
 TEST(WhatIsWiderThanALine, IsNone) {
-  world::Scene hall = Hall();
+  world::Scene hall = HallScene();
   world::Line carpet;
   carpet.points_m = {{-1.2, 0.3}, {0, 0.3}};
   carpet.width_m = 0.4;

@@ -277,7 +277,7 @@ TEST(HighSign, HasItsDistanceFromNearToFarAndTurned) {
     cv::imwrite(folder / name, picture);
     for (const double far_m : testing::Ends({2.5, 3.0, 4.0, 5.0})) {
       for (const double yaw_deg : testing::Ends({-20.0, 0.0, 20.0})) {
-        world::Scene scene = Hall();
+        world::Scene scene = HallScene();
         world::Board board = BoardAt(far_m, 0.3, yaw_deg, 0.65);
         board.sign = {world::Sign::Kind::kPicture, folder / name};
         scene.boards = {board};
@@ -293,7 +293,7 @@ TEST(HighSign, HasItsDistanceFromNearToFarAndTurned) {
 // A lamp in the way, at the height of the camera, and the lines of a lane behind it.
 TEST(LightInTheWay, HasItsDistanceFromNearToFar) {
   for (const double far_m : {0.5, 0.7, 1.0, 2.0, 3.0}) {
-    world::Scene scene = Hall();
+    world::Scene scene = HallScene();
     scene.balls = {{{kEyeM + far_m, 0.05, 0.35}, 0.1, {246, 206, 20}, true}};
     for (const double y : {-0.44, 0.44}) {
       world::Line line;

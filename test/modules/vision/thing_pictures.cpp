@@ -323,7 +323,18 @@ void RoomPicture::Put(const Face& face, const Place& place) {
   });
 }
 
-cv::Mat RoomPicture::Taken(std::uint64_t exposure) const {
+// The middle of a photograph, as large as the picture, or the wall and the floor.
+cv::Mat RoomPicture::Behind() const {
+  if (!room_.scene.empty()) {
+    const double scale =
+        std::max(double(kWidth) / room_.scene.cols, double(kHeight) / room_.scene.rows);
+    cv::Mat large;
+    cv::resize(room_.scene, large, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+    cv::Mat light(kHeight, kWidth, CV_32FC3);
+    cv::getRectSubPix(large, {kWidth, kHeight},
+                      {float(large.cols - 1) / 2, float(large.rows - 1) / 2}, light);
+    return cv::max(light, 0);
+  }
   cv::Mat light(kHeight, kWidth, CV_32FC3, cv::Scalar(0.3, 0.3, 0.3));
   const double half = kRoomWideM / 2;
   WarpAll(WallOf(room_.wall, room_.seed),
@@ -338,6 +349,11 @@ cv::Mat RoomPicture::Taken(std::uint64_t exposure) const {
           {cv::Point3d(kWallM, half, 0), {kWallM, -half, 0}, {kNearM, -half, 0}, {kNearM, half, 0}},
           floor);
   floor.rowRange(foot, kHeight).copyTo(light.rowRange(foot, kHeight));
+  return light;
+}
+
+cv::Mat RoomPicture::Taken(std::uint64_t exposure) const {
+  cv::Mat light = Behind();
   for (const Item& item : items_) Warp(item.face, CornersOf(item.place), light);
   Expose(light);
   cv::Mat noise(light.size(), CV_32FC3);

@@ -26,6 +26,7 @@ struct Room {
   double share = 1;  // of bright daylight
   bool shadow = false;
   double blur_px = 0.7;
+  cv::Mat scene{};  // CV_32FC3, linear: a photograph instead of wall and floor; empty: these
   std::uint64_t seed = 1;
 };
 
@@ -89,6 +90,7 @@ class RoomPicture {
     Face face;
     Place place;
   };
+  cv::Mat Behind() const;  // the things
   void PutPerson(cv::RNG& random);
   void PutPoster(cv::RNG& random);
   void PutWindow(cv::RNG& random);

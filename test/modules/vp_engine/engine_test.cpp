@@ -4,21 +4,18 @@
 #include "musher/modules/vp_engine/engine.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/test/application/show.hpp"
+#include "musher/test/application/suspended_thread.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::vp_engine::engine_test {
 
+using testing::HasRefusal;
 using ::testing::HasSubstr;
 using Op = msg::ManageProgram;
 
-class Peeked : public Engine {
+class Peeked : public Engine, public musher::testing::Inspected<Peeked> {
  public:
   using Engine::Engine;
-  template <class Look>
-  auto Of(Look look) {
-    decltype(look(*this)) found{};
-    RunOnLoop([&] { found = look(*this); });
-    return found;
-  }
   using Engine::Now;
   using Engine::Restart;
 };
@@ -31,7 +28,7 @@ std::string Sequence(const std::string& content) {
 class AnEngine : public ::testing::Test {
  protected:
   AnEngine() {
-    harness_.Open(engine_);
+    harness_.Open(engine_, thread_);
     harness_.node().RunOnLoop([&] {
       client_ = transport::MakeClient<Op>(harness_.node().node(), "show/manage_program").value();
       audio_ = transport::MakeServer<msg::AudioTextPlay>(harness_.node().node(), "speech_text_play",
@@ -115,6 +112,8 @@ class AnEngine : public ::testing::Test {
 
   testing::Harness harness_;
   const TempFolder folder_;
+  const std::shared_ptr<testing::SuspendedThread> thread_ =
+      std::make_shared<testing::SuspendedThread>();
   ActuatorRunner<Peeked> engine_{"show", VpConfig{.folder = folder_ / "programs"}};
   std::unique_ptr<transport::Client<Op>> client_;
   std::unique_ptr<transport::Server<msg::AudioTextPlay>> audio_;
@@ -197,6 +196,43 @@ TEST_F(AnEngine, RunsProgramsInActiveOnlyAndStopsThemInEveryOtherState) {
   EXPECT_EQ(StateOf("wait"), "stopped: the robot left Active") << "it does not go on by itself";
   ASSERT_TRUE(Do(Op::kRun, "wait").success);
   EXPECT_EQ(StateOf("wait"), "running");
+}
+
+// A program drove on when the robot's computer was opened an hour later.
+TEST_F(AnEngine, StopsItsProgramAfterALongSuspensionAndSaysWhy) {
+  Activate();
+  const std::string wait_and_greet = "<WaitSeconds seconds=\"0.2\"/>\n<Say text=\"Hello\"/>";
+  ASSERT_TRUE(Do(Op::kAdd, "greet", Sequence(wait_and_greet)).success);
+  ASSERT_TRUE(Do(Op::kRun, "greet").success);
+  harness_.Tick(engine_, 2);
+  thread_->Suspend(std::chrono::seconds(50));
+  harness_.Tick(engine_, 1);
+  EXPECT_EQ(StateOf("greet"), "running") << "less than a minute";
+  thread_->Suspend(std::chrono::minutes(2));
+  harness_.Tick(engine_, 20);
+  const std::string stopped = "stopped: its process could not run for more than a minute";
+  EXPECT_EQ(StateOf("greet"), stopped);
+  ASSERT_TRUE(Go("Protected"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(engine_, 20);
+  EXPECT_EQ(StateOf("greet"), stopped) << "it does not go on by itself";
+  EXPECT_EQ(Said(), 0U);
+}
+
+// A program that was requested from a tablet, in vain, began when the computer was opened.
+TEST_F(AnEngine, BeginsNoProgramByARequestThatWaitedWhileItsComputerWasSuspended) {
+  Activate();
+  ASSERT_TRUE(Do(Op::kAdd, "wait", Sequence("<WaitSeconds seconds=\"100\"/>")).success);
+  thread_->SuspendEachTime(std::chrono::seconds(9));
+  const Op::Response late = Do(Op::kRun, "wait");
+  EXPECT_FALSE(late.success);
+  EXPECT_THAT(late.message, HasRefusal(ApplicationRefusal::kMayBeLate));
+  EXPECT_EQ(StateOf("wait"), "ready");
+  thread_->SuspendEachTime({});
+  ASSERT_TRUE(testing::Until([&] { return Do(Op::kRun, "wait").success; })) << "it is a new one";
+  thread_->SuspendEachTime(std::chrono::seconds(9));
+  EXPECT_TRUE(Do(Op::kStop, "wait").success) << "however late";
+  thread_->SuspendEachTime({});
 }
 
 TEST_F(AnEngine, RefusesStartSoThatNoProgramRunsThatItsTableDoesNotShow) {

@@ -51,6 +51,23 @@ TEST_F(StoppedShow, StaysInIdleWhenItIsStoppedByVoiceOrService) {
   EXPECT_EQ(state(), "IDLE");
 }
 
+// A photo was begun when the computer was opened, by a command that had waited meanwhile.
+TEST_F(StoppedShow, BeginsNothingByACommandThatMayBeLateAndIsStoppedByOne) {
+  const Result<> late = Error{kCodeStateInvalid, "it may be 9 s old"};
+  show_->OnCommand("photo", now_, late);
+  show_->OnVoiceCommand("photo", now_, late);
+  TickWithFace(5);
+  EXPECT_EQ(state(), "TRACKING");
+  ASSERT_FALSE(script_.log.empty());
+  EXPECT_THAT(script_.log.back(), ::testing::HasSubstr("it may be 9 s old"));
+  show_->OnCommand("stop", now_, late);
+  TickWithFace(2);
+  EXPECT_EQ(state(), "IDLE");
+  show_->OnCommand("tracking", now_, late);
+  TickWithFace(5);
+  EXPECT_EQ(state(), "IDLE");
+}
+
 TEST_F(StoppedShow, GreetsTheFirstGuestWhoComesAfterTheFaceIsLost) {
   Command("stop");
   TickWithFace(50);

@@ -33,14 +33,6 @@ View Upright(const Scene& scene) {
   return view;
 }
 
-cv::Mat GreyOf(const Image& image) {
-  cv::Mat bgr(image.height, image.width, CV_8UC3);
-  std::copy(image.bgr.begin(), image.bgr.end(), bgr.data);
-  cv::Mat grey;
-  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  return grey;
-}
-
 std::vector<cv::Rect> FacesIn(const Image& image) {
   static cv::CascadeClassifier cascade(
       "/usr/share/opencv4/haarcascades/haarcascade_frontalface_alt.xml");
@@ -136,16 +128,9 @@ RC_GTEST_PROP(HeadCameraProperty, ShowsAPointWhereCameraInfoAndTheHeadSayItIs, (
   // Somewhere in the picture.
   const Vector3d ahead(within(-900, 900), within(-600, 600), 2);
   const Eigen::Isometry3d camera = CameraInPlace(spec, view.body, view.attitude, view.gaze);
-  Ball ball;
-  ball.center_m = camera * ahead;
-  ball.radius_m = 0.05;
-  ball.color = {255, 0, 255};
-  ball.glows = true;
-  RC_PRE(ball.center_m.z() > 0.1);
-  scene.balls = {ball};
-  const auto middle = MiddleOf(ShotOf(scene, spec, view), [](const std::uint8_t* pixel) {
-    return pixel[0] > 200 && pixel[1] < 80 && pixel[2] > 200;
-  });
+  const Vector3d center_m = camera * ahead;
+  RC_PRE(center_m.z() > 0.1);
+  const auto middle = MiddleOfGlowingBall(scene, spec, view, center_m);
   RC_ASSERT(middle.has_value());
   const auto pixel = Project(IntrinsicsOf(spec), ahead);
   RC_ASSERT((*middle - *pixel).norm() < 1.0);

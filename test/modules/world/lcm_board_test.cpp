@@ -16,6 +16,7 @@
 #include "musher/test/support/lcm_group.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/wait.hpp"
+#include "musher/test/transport/suspended_node.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/lcm_type.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -68,7 +69,7 @@ class LcmBoard : public ::testing::Test {
     events.on_held = [](const std::string&) {};
     events.on_fault = [this](std::int32_t, const std::string& text) { log_ += text + "\n"; };
     return std::unique_ptr<motion::MotionBackend>(
-        std::make_unique<motion::LcmBackend>(loop_, *clock_, config_, std::move(events)));
+        std::make_unique<motion::LcmBackend>(backend_loop_, *clock_, config_, std::move(events)));
   }
   bool RunUntil(const std::function<bool()>& done) {
     return loop_.RunUntil(done, testing::In(seconds(60)));
@@ -86,6 +87,7 @@ class LcmBoard : public ::testing::Test {
   }
 
   transport::LinuxEventLoop loop_;
+  testing::SuspendedLoop backend_loop_{loop_};
   std::unique_ptr<transport::Node> node_ =
       transport::MakeDdsNode(loop_, {.domain_id = transport::TestDomain()}).value();
   std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(loop_);
@@ -162,35 +164,63 @@ TEST_F(LcmBoard, TakesAFrameOfModeMinusOneAsAHeartbeatOnly) {
   EXPECT_THAT(log_, Not(HasSubstr("lies down")));
 }
 
-// A board that takes nothing, and stands.
-TEST_F(LcmBoard, SendsACommandNoLongerThatHasBeenAnsweredAsFailed) {
-  const auto open = [&](const std::string& url, transport::LcmSocket::OnSample on_sample) {
+// It stands, and answers.
+class LcmBoardThatTakesNothing : public LcmBoard {
+ protected:
+  LcmBoardThatTakesNothing() {
+    response_.mode = 12;
+    sending_ = loop_.Every(Milliseconds(20), [this] {
+      static_cast<void>(
+          responses_->Send("robot_control_response", transport::EncodeLcm(response_)));
+    });
+  }
+  std::unique_ptr<transport::LcmSocket> Open(const std::string& url,
+                                             transport::LcmSocket::OnSample on_sample) {
     return transport::LcmSocket::Open(loop_, {transport::ReadLcmUrl(url).value(), "lo", 0},
                                       std::move(on_sample))
         .value();
-  };
-  const auto responses = open(config_.lcm.response_url, [](const transport::LcmSample&) {});
-  musher_lcm::robot_control_response_lcmt response{};
-  response.mode = 12;
-  const auto sending = loop_.Every(Milliseconds(20), [&] {
-    static_cast<void>(responses->Send("robot_control_response", transport::EncodeLcm(response)));
-  });
-  int jumps = 0;
-  const auto commands = open(config_.lcm.command_url, [&](const transport::LcmSample& sample) {
+  }
+  void OnCommand(const transport::LcmSample& sample) {
     const auto frame = motion::DecodeCommand(sample.packet->data);
-    if (frame && frame.value().mode == 16) ++jumps;
-  });
-  StartMotion();
-  ASSERT_TRUE(RunUntil([&] { return reports_ > 30; })) << log_;
-  motion_->Do(motion::motion_event::PlayArrived{0, 0, {{132, {}}}});
+    if (frame && frame.value().mode == 16) ++jumps_;
+  }
+  void RequestAJump() {
+    StartMotion();
+    ASSERT_TRUE(RunUntil([&] { return reports_ > 30; })) << log_;
+    motion_->Do(motion::motion_event::PlayArrived{0, 0, {{132, {}}}});
+  }
+  void ExpectNoJumpFromNowOn() {
+    const auto end = loop_.Now() + Milliseconds(40);  // datagrams on their way
+    loop_.RunUntil([&] { return loop_.Now() > end; }, testing::In(seconds(60)));
+    jumps_ = 0;
+    reports_ = 0;
+    ASSERT_TRUE(RunUntil([&] { return reports_ > 30; })) << log_;
+    EXPECT_EQ(jumps_, 0);
+  }
+
+  int jumps_ = 0;
+  musher_lcm::robot_control_response_lcmt response_{};
+  std::unique_ptr<transport::LcmSocket> responses_ =
+      Open(config_.lcm.response_url, [](const transport::LcmSample&) {});
+  std::unique_ptr<transport::LcmSocket> commands_ =
+      Open(config_.lcm.command_url, [this](const transport::LcmSample& s) { OnCommand(s); });
+  transport::LoopHandlePtr sending_;
+};
+
+TEST_F(LcmBoardThatTakesNothing, GetsACommandNoLongerThatHasBeenAnsweredAsFailed) {
+  RequestAJump();
   ASSERT_TRUE(RunUntil([&] { return log_.find("has not taken it") != std::string::npos; }));
-  EXPECT_GT(jumps, 0);
-  const auto end = loop_.Now() + Milliseconds(40);  // datagrams on their way
-  loop_.RunUntil([&] { return loop_.Now() > end; }, testing::In(seconds(60)));
-  jumps = 0;
-  reports_ = 0;
-  ASSERT_TRUE(RunUntil([&] { return reports_ > 30; })) << log_;
-  EXPECT_EQ(jumps, 0);
+  EXPECT_GT(jumps_, 0);
+  ExpectNoJumpFromNowOn();
+}
+
+// It would have jumped when the computer ran again.
+TEST_F(LcmBoardThatTakesNothing, GetsACommandNoLongerAfterWhichTheComputerWasSuspended) {
+  config_.board_feedback = seconds(60);
+  RequestAJump();
+  ASSERT_TRUE(RunUntil([&] { return jumps_ > 2; })) << log_;
+  backend_loop_.suspended += std::chrono::hours(1);
+  ExpectNoJumpFromNowOn();
 }
 
 TEST_F(LcmBoard, DoesNotLieDownWhereTimeIsFasterThanItsHeartbeats) {

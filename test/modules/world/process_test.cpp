@@ -84,6 +84,18 @@ class MusherWorld : public ::testing::Test {
   bool Until(const std::function<bool()>& holds) {
     return loop_.RunUntil(holds, loop_.Now() + seconds(20));
   }
+  // Without a machine.
+  void StartAlone(const std::string& scene) {
+    auto reaper = exec::Reaper::Start();
+    ASSERT_TRUE(reaper);
+    reaper_.emplace(std::move(reaper).value());
+    exec::ChildSpec spec;
+    spec.argv = {BinDir() + "/musher-world", scene, "--alone", "--namespace", "dog1"};
+    spec.cwd = folder_.path();
+    auto child = exec::Child::Start(spec, *reaper_);
+    ASSERT_TRUE(child);
+    child_.emplace(std::move(child).value());
+  }
   // `ros2 param list` is answered by the node, which is one of ROS 2's list.
   void ExpectNoParameters(const std::string& node) {
     const auto list =
@@ -118,6 +130,8 @@ class MusherWorld : public ::testing::Test {
   std::unique_ptr<transport::Clock> clock_;
   std::unique_ptr<transport::Subscription> states_;
   std::unique_ptr<transport::Publisher<msg::MotionCustomCommand>> commands_;
+  std::optional<exec::Reaper> reaper_;
+  std::optional<exec::Child> child_;
 };
 
 // The tool published once any reader was there: with a recorder of the topic the world missed it.
@@ -189,31 +203,17 @@ TEST_F(MusherWorld, RunsThroughTheStatesOfAMachineAndDrawsAtTheEnd) {
 }
 
 TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
-  const auto reaper = exec::Reaper::Start();
-  ASSERT_TRUE(reaper);
-  exec::ChildSpec spec;
-  spec.argv = {BinDir() + "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
-               "dog1"};
-  spec.cwd = folder_.path();
-  auto child = exec::Child::Start(spec, reaper.value());
-  ASSERT_TRUE(child);
+  ASSERT_NO_FATAL_FAILURE(StartAlone(folder_ / "scene.toml"));
   ExpectLife();
   ExpectNoParameters("dog1/world");
-  child.value().Signal(SIGINT);
-  ASSERT_TRUE(child.value().EndedBy(std::chrono::steady_clock::now() + seconds(20)));
-  EXPECT_EQ(child.value().Reap().number, 0);
+  child_->Signal(SIGINT);
+  ASSERT_TRUE(child_->EndedBy(std::chrono::steady_clock::now() + seconds(20)));
+  EXPECT_EQ(child_->Reap().number, 0);
   EXPECT_GT(fs::file_size(folder_ / "world.png"), 10'000u);
 }
 
 TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
-  const auto reaper = exec::Reaper::Start();
-  ASSERT_TRUE(reaper);
-  exec::ChildSpec spec;
-  spec.argv = {BinDir() + "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
-               "dog1"};
-  spec.cwd = folder_.path();
-  auto child = exec::Child::Start(spec, reaper.value());
-  ASSERT_TRUE(child);
+  ASSERT_NO_FATAL_FAILURE(StartAlone(folder_ / "scene.toml"));
   double percent = 0;
   const auto batteries = transport::MakeSubscription<msg::BatteryState>(
                              *node_, "dog1/world/battery",
@@ -273,14 +273,7 @@ TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
 }
 
 TEST_F(MusherWorld, PublishesWhatItsCamerasSeeToSubscribers) {
-  const auto reaper = exec::Reaper::Start();
-  ASSERT_TRUE(reaper);
-  exec::ChildSpec spec;
-  spec.argv = {BinDir() + "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
-               "dog1"};
-  spec.cwd = folder_.path();
-  auto child = exec::Child::Start(spec, reaper.value());
-  ASSERT_TRUE(child);
+  ASSERT_NO_FATAL_FAILURE(StartAlone(folder_ / "scene.toml"));
   std::vector<msg::Image> seen;
   std::optional<msg::CameraInfo> info;
   const auto images = transport::MakeSubscription<msg::Image>(
@@ -299,19 +292,12 @@ TEST_F(MusherWorld, PublishesWhatItsCamerasSeeToSubscribers) {
   EXPECT_EQ(seen[0].header.frame_id, "camera_right");
   EXPECT_LT(msg::FromStamp(seen[0].header.stamp), msg::FromStamp(seen[1].header.stamp));
   EXPECT_EQ(info->distortion_model, "equidistant");
-  child.value().Signal(SIGTERM);
-  EXPECT_EQ(child.value().Reap().number, 0);
+  child_->Signal(SIGTERM);
+  EXPECT_EQ(child_->Reap().number, 0);
 }
 
 TEST_F(MusherWorld, PlaysTheWeddingForAnySubscriber) {
-  const auto reaper = exec::Reaper::Start();
-  ASSERT_TRUE(reaper);
-  exec::ChildSpec spec;
-  spec.argv = {BinDir() + "/musher-world", SourceDir() + "/config/scenes/wedding.toml", "--alone",
-               "--namespace", "dog1"};
-  spec.cwd = folder_.path();
-  auto child = exec::Child::Start(spec, reaper.value());
-  ASSERT_TRUE(child);
+  ASSERT_NO_FATAL_FAILURE(StartAlone(SourceDir() + "/config/scenes/wedding.toml"));
   msg::JointState joints;
   std::vector<std::string> gestures;
   const auto listening =
@@ -334,8 +320,8 @@ TEST_F(MusherWorld, PlaysTheWeddingForAnySubscriber) {
     return std::find(gestures.begin(), gestures.end(), gesture) != gestures.end();
   };
   EXPECT_TRUE(Until([&] { return received("heart") && received("v"); })) << "bride and groom";
-  child.value().Signal(SIGTERM);
-  EXPECT_EQ(child.value().Reap().number, 0);
+  child_->Signal(SIGTERM);
+  EXPECT_EQ(child_->Reap().number, 0);
 }
 
 TEST_F(MusherWorld, DrawsWhatACameraSeesIntoAFile) {

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 
@@ -62,6 +64,29 @@ inline std::optional<Eigen::Vector2d> MiddleOf(
   }
   if (count == 0) return std::nullopt;
   return sum / count;
+}
+
+// The middle of a small ball that glows at `center_m`, where the picture shows it.
+inline std::optional<Eigen::Vector2d> MiddleOfGlowingBall(Scene scene, const CameraSpec& spec,
+                                                          const View& view,
+                                                          const Eigen::Vector3d& center_m) {
+  Ball ball;
+  ball.center_m = center_m;
+  ball.radius_m = 0.05;
+  ball.color = {255, 0, 255};
+  ball.glows = true;
+  scene.balls = {ball};
+  return MiddleOf(ShotOf(scene, spec, view), [](const std::uint8_t* pixel) {
+    return pixel[0] > 200 && pixel[1] < 80 && pixel[2] > 200;
+  });
+}
+
+inline cv::Mat GreyOf(const Image& image) {
+  cv::Mat bgr(image.height, image.width, CV_8UC3);
+  std::copy(image.bgr.begin(), image.bgr.end(), bgr.data);
+  cv::Mat grey;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  return grey;
 }
 
 // A picture with red in the upper left quarter, blue in the upper right one and yellow below.

@@ -12,14 +12,6 @@
 
 namespace musher::world::sights_test {
 
-cv::Mat GreyOf(const Image& image) {
-  cv::Mat bgr(image.height, image.width, CV_8UC3);
-  std::copy(image.bgr.begin(), image.bgr.end(), bgr.data);
-  cv::Mat grey;
-  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  return grey;
-}
-
 // A board that far before the front camera, turned by `yaw_rad` from it.
 Scene WithBoard(const Sign& sign, double size_m, double far_m, double yaw_rad = 0) {
   Scene scene = EmptyYard();

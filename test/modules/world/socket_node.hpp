@@ -4,61 +4,34 @@
 
 #include <poll.h>
 
+#include <functional>
 #include <memory>
-#include <string>
 #include <utility>
 
-#include "musher/transport/node.hpp"
+#include "musher/test/transport/wrapped_node.hpp"
 
 namespace musher::transport {
 
-class SocketLoop : public EventLoop {
+class SocketLoop : public musher::testing::WrappedLoop {
  public:
-  explicit SocketLoop(EventLoop& loop) : loop_(loop) {}
+  using WrappedLoop::WrappedLoop;
 
-  Time Now() const override { return loop_.Now(); }
-  void Post(std::function<void()> work) override { loop_.Post(std::move(work)); }
-  LoopHandlePtr At(Time when, std::function<void()> callback) override {
-    return loop_.At(when, std::move(callback));
-  }
-  LoopHandlePtr Every(Duration period, std::function<void()> callback) override {
-    return loop_.Every(period, std::move(callback));
-  }
   LoopHandlePtr WhenReadable(int fd, std::function<void()> callback) override {
-    return loop_.Every(Milliseconds(1), [fd, callback = std::move(callback)] {
+    return Every(Milliseconds(1), [fd, callback = std::move(callback)] {
       pollfd readable{fd, POLLIN, 0};
       if (poll(&readable, 1, 0) > 0) callback();
     });
   }
-  void Run() override { loop_.Run(); }
-  bool RunUntil(const std::function<bool()>& done, Time deadline) override {
-    return loop_.RunUntil(done, deadline);
-  }
-  void Stop() override { loop_.Stop(); }
-
- private:
-  EventLoop& loop_;
 };
 
-class SocketNode : public Node {
+class SocketNode : public musher::testing::WrappedNode {
  public:
-  explicit SocketNode(std::unique_ptr<Node> node) : node_(std::move(node)), loop_(node_->loop()) {}
+  explicit SocketNode(std::unique_ptr<Node> node)
+      : WrappedNode(std::move(node)), loop_(simulated().loop()) {}
 
   EventLoop& loop() override { return loop_; }
-  ParticipantId participant() const override { return node_->participant(); }
-  Result<std::unique_ptr<RawWriter>> MakeRawWriter(const std::string& topic,
-                                                   const std::string& type, const Qos& qos,
-                                                   WriterCallbacks callbacks) override {
-    return node_->MakeRawWriter(topic, type, qos, std::move(callbacks));
-  }
-  Result<std::unique_ptr<RawReader>> MakeRawReader(const std::string& topic,
-                                                   const std::string& type, const Qos& qos,
-                                                   ReaderCallbacks callbacks) override {
-    return node_->MakeRawReader(topic, type, qos, std::move(callbacks));
-  }
 
  private:
-  std::unique_ptr<Node> node_;
   SocketLoop loop_;
 };
 

@@ -62,6 +62,31 @@ TEST(WebSocket, HasTheRequestThatOpenedIt) {
   EXPECT_TRUE(request.local);
 }
 
+// By it the age of what follows is known.
+TEST(WebSocket, ReportsTheAnswerOfAPingBeforeWhatFollowsIt) {
+  const auto on_websocket = [](const std::shared_ptr<WebSocket>& socket) {
+    WebSocketHandlers handlers = EchoWebSocket(socket);
+    handlers.on_pong = [socket](const std::string& payload) {
+      socket->Send(Shared("answered " + payload), false);
+    };
+    socket->Ping("1");
+    return handlers;
+  };
+  RunningServer server({}, Echo, on_websocket);
+  WebSocketClient client(server.port());
+  const Frame ping = client.TakeFrame();
+  EXPECT_EQ(ping.opcode, Opcode::kPing);
+  EXPECT_EQ(ping.payload, "1");
+  client.SendFrame(Opcode::kPong, "2");  // of no ping
+  client.SendFrame(Opcode::kText, "before");
+  client.SendFrame(Opcode::kPong, "1");
+  client.SendFrame(Opcode::kPong, "1");  // it is answered already
+  client.SendFrame(Opcode::kText, "after");
+  for (const char* text : {"before", "answered 1", "after"}) {
+    EXPECT_EQ(client.TakeFrame().payload, text);
+  }
+}
+
 TEST(WebSocket, IsClosedByTheOwnerAfterWhatItSent) {
   const auto on_websocket = [](const std::shared_ptr<WebSocket>& socket) {
     for (int i = 0; i < 100; ++i) socket->Send(Shared(std::to_string(i)), false);

@@ -83,7 +83,7 @@ TEST(MessageJsonTest, RefusesAMessageThatIsCutAnywhere) {
   }
   // Without an appended field it is a message of an older peer, up to three bytes of padding
   // included.
-  constexpr std::size_t kAppendedWords = 14;  // held_by_stop and what follows, of four bytes
+  constexpr std::size_t kAppendedWords = 16;  // held_by_stop and what follows, of four bytes
   EXPECT_GE(refused, bytes.size() - 4 * kAppendedWords);
 }
 

@@ -228,7 +228,9 @@ test('a login by a PIN outlives a restart of the server, and ends by a command',
 test('bad requests are refused with a sentence', async () => {
   const cookie = await session();
   for (const [path, body, status] of [['api/set', [], 400], ['api/plan', 7, 400], ['api/nothing', {}, 404],
-    ['api/restart', {actuator: '../x'}, 404], ['api/restart', {}, 404]]) {
+    ['api/restart', {actuator: '../x'}, 404], ['api/restart', {}, 404],
+    ['api/set', {target: 'DeActive', actuator: 5}, 400], ['api/set', {target: 'DeActive', actautor: 'audio'}, 400],
+    ['api/release', {stop_ids: '12'}, 400]]) {
     const answer = await post(path, body, {cookie});
     assert.equal(answer.status, status, path);
     assert.ok((await answer.json()).error.message.length > 10);
@@ -258,6 +260,29 @@ test('a request for another machine than the one that is followed does nothing',
   assert.equal((await robot.status()).state, 'Active');
   const set = await post('api/set', {target: 'Active', machine, machine_id}, {cookie});
   assert.equal((await set.json()).outcome, 'done');
+});
+
+test('what may move the robot is refused where the request is held up on its way; what stops it is not', async () => {
+  const cookie = await session();
+  const socket = new WebSocket(`${view.url.replace('http', 'ws')}live`, 'musher.view.v1');
+  const [hello] = await once(socket, 'message');
+  socket.close();
+  const seen_uptime_ms = JSON.parse(hello).uptime_ms - 31000;
+  const late = (path, body) => post(path, {...body, seen_uptime_ms}, {cookie});
+  assert.equal((await (await late('api/set', {target: 'DeActive'})).json()).outcome, 'done');
+  for (const [path, body] of [['api/set', {target: 'Active'}], ['api/set', {target: 'Active', actuator: 'audio'}],
+    ['api/release', {}], ['api/restart', {actuator: 'audio'}], ['api/skill', {actuator: 'audio'}],
+    ['api/pause_skill', {actuator: 'audio', skill: 'goto', pause: false}]]) {
+    const answer = await late(path, body);
+    assert.equal(answer.status, 409, path);
+    assert.match((await answer.json()).error.message, /is late: what its page shows is 3\d s old. Nothing was done/);
+  }
+  assert.equal((await post('api/set', {target: 'Active', seen_uptime_ms: '1'}, {cookie})).status, 400);
+  assert.equal((await robot.status()).state, 'DeActive');
+  assert.equal((await late('api/estop', {reason: 'late'})).status, 200);
+  assert.equal((await robot.status()).emergency_stop.engaged, true);
+  await robot.musher('estop', '--release');
+  await robot.musher('set', 'Active');
 });
 
 test('a machine is named by the environment, and by the beginning of its id', async () => {

@@ -41,16 +41,7 @@ class SkillsOfAPage : public ::testing::Test {
     server_ =
         transport::MakeActionServer<msg::SkillExecution>(*robot_, "dog/skill_execution", handlers)
             .value();
-    pauses_ = transport::MakeServer<msg::PauseSkill>(
-                  *robot_, "dog/pause_skill",
-                  [this](const msg::PauseSkill::Request& request, auto reply) {
-                    msg::PauseSkill::Response response;
-                    response.success = request.pause != paused_;
-                    response.message = response.success ? "EXECUTING" : request.skill + " stands";
-                    paused_ = request.pause;
-                    reply(response);
-                  })
-                  .value();
+    ServePauses();
     cancels_ = transport::MakeServer<msg::CancelSkill>(
                    *robot_, "dog/cancel_skill",
                    [this](const msg::CancelSkill::Request& request, auto reply) {
@@ -62,6 +53,19 @@ class SkillsOfAPage : public ::testing::Test {
                    })
                    .value();
     network_.RunFor(std::chrono::seconds(1));
+  }
+
+  void ServePauses() {
+    pauses_ = transport::MakeServer<msg::PauseSkill>(
+                  *robot_, "dog/pause_skill",
+                  [this](const msg::PauseSkill::Request& request, auto reply) {
+                    msg::PauseSkill::Response response;
+                    response.success = request.pause != paused_;
+                    response.message = response.success ? "EXECUTING" : request.skill + " stands";
+                    paused_ = request.pause;
+                    reply(response);
+                  })
+                  .value();
   }
 
   http::Respond Collect() {
@@ -175,7 +179,7 @@ TEST_F(SkillsOfAPage, ThatCannotBeCancelledSaySo) {
 
 TEST_F(SkillsOfAPage, ArePausedAndResumedAndARefusalSaysWhy) {
   const auto pause = [&](const std::string& actuator, bool stop) {
-    if (stop) skills_.Pause(actuator, "jump", Collect());
+    if (stop) skills_.Pause({"robot", "1234"}, actuator, "jump", Collect());
     if (!stop) skills_.Resume({"robot", "1234"}, actuator, "jump", Collect());
     network_.RunFor(std::chrono::seconds(20));
     return answers_.back();
@@ -192,10 +196,10 @@ TEST_F(SkillsOfAPage, ArePausedAndResumedAndARefusalSaysWhy) {
 
 // It waited for the machines of the actuator, and overtook the pause of another person.
 TEST_F(SkillsOfAPage, ThatArePausedAgainMeanwhileDoNotGoOn) {
-  skills_.Pause("dog", "jump", Collect());
+  skills_.Pause({"robot", "1234"}, "dog", "jump", Collect());
   network_.RunFor(std::chrono::seconds(1));
   skills_.Resume({"robot", "1234"}, "dog", "jump", Collect());
-  skills_.Pause("dog", "jump", Collect());
+  skills_.Pause({"robot", "1234"}, "dog", "jump", Collect());
   network_.RunFor(std::chrono::seconds(20));
   EXPECT_TRUE(paused_);
   EXPECT_THAT(answers_, Contains(::testing::AllOf(StartsWith("409"), HasSubstr("meanwhile"))));
@@ -203,7 +207,7 @@ TEST_F(SkillsOfAPage, ThatArePausedAgainMeanwhileDoNotGoOn) {
 
 TEST_F(SkillsOfAPage, WithoutAGoalAreCancelledInTheNameOfThePerson) {
   const auto cancel = [&](const std::string& actuator, const std::string& skill) {
-    skills_.CancelRun("alice at 127.0.0.1", actuator, skill, Collect());
+    skills_.CancelRun({"robot", "1234"}, "alice at 127.0.0.1", actuator, skill, Collect());
     network_.RunFor(std::chrono::seconds(20));
     return answers_.back();
   };
@@ -212,6 +216,106 @@ TEST_F(SkillsOfAPage, WithoutAGoalAreCancelledInTheNameOfThePerson) {
   EXPECT_THAT(cancel("dog", "run"), ::testing::AllOf(StartsWith("409"), HasSubstr("does not run")));
   EXPECT_THAT(cancel("cat", "jump"), StartsWith("504"));
   EXPECT_THAT(cancel("dog cat", "jump"), StartsWith("400"));
+}
+
+// Two robots without namespaces: the first reply, of any of them, was taken for that of the page's.
+class SkillsOfTwoMachines : public SkillsOfAPage {
+ protected:
+  SkillsOfTwoMachines() {
+    other_pauses_ =
+        transport::MakeServer<msg::PauseSkill>(*other_, "dog/pause_skill",
+                                               [this](const msg::PauseSkill::Request&, auto reply) {
+                                                 ++others_;
+                                                 reply({true, "EXECUTING"});
+                                               })
+            .value();
+    other_cancels_ = transport::MakeServer<msg::CancelSkill>(
+                         *other_, "dog/cancel_skill",
+                         [this](const msg::CancelSkill::Request&, auto reply) {
+                           ++others_;
+                           reply({true, "cancelled"});
+                         })
+                         .value();
+    transport::ActionHandlers<msg::SkillExecution> handlers;
+    handlers.start = [](const Goal& /*goal*/) {};
+    other_action_ = transport::MakeActionServer<msg::SkillExecution>(*other_, "dog/skill_execution",
+                                                                     std::move(handlers))
+                        .value();
+    network_.RunFor(std::chrono::seconds(1));
+  }
+
+  std::unique_ptr<transport::Node> other_ = network_.MakeNode("other");
+  int others_ = 0;  // requests that the other machine has received
+  std::unique_ptr<transport::Server<msg::PauseSkill>> other_pauses_;
+  std::unique_ptr<transport::Server<msg::CancelSkill>> other_cancels_;
+  std::unique_ptr<transport::ActionServer<msg::SkillExecution>> other_action_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_ =
+      Publish(*robot_, "robot", "1234");
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> other_status_ =
+      Publish(*other_, "robot", "5678");
+};
+
+TEST_F(SkillsOfTwoMachines, ArePausedOnceThatOfThePageSaysSo) {
+  paused_ = true;           // "jump stands": it refuses
+  network_.Pause(*robot_);  // its reply is the last one
+  skills_.Pause({"robot", "1234"}, "dog", "jump", Collect());
+  network_.RunFor(std::chrono::seconds(1));
+  network_.Resume(*robot_);
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_THAT(answers_, ElementsAre(::testing::AllOf(StartsWith("409"), HasSubstr("jump stands"))));
+  EXPECT_EQ(others_, 1);
+}
+
+TEST_F(SkillsOfTwoMachines, ArePausedAlsoWhereTheOtherIsDiscoveredFirst) {
+  pauses_.reset();
+  network_.RunFor(std::chrono::seconds(1));
+  skills_.Pause({"robot", "1234"}, "dog", "jump", Collect());
+  network_.RunFor(Milliseconds(500));
+  EXPECT_EQ(others_, 1);
+  ServePauses();
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_THAT(answers_, ElementsAre(StartsWith("200")));
+  EXPECT_TRUE(paused_);
+}
+
+TEST_F(SkillsOfTwoMachines, AreNotPausedByTheReplyOfTheOther) {
+  pauses_.reset();
+  cancels_.reset();
+  network_.RunFor(std::chrono::seconds(1));
+  skills_.Pause({"robot", "1234"}, "dog", "jump", Collect());
+  skills_.CancelRun({"robot", "1234"}, "alice", "dog", "jump", Collect());
+  network_.RunFor(std::chrono::seconds(20));
+  const auto unanswered = ::testing::AllOf(StartsWith("504"), HasSubstr("only another machine's"));
+  EXPECT_THAT(answers_, ElementsAre(unanswered, unanswered));
+  EXPECT_EQ(others_, 2);
+}
+
+TEST_F(SkillsOfTwoMachines, ArePausedByNoReplyWhereThePageShowsNoMachine) {
+  skills_.Pause({}, "dog", "jump", Collect());
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_THAT(answers_, ElementsAre(::testing::AllOf(StartsWith("504"),
+                                                     HasSubstr("the machine on the page"))));
+  EXPECT_TRUE(paused_);
+}
+
+// The other one does not know the goal, and has replied first: "has ended already", and it ran on.
+TEST_F(SkillsOfTwoMachines, AreCancelledWhereTheyRun) {
+  other_action_.reset();
+  Run("jump");
+  transport::ActionHandlers<msg::SkillExecution> handlers;
+  handlers.start = [](const Goal& /*goal*/) {};
+  other_action_ = transport::MakeActionServer<msg::SkillExecution>(*other_, "dog/skill_execution",
+                                                                   std::move(handlers))
+                      .value();
+  network_.RunFor(std::chrono::seconds(1));
+  const std::string id = GoalId();
+  network_.Pause(*robot_);  // its reply is the last one
+  skills_.Cancel("/dog/skill_execution", id, Collect());
+  network_.RunFor(std::chrono::seconds(1));
+  network_.Resume(*robot_);
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_EQ(answers_.back(), "200 {}");
+  EXPECT_EQ(cancelled_, 1);
 }
 
 TEST_F(SkillsOfAPage, OfNoActuatorAreAnsweredInTime) {

@@ -75,6 +75,9 @@ TEST_F(Metrics, OfARobotCountItsCrashItsSwitchAndItsRefusal) {
   const ParsedLabels done = {{"target", "LowPower"}, {"outcome", "done"}};
   EXPECT_EQ(Await("musher_switches_total", done, 1), 1);
   EXPECT_EQ(Value("musher_switch_duration_seconds_count", {{"target", "LowPower"}}), 1);
+  EXPECT_EQ(Value("musher_command_duration_seconds_count",
+                  {{"actuator", "voice"}, {"target", "LowPower"}}),
+            1);
 
   ASSERT_EQ(Musher({"estop"}).exit, 0);
   EXPECT_NE(Musher({"set", "Active"}).exit, 0);

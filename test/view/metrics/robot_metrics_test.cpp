@@ -78,6 +78,12 @@ class RobotMetricsTest : public ::testing::Test {
         R"({"target":")" + target + R"(","state":"Active","outcome":")" + outcome + R"("})";
     return entry;
   }
+  void Commanded(const std::string& event, const std::string& target, const std::string& took_ms) {
+    msg::HistoryEntry entry = Next("actuator", "legs");
+    entry.data = R"({"arguments":{"actuator":"legs","target":")" + target + R"(","took_ms":)" +
+                 took_ms + "}}";
+    metrics_.On(entry, event);
+  }
   void Happens(const std::string& event, const std::string& actuator = "legs") {
     metrics_.On(Next("actuator", actuator), event);
   }
@@ -159,6 +165,41 @@ TEST_F(RobotMetricsTest, AWallClockThatIsSetBackMeasuresNothing) {
   metrics_.On(Ended(4, "Active", "done"), "switch_done");
   EXPECT_EQ(Switches("Active", "done"), 1);
   EXPECT_EQ(Value("musher_switch_duration_seconds_count", {{"target", "Active"}}), std::nullopt);
+}
+
+TEST_F(RobotMetricsTest, MeasuresEachCommandByActuatorAndTarget) {
+  const ParsedLabels to_active = {{"actuator", "legs"}, {"target", "Active"}};
+  EXPECT_EQ(Value("musher_command_duration_seconds_count", to_active), std::nullopt);
+  Commanded("command_done", "Active", "120");
+  Commanded("command_done", "Active", "80");
+  Commanded("command_done", "LowPower", "7");
+  EXPECT_EQ(Value("musher_command_duration_seconds_count", to_active), 2);
+  EXPECT_DOUBLE_EQ(*Value("musher_command_duration_seconds_sum", to_active), 0.2);
+  EXPECT_EQ(Value("musher_commands_overdue_total", {{"actuator", "legs"}}), 0);
+}
+
+// Its fault is recorded as well, without the time.
+TEST_F(RobotMetricsTest, AnOverdueCommandCountsOnceAndHasNoDuration) {
+  Commanded("command_overdue", "Active", "3000");
+  Happens("command_overdue");
+  EXPECT_EQ(Value("musher_commands_overdue_total", {{"actuator", "legs"}}), 1);
+  EXPECT_EQ(
+      Value("musher_command_duration_seconds_count", {{"actuator", "legs"}, {"target", "Active"}}),
+      std::nullopt);
+}
+
+TEST_F(RobotMetricsTest, DataThatIsNoCommandMeasuresNothing) {
+  for (const std::string data :
+       {"", "[]", "{}", R"({"arguments":3})", R"({"arguments":{"target":"Active"}})",
+        R"({"arguments":{"target":"Active","took_ms":"soon"}})",
+        R"({"arguments":{"took_ms":3}})"}) {
+    msg::HistoryEntry entry = Next("actuator", "legs");
+    entry.data = data;
+    metrics_.On(entry, "command_done");
+  }
+  EXPECT_EQ(
+      Value("musher_command_duration_seconds_count", {{"actuator", "legs"}, {"target", "Active"}}),
+      std::nullopt);
 }
 
 TEST_F(RobotMetricsTest, CountsFaultsAndRestarts) {

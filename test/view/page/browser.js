@@ -8,7 +8,7 @@ import {chromium} from 'playwright-core';
 import {MockServer, PAGE} from './mock_server.js';
 
 const BROWSERS = [process.env.CHROMIUM, '/usr/bin/chromium'].filter(Boolean);
-const DEADLINE_MS = 60000;
+const DEADLINE_MS = 180000;
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const IMAGES = path.resolve(PAGE, '../../docs/images');
 

@@ -33,6 +33,8 @@ export class MockRobot {
     this.policy = {active: true, battery: 76, charging: false, battery_silent: false, ceiling: '',
       ceiling_reason: '',
       kept: '', keep_s: 0, low_power_switch: true, power: ''};
+    this.violatedRules = [];
+    this.notStopped = [];
     this.history = [];
     this.nextId = 1;
     this.present = true;
@@ -115,7 +117,7 @@ export class MockRobot {
       emergency_stop: this.stop !== null, emergency_stop_by: this.stop?.by ?? '',
         emergency_stop_reason: this.stop?.reason ?? '', stop_ids: [...this.stopIds],
       degraded, actuators: this.parts.map(p => ({...p.info})), policy: {...this.policy}, not_on_disk: [],
-        held_by_stop: []};
+        held_by_stop: [], violated_rules: [...this.violatedRules], not_stopped: [...this.notStopped]};
   }
 
   capabilities() {

@@ -6,7 +6,7 @@ import {test} from 'node:test';
 import {applicationsOf} from '../../../view/page/application.js';
 import {camerasOf} from '../../../view/page/cameras.js';
 import {chartsWithPresent, joined, neighbourhood, readChart} from '../../../view/page/chart_text.js';
-import {Connection} from '../../../view/page/connection.js';
+import {Connection, post} from '../../../view/page/connection.js';
 import {ANSWER_MS} from '../../../view/page/estop.js';
 import {bytes, duration, nsToMs, percent} from '../../../view/page/format.js';
 import {layOut} from '../../../view/page/graph_layout.js';
@@ -79,10 +79,35 @@ test('a robot without faults has no problems; the worst problem is first', () =>
   assert.equal(store.problems(f.state)[0].id, 'stop');
 });
 
+test('rules of the user that are violated need attention until they hold', () => {
+  const f = fixture();
+  f.robot.violatedRules = ['never lamp Active while base is not Active', 'never lamp Error'];
+  f.robot.fault('audio');
+  const rule = store.problems(f.state).find(p => p.id === 'rule');
+  assert.equal(rule.level, 'warn');
+  assert.equal(rule.why, 'never lamp Active while base is not Active; never lamp Error');
+  f.robot.violatedRules = [];
+  f.robot.fault('audio');
+  assert.ok(!store.problems(f.state).some(p => p.id === 'rule'));
+});
+
+test('an actuator that has not stopped at a stop is the first thing after it', () => {
+  const f = fixture();
+  f.robot.notStopped = ['audio: the brake does not answer'];
+  f.robot.engage('bob', 'smoke');
+  const [stop, not_stopped] = store.problems(f.state);
+  assert.equal(stop.id, 'stop');
+  assert.equal(not_stopped.id, 'not_stopped');
+  assert.equal(not_stopped.level, 'bad');
+  assert.equal(not_stopped.why, 'audio: the brake does not answer');
+});
+
 test('every problem and its advice have a text', () => {
   const f = fixture();
+  f.robot.notStopped = ['audio: the brake does not answer'];
   f.robot.engage('bob', 'smoke');
   Object.assign(f.robot.policy, {battery_silent: true, ceiling: 'Protected', power: 'reboot'});
+  f.robot.violatedRules = ['never lamp Error'];
   for (const health of ['hung', 'starved', 'crashed', 'partitioned']) {
     f.robot.fault('audio', {health});
     f.robot.fault('camera', {health: 'well', message: 'has not passed its self-check'});
@@ -498,4 +523,19 @@ test('a request that acts names the machine on the page', () => {
   const {machine, machine_id} = f.robot.status();
   assert.deepEqual(store.shownMachine(f.state), {machine, machine_id});
   assert.deepEqual(store.shownMachine(store.initialState()), {machine: '', machine_id: ''});
+});
+
+test('a request has the newest time of the server that the page has received, so that the server knows its age',
+  async context => {
+  const bodies = [];
+  context.mock.method(globalThis, 'fetch', async (path, options) => {
+    bodies.push(JSON.parse(options.body));
+    return new Response('{}');
+  });
+  const socket = {};
+  new Connection(() => {}, {make: () => socket});
+  for (const uptime_ms of [7000, 8000]) socket.onmessage({data: JSON.stringify({op: 'time', time_ms: 1, uptime_ms})});
+  socket.onmessage({data: '{"op":"topics","topics":[]}'});
+  await post('api/set', {target: 'Active'});
+  assert.deepEqual(bodies, [{target: 'Active', seen_uptime_ms: 8000}]);
 });

@@ -5,18 +5,7 @@
 
 namespace musher::tree::conformance_sequences_test {
 
-std::string Leaf(const std::string& name, const std::string& does, const std::string& more = "") {
-  return "<Say name=\"" + name + "\" does=\"" + does + "\" " + more + "/>";
-}
-
-struct SequencesAsDocumented : testing::Test, Logged {
-  std::string Run(const std::string& content, int ticks) {
-    tree = MakeTree(Main(content), factory);
-    const std::string letters = Ticks(*tree, ticks);
-    return letters + " " + Take();
-  }
-  std::unique_ptr<Tree> tree;
-};
+using SequencesAsDocumented = TickedTree;
 
 TEST_F(SequencesAsDocumented, SequenceWithMemoryGivesTheTreeATurnBetweenItsChildren) {
   const std::string steps = "<SequenceWithMemory>" + Leaf("a", "S") + Leaf("b", "S") +

@@ -1,7 +1,5 @@
 // A callback fails with a code.
 
-#include <signal.h>
-
 #include "musher/test/fault_injection/faults/callback.hpp"
 #include "musher/test/fault_injection/faults/expectation.hpp"
 
@@ -10,33 +8,15 @@ namespace {
 
 void FailInSetUp(FaultRun& run) {
   const std::string victim = run.Victim({"legs", "arm", "eyes", "hands"});
-  Board& board = run.robot.board(victim);
-  board.fail_in = IndexOfState("SetUp");
-  const pid_t pid = run.robot.PidOf(victim);
-  run.FaultInjected();
-  kill(pid, SIGKILL);
-  run.Detected(victim + " has failed its SetUp",
-               [&](const auto& status) { return Find(status, victim).restarts > 1; });
-  ClearFaults(board);
-  run.RecoveredIn(run.state());
-}
-
-void FailInTearDown(FaultRun& run) {
-  const std::string victim = run.Victim(Modules());
-  run.robot.board(victim).fail_in = IndexOfState("TearDown");
-  run.RobotIsTornDown();
-  run.FaultInjected();
-  const auto reply = run.observer().SetState("TearDown");
-  run.Require(run.robot.AwaitControllerEnd(kTimeout), "the machine does not end");
-  run.RecoveredNow();
-  run.Expect(AwaitFuture(reply).ok(), "the request for TearDown has no reply");
+  InjectInSetUp(run, victim, &Board::fail_in, victim + " has failed its SetUp",
+                [&](const auto& status) { return Find(status, victim).restarts > 1; });
 }
 
 }  // namespace
 
 void Fails(FaultRun& run, const std::string& state) {
   if (state == "SetUp") return FailInSetUp(run);
-  if (state == "TearDown") return FailInTearDown(run);
+  if (state == "TearDown") return InjectInTearDown(run, &Board::fail_in);
   LeaveStateOf(run, state);
   const std::string victim = run.Victim(Modules());
   Board& board = run.robot.board(victim);

@@ -1,7 +1,5 @@
 // A callback that does not return, and a work thread that makes no progress.
 
-#include <signal.h>
-
 #include "musher/test/fault_injection/faults/callback.hpp"
 #include "musher/test/fault_injection/faults/expectation.hpp"
 
@@ -11,33 +9,14 @@ namespace {
 // Only an actuator that is restarted can hang in SetUp here.
 void HangInSetUp(FaultRun& run) {
   const std::string victim = run.Victim({"legs", "arm", "eyes"});
-  Board& board = run.robot.board(victim);
-  board.hang_in = IndexOfState("SetUp");
-  const pid_t pid = run.robot.PidOf(victim);
-  run.FaultInjected();
-  kill(pid, SIGKILL);
-  run.Detected(victim + " hangs", IsKnownAs(victim, "hung"));
-  ClearFaults(board);
-  run.RecoveredIn(run.state());
-}
-
-void HangInTearDown(FaultRun& run) {
-  const std::string victim = run.Victim(Modules());
-  run.robot.board(victim).hang_in = IndexOfState("TearDown");
-  run.RobotIsTornDown();
-  run.FaultInjected();
-  const auto reply = run.observer().SetState("TearDown");
-  run.Require(run.robot.AwaitControllerEnd(kTimeout), "the machine does not end");
-  run.RecoveredNow();
-  run.Expect(AwaitFuture(reply).ok(), "the request for TearDown has no reply");
-  ClearFaults(run.robot.board(victim));
+  InjectInSetUp(run, victim, &Board::hang_in, victim + " hangs", IsKnownAs(victim, "hung"));
 }
 
 }  // namespace
 
 void Hangs(FaultRun& run, const std::string& state) {
   if (state == "SetUp") return HangInSetUp(run);
-  if (state == "TearDown") return HangInTearDown(run);
+  if (state == "TearDown") return InjectInTearDown(run, &Board::hang_in);
   LeaveStateOf(run, state);
   const std::string victim = run.Victim(Modules());
   const Member& member = MemberOf(victim);

@@ -136,7 +136,7 @@ struct Match {
   void LoseDebugger() {
     static_cast<void>(tree->Halt(robot.Now()));
     rests = true;
-    mission.Stand();
+    mission.Stand("its debugger was lost before the match could begin");
     Follow();
   }
 

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -138,6 +139,11 @@ class MissionProcess : public test::ModuleProcess {
   static msg::Float32MultiArray Plan() {
     return ToActionSequence(
         {{false, {0, 1}, 0, 0}, {false, {1, 1}, 200, 0}, {true, {2, 1}, 200, 0}});
+  }
+  // A number of meilin/status; -1: it is not there.
+  int InStatus(const std::string& key) const {
+    const auto status = nlohmann::json::parse(status_, nullptr, /*allow_exceptions=*/false);
+    return status.is_object() ? status.value(key, -1) : -1;
   }
   void SendPose(double x_m, double y_m) {
     msg::PoseStamped pose;
@@ -452,13 +458,20 @@ TEST_F(MissionProcess, AFreshPoseDecidesWhereAPlanBeginsUnlessItIsNoNumber) {
   ASSERT_TRUE(plans_->Publish(plan));
   ASSERT_NO_FATAL_FAILURE(Await("PLAN_REJECTED"));
   ASSERT_TRUE(AwaitError("move with height change requires adjacent target grid")) << last_error_;
-  // Two topics have no order: until the pose is there the plan is refused.
-  const auto again = peer_.node().loop().Every(Milliseconds(50), [&] {
-    if (!plan_id_.empty()) return;
+  // Two topics have no order: until the pose is there the plan is refused. The next one is sent
+  // once the last one is decided: a second one that came while the first runs would be checked from
+  // its end, (2, 1), and this robot's pose stays.
+  int sent = 1;
+  const auto decided = [&] { return InStatus("plans") + InStatus("refusals") == sent; };
+  ASSERT_TRUE(peer_.Until(decided)) << status_;
+  while (InStatus("plans") == 0) {
+    ASSERT_LT(sent, 1000) << last_error_;
     SendPose(2.4, 2.4);
     SendPose(std::numeric_limits<double>::quiet_NaN(), 2.4);
-    EXPECT_TRUE(plans_->Publish(plan));
-  });
+    ASSERT_TRUE(plans_->Publish(plan));
+    ++sent;
+    ASSERT_TRUE(peer_.Until(decided)) << status_;
+  }
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
   EXPECT_EQ(suspension_.goals.at(0).height, 200);
 }

@@ -951,6 +951,24 @@ TEST(AMission, DoesNotRunAStepOfAPlanFromAnotherCellThanItWasCheckedFrom) {
   EXPECT_THAT(carried(MoveStep(1, 1, 200), {3.6, 2.4}),
               HasSubstr("Move was checked from (0, 1), and the robot is on (2, 1)"));
 }
+// A plan that comes during a move is checked from its end, and the robot has not arrived there.
+TEST(AMission, BeginsNoClimbFromTheEndOfAMoveThatItsPoseContradicts) {
+  Match match("meilin_stage.xml");
+  const auto stay = [&match] { match.robot.fix = PoseFix{2.4, 2.4, 0, match.robot.Now()}; };
+  stay();
+  ASSERT_TRUE(match.Offer({MoveStep(2, 1, 400)})) << match.mission.refused_plan();
+  for (int i = 0; i < 100 && match.robot.goals.empty(); ++i) match.Tick();
+  const std::size_t goals = match.robot.goals.size();
+  ASSERT_GT(goals, 0U) << match.mission.last_error();
+  ASSERT_TRUE(match.Offer({MoveStep(2, 1, 400)})) << match.mission.refused_plan();
+  for (int i = 0; i < 10'000 && !match.mission.failed(); ++i) {
+    match.Tick();
+    stay();
+  }
+  EXPECT_THAT(match.mission.last_error(),
+              HasSubstr("Move was checked from (2, 1), and the robot is on (1, 1)"));
+  EXPECT_EQ(match.robot.goals.size(), goals) << "of the first plan only";
+}
 TEST(AMission, HasAllBoxesOnTheFieldWhenAFullMatchBegins) {
   Match match("meilin_stage.xml");
   match.robot.fix = PoseFix{1.2, 2.4, 0, match.robot.Now()};

@@ -7,6 +7,7 @@
 
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/test/modules/meilin/servers/server_rig.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::meilin::servers::move_server_test {
 
@@ -171,11 +172,27 @@ TEST_F(MoveServerTest, StandsAndRejectsGoalsOutsideOfActive) {
   ExpectEnd(Send({1, 0, 0}), GoalEnd::kSucceeded, "Goal reached");
 }
 
+// It had waited in the kernel, and its client had long gone.
+TEST_F(MoveServerTest, RejectsAGoalThatMayHaveWaitedWhileItsProcessCouldNotRun) {
+  Start(kFile);
+  network_.Pause(*node_);
+  Send({1, 0, 0});
+  Run(9000);
+  const int velocities = velocities_;
+  network_.Resume(*node_);
+  Run(1000);
+  EXPECT_EQ(velocities_, velocities);
+  EXPECT_THAT(log_,
+              ::testing::Contains(musher::testing::HasRefusal(ApplicationRefusal::kMayBeLate)));
+  Run(2000);
+  ExpectEnd(Send({1, 0, 0}), GoalEnd::kSucceeded, "Goal reached");
+}
+
 TEST_F(MoveServerTest, StandsWhenTheWorldIsRestarted) {
   Start(kFile);
   const std::size_t goal = Send({3, 0, 0});
   Run(1000);
-  server_->OnTimeJump();
+  server_->OnTimeJump("the time has jumped");
   ExpectEnd(goal, GoalEnd::kAborted, "Aborted: the time has jumped");
   ExpectStanding();
 }

@@ -20,7 +20,7 @@ class ToolRig : public testing::ServerRig<A> {
     command_in_ = this->Must(transport::MakeSubscription<msg::Float32MultiArray>(
         *this->peer_, command, [this](const msg::Float32MultiArray& message, const auto&) {
           commands_.push_back(message.data);
-          left_ms_ = 1000;
+          left_ms_ = message.data.at(0) == 0 ? 200 : 1000;
           done_ = false;
         }));
     report_out_ =
@@ -120,6 +120,19 @@ TEST_F(ArmServerTest, StopsTheArmWhenAGoalIsCancelled) {
   ExpectEnd(goal, GoalEnd::kCanceled, "Cancelled");
   Run(50);
   EXPECT_EQ(commands_.back(), (std::vector<float>{0, 0, 0, 0}));
+}
+
+TEST_F(ArmServerTest, SendsTheCommandAfterACancellationOnceTheArmIsIdle) {
+  Start(kFile);
+  const std::size_t goal = Send({1, true, 0});
+  Run(300);
+  Cancel(goal);
+  ExpectEnd(goal, GoalEnd::kCanceled, "Cancelled");
+  const std::size_t next = Send({2, true, 0});
+  ExpectEnd(next, GoalEnd::kSucceeded, "Arm command 2 done");
+  EXPECT_THAT(commands_, ElementsAre(std::vector<float>{1, 0, 0, 0}, std::vector<float>{0, 0, 0, 0},
+                                     std::vector<float>{2, 0, 0, 0}));
+  EXPECT_NEAR(ends_[next]->result.elapsed_sec, 1.2, 0.1);
 }
 
 TEST_F(ArmServerTest, StopsTheArmOutsideOfActive) {

@@ -11,6 +11,11 @@ namespace musher::meilin::servers::tool_test {
 
 class ToolTest : public ::testing::Test {
  protected:
+  void Begin(std::uint8_t command, double limit_s) {
+    arm_.Begin(command, limit_s, now_);
+    EXPECT_TRUE(arm_.TakeDue(now_));
+    EXPECT_FALSE(arm_.TakeDue(now_)) << "it is sent once";
+  }
   std::optional<Tool::End> After(std::int64_t ms) {
     now_ += Milliseconds(ms);
     return arm_.Update(now_);
@@ -22,7 +27,7 @@ class ToolTest : public ::testing::Test {
 
 TEST_F(ToolTest, IsDoneWhenTheHardwareReportsIt) {
   arm_.OnReport(0);
-  arm_.Begin(1, 0, now_);
+  Begin(1, 0);
   EXPECT_TRUE(arm_.running());
   EXPECT_FALSE(After(1000));
   arm_.OnReport(1);
@@ -37,7 +42,7 @@ TEST_F(ToolTest, IsDoneWhenTheHardwareReportsIt) {
 
 TEST_F(ToolTest, TakesNoOldDoneForItsOwn) {
   arm_.OnReport(1);
-  arm_.Begin(2, 0, now_);
+  Begin(2, 0);
   arm_.OnReport(1);
   EXPECT_FALSE(After(100)) << "the done of the command before";
   arm_.OnReport(0);
@@ -47,19 +52,19 @@ TEST_F(ToolTest, TakesNoOldDoneForItsOwn) {
 }
 
 TEST_F(ToolTest, IsDoneAtTheFirstReportOfAHardwareThatHasReportedNothing) {
-  arm_.Begin(3, 0, now_);
+  Begin(3, 0);
   arm_.OnReport(1);
   EXPECT_TRUE(After(100));
 }
 
 TEST_F(ToolTest, DoesNotTakeOtherNumbersForADone) {
-  arm_.Begin(3, 0, now_);
+  Begin(3, 0);
   for (const double report : {0.5, 2.0, -1.0, 0.99}) arm_.OnReport(report);
   EXPECT_FALSE(After(100));
 }
 
 TEST_F(ToolTest, EndsAtTheLimitOfTheGoalOrAtItsOwn) {
-  arm_.Begin(1, 2.5, now_);
+  Begin(1, 2.5);
   EXPECT_FALSE(After(2490));
   auto end = After(10);
   ASSERT_TRUE(end);
@@ -68,12 +73,27 @@ TEST_F(ToolTest, EndsAtTheLimitOfTheGoalOrAtItsOwn) {
   EXPECT_EQ(arm_.state(), -1);
   EXPECT_FALSE(arm_.idle_and_well());
   arm_.Begin(1, -3, now_);
+  EXPECT_FALSE(After(1000));
+  EXPECT_TRUE(arm_.TakeDue(now_));
   EXPECT_FALSE(After(9990));
   EXPECT_TRUE(After(10));
 }
 
+// It ended with "Timeout" and was never sent.
+TEST_F(ToolTest, CountsAShortLimitFromWhenItIsSentAfterOneThatWasStopped) {
+  Begin(1, 0);
+  arm_.Stop(now_);
+  arm_.Begin(2, 0.5, now_);
+  EXPECT_FALSE(arm_.TakeDue(now_)) << "the hardware settles";
+  EXPECT_FALSE(After(900));
+  EXPECT_FALSE(After(100));
+  EXPECT_TRUE(arm_.TakeDue(now_));
+  EXPECT_FALSE(After(490));
+  EXPECT_TRUE(After(10));
+}
+
 TEST_F(ToolTest, ReportsItsProgressByTheExpectedTime) {
-  arm_.Begin(3, 0, now_);  // 1.5 s
+  Begin(3, 0);  // 1.5 s
   EXPECT_EQ(arm_.Progress(now_), 0);
   After(750);
   EXPECT_NEAR(arm_.Progress(now_), 0.5, 1e-9);
@@ -82,7 +102,7 @@ TEST_F(ToolTest, ReportsItsProgressByTheExpectedTime) {
 }
 
 TEST_F(ToolTest, IsDoneWithIdleAtOnce) {
-  arm_.Begin(0, 0, now_);
+  Begin(0, 0);
   const auto end = After(20);
   ASSERT_TRUE(end);
   EXPECT_TRUE(end->success);
@@ -96,14 +116,64 @@ TEST_F(ToolTest, HasTheStatesOfTheActions) {
 }
 
 TEST_F(ToolTest, StopsWithoutAnEnd) {
-  arm_.Begin(1, 0, now_);
-  arm_.Stop();
+  Begin(1, 0);
+  arm_.Stop(now_);
   EXPECT_FALSE(arm_.running());
   EXPECT_EQ(arm_.state(), -1);
   arm_.OnReport(0);
   arm_.OnReport(1);
   EXPECT_FALSE(After(100));
   EXPECT_FALSE(arm_.idle_and_well());
+}
+
+// A grasp that had timed out was tried again, and "done" was that of the command 0 between them.
+TEST_F(ToolTest, TakesNoDoneOfAStopForThatOfTheNextCommand) {
+  Begin(1, 0);
+  arm_.OnReport(0);
+  EXPECT_TRUE(After(10'000)) << "timeout";
+  arm_.Begin(1, 0, now_);
+  EXPECT_FALSE(arm_.TakeDue(now_));
+  arm_.OnReport(1);
+  EXPECT_FALSE(After(20));
+  EXPECT_TRUE(arm_.TakeDue(now_));
+  arm_.OnReport(1);
+  EXPECT_FALSE(After(20)) << "it is repeated";
+  arm_.OnReport(0);
+  arm_.OnReport(1);
+  const auto end = After(20);
+  ASSERT_TRUE(end);
+  EXPECT_TRUE(end->success);
+}
+
+// A grasp was sent at once, and "done" was that of the command 0 before it.
+TEST_F(ToolTest, TakesNoDoneFromBeforeAStopForThatOfTheStop) {
+  arm_.OnReport(1);
+  Begin(1, 0);
+  arm_.OnReport(1);
+  arm_.Stop(now_);
+  arm_.Begin(2, 0, now_);
+  EXPECT_FALSE(arm_.TakeDue(now_));
+  arm_.OnReport(1);
+  EXPECT_FALSE(arm_.TakeDue(now_)) << "it is repeated";
+  arm_.OnReport(0);
+  EXPECT_FALSE(arm_.TakeDue(now_));
+  arm_.OnReport(1);
+  EXPECT_TRUE(arm_.TakeDue(now_)) << "that is the done of the stop";
+  arm_.OnReport(1);
+  EXPECT_FALSE(After(20));
+}
+
+TEST_F(ToolTest, SendsTheNextCommandSoonAfterAStopOfWhichNoDoneIsReported) {
+  Begin(1, 0);
+  arm_.Stop(now_);
+  arm_.Begin(2, 0, now_);
+  EXPECT_FALSE(After(990));
+  EXPECT_FALSE(arm_.TakeDue(now_));
+  EXPECT_FALSE(After(10));
+  EXPECT_TRUE(arm_.TakeDue(now_));
+  arm_.Stop(now_);
+  arm_.Begin(0, 0, now_);
+  EXPECT_TRUE(arm_.TakeDue(now_)) << "a stop does not wait";
 }
 
 RC_GTEST_PROP(ToolProperty, EndsWithinItsLimitAndOnlyByANewDone,
@@ -113,6 +183,7 @@ RC_GTEST_PROP(ToolProperty, EndsWithinItsLimitAndOnlyByANewDone,
   const bool before = *rc::gen::arbitrary<bool>();
   spear.OnReport(before ? 1 : 0);
   spear.Begin(2, 1, now);
+  RC_ASSERT(spear.TakeDue(now));
   bool armed = !before;
   bool expected = false;
   std::optional<Tool::End> end;

@@ -317,10 +317,10 @@ void CourseDrive::Look(DetectorChannel& channel, const cv::Mat& picture) {
     } else if (sight.sighting && channel.wanted_by_race) {
       msg::Sighting seen = *sight.sighting;
       if (settings_.unseen.contains(race_.course().detectors[*channel.of_race].name)) seen = {};
-      race_.OnSighting(
-          *channel.of_race,
-          {seen.seen, seen.distance_m, seen.phase, seen.text, seen.x + seen.width / 2 - 0.5}, taken,
-          now);
+      race_.OnSighting(*channel.of_race,
+                       {seen.seen, seen.distance_m, seen.phase, seen.text,
+                        seen.x + seen.width / 2 - 0.5, seen.confidence},
+                       taken, now);
       channel.shown_to_race = taken;
     }
   });

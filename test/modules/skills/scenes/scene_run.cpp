@@ -13,14 +13,14 @@
 #include "musher/modules/navigation/planner_server/planner_server.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
 #include "musher/modules/skills/skills/navigation_skills.hpp"
-#include "musher/test/modules/navigation/loop_background.hpp"
+#include "musher/test/modules/navigation/servers_on_network.hpp"
 #include "musher/test/modules/skills/scenes/scene_world.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::skills::testing {
 namespace {
 
-using navigation::testing::LoopBackground;
+using navigation::testing::ServersOnNetwork;
 using End = RobotOutcome::End;
 
 constexpr double kRangeM = 8;
@@ -271,16 +271,7 @@ class SceneRun {
     for (navigation::ControllerRobot& robot : controller.config->robots) {
       if (!gated) Disable(robot.gate, robot.radius_m);
     }
-    const auto log = [](LogLevel, const std::string&) {};
-    planner_ = Value(navigation::PlannerServer::Make(
-        {*planner_node_, *planner_clock_, "", log}, *planner.config, [this] {
-          return std::make_unique<LoopBackground>(planner_node_->loop(), Milliseconds(20));
-        }));
-    controller_ = Value(navigation::ControllerServer::Make(
-        {*controller_node_, *controller_clock_, "", log}, *controller.config,
-        std::make_unique<LoopBackground>(controller_node_->loop(), Milliseconds(5))));
-    planner_->Permit(true, "");
-    controller_->Permit(true, "");
+    servers_.Start(*planner.config, *controller.config);
   }
 
   SkillsConfig ConfigOf(std::size_t index, bool gated) const {
@@ -366,17 +357,10 @@ class SceneRun {
   transport::sim::Network network_;
   SceneWorld world_;
   bool begun_ = false;
-  std::unique_ptr<transport::Node> planner_node_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> controller_node_ = network_.MakeNode("robot");
+  ServersOnNetwork servers_{network_};
   std::unique_ptr<transport::Node> node_ = network_.MakeNode("robot");  // of the bodies
-  std::unique_ptr<transport::Clock> planner_clock_ =
-      transport::Clock::Steady(planner_node_->loop());
-  std::unique_ptr<transport::Clock> controller_clock_ =
-      transport::Clock::Steady(controller_node_->loop());
   std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> grid_;
   std::unique_ptr<transport::Publisher<msg::PointCloud2>> cloud_;
-  std::unique_ptr<navigation::PlannerServer> planner_;
-  std::unique_ptr<navigation::ControllerServer> controller_;
   std::vector<std::unique_ptr<transport::Node>> nodes_;
   std::vector<std::unique_ptr<SkillsOfScene>> skills_;
   std::vector<std::unique_ptr<Peer>> peers_;

@@ -99,6 +99,7 @@ void Remove(CourseKind kind, bool alike, world::Scene& scene) {
       return;
     }
     case CourseKind::kAruco:  // the course has none
+    case CourseKind::kNet:
       return;
     case CourseKind::kLines:
       if (!alike) scene.lines.clear();
