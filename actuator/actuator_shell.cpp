@@ -149,6 +149,7 @@ void ActuatorShell::OnControllerHeartbeat(const msg::ControllerHeartbeat& heartb
     const bool here = !heartbeat.host.empty() && heartbeat.host == core_.report.host;
     if (!here || !hooks_.leads_here || !hooks_.leads_here(heartbeat.pid)) return;
     machine_ = theirs;
+    Publish();  // the controller that it has followed learns of it before it commands
   }
   Handle(actuator_event::ControllerHeartbeatReceived{Sender(info.participant.value()),
                                                      Epoch(heartbeat.epoch)});

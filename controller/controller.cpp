@@ -172,7 +172,11 @@ std::optional<Error> Controller::WhyNotBeside() const {
     return Refused<Refusal::kIdNotKnown>(rival->process, config_.state_dir);
   }
   if (options_.takeover) return std::nullopt;
-  return Refused<Refusal::kAlreadyLed>(rival->process);
+  // Only the name is known to be the same.
+  const bool may_be_another =
+      !rival->here && (shell_->machine_identity().id.empty() || rival->machine.id.empty());
+  return may_be_another ? Refused<Refusal::kNameLedElsewhere>(rival->process)
+                        : Refused<Refusal::kAlreadyLed>(rival->process);
 }
 
 // An actuator runs here if a process holds its name, or has the pid of its status: it may run

@@ -131,6 +131,7 @@ enum class Refusal : std::uint8_t {
   kRivalTakesOver,
   // The start of a controller.
   kAlreadyLed,
+  kNameLedElsewhere,
   kOtherConfigRuns,
   kNameTaken,
   kNameHeld,
@@ -324,6 +325,10 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
 
     {Refusal::kAlreadyLed, kCodeTargetBusy,
      "another controller already leads this machine: {controller}; --takeover replaces it"},
+    {Refusal::kNameLedElsewhere, kCodeTargetBusy,
+     "{controller} leads a machine of this name: if that is this robot, --takeover replaces the "
+     "controller; if it is another robot, give this one a `name` or a `namespace` of its own in "
+     "[controller], since --takeover would make both one machine"},
     {Refusal::kOtherConfigRuns, kCodeTargetBusy,
      "{actuators} already, with a different config than {file}: `musher down --without-controller` "
      "stops what runs, `musher up --adopt` takes control of it"},

@@ -153,6 +153,9 @@ ActuatorShell::Hooks SimulatedProcesses::HooksOf(const Process& process, Part& p
     module->OnReport(report);
     if (on_report) on_report(name, host, report);
   };
+  hooks.leads_here = [this, host = process.host](std::int32_t pid) {
+    return leads_on && leads_on(host, pid);
+  };
   hooks.on_finished = [this, name = part.name, serial = process.serial](const Error& error) {
     OnFinished(name, serial, error);
   };

@@ -64,6 +64,9 @@ class SimulatedProcesses {
       on_report;
   // A process has ended.
   std::function<void(std::size_t host, std::int32_t pid, const ProcessExit& exit)> on_end;
+  // Whether that process is the controller that holds the machine's name on that host; empty: none
+  // does.
+  std::function<bool(std::size_t host, std::int32_t pid)> leads_on;
 
   // A program that is not a Musher actuator runs under that name; each process makes one.
   using Program = std::function<std::shared_ptr<void>(transport::Node& node)>;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/config/flow.hpp"
+
 namespace musher::simulation {
 namespace {
 
@@ -136,6 +138,7 @@ void SwitchChecker::OnReply(std::uint64_t request, const SwitchResult& result) {
   rest_.NoteRequestedState(controller->serial());
   const Machine& machine = controller->shell().machine();
   CheckNotDegraded(machine, result);
+  CheckSecondProcesses(*controller, result);
   for (const ActuatorIndex i : config_.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
@@ -202,14 +205,53 @@ void SwitchChecker::CheckNotDegraded(const Machine& machine, const SwitchResult&
   const bool all_did =
       std::all_of(result.actuators.begin(), result.actuators.end(),
                   [](const ActuatorResult& one) { return one.outcome == ActuatorOutcome::kDone; });
-  const bool all_there = std::all_of(
-      machine.actuators.begin(), machine.actuators.end(), [&](const KnownActuator& known) {
-        return known.presence == Presence::kPresent && known.state() == result.target;
-      });
+  const bool all_there = std::all_of(machine.actuators.begin(), machine.actuators.end(),
+                                     [&](const KnownActuator& known) {
+                                       return known.presence == Presence::kPresent &&
+                                              known.state() == result.target && !known.other;
+                                     });
   if (!all_did || !all_there) return;
   ReportViolation(Invariant::kDoneIsComplete,
                   "the switch to " + result.target + " is reported as done-degraded (" +
                       result.reason + "), although all actuators are in that state");
+}
+
+// "done" is a claim about every process of an actuator whose status has arrived: one on a second
+// host, which no command reaches, may be more active than the target.
+void SwitchChecker::CheckSecondProcesses(const SimulatedController& controller,
+                                         const SwitchResult& result) {
+  if (result.outcome != SwitchOutcome::kDone) return;
+  const Machine& machine = controller.shell().machine();
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    const std::string& name = config_.actuators[i].name;
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const ActuatorReport* report = robot_.processes().ReportOf(name, host);
+      if (report == nullptr || report->host == machine.actuators[i].report.host) continue;
+      const bool excused = context_.false_reporters.contains(name) ||
+                           commands_.HasSwitchedItself(name) || ObeysAnother(machine, *report);
+      if (excused || !Rises(config_, result.target, report->state)) continue;
+      if (!HasArrived(controller, name, host)) continue;
+      ReportViolation(Invariant::kDoneIsComplete,
+                      "the switch to " + result.target + " is reported as done, but " + name +
+                          " on host " + robot_.hosts().name(host) + " is in " + report->state);
+    }
+  }
+}
+
+// Whether the status of that process has had the time to arrive at the controller.
+bool SwitchChecker::HasArrived(const SimulatedController& controller, const std::string& name,
+                               std::size_t host) const {
+  const Time now = robot_.network().now();
+  const auto recent = [&](const std::optional<Time>& until) {
+    return until && (*until == Time::max() || now - *until < kReceivedAfter);
+  };
+  const SimulatedProcesses& processes = robot_.processes();
+  const std::string& endpoint = processes.EndpointOf(name, host);
+  return now - processes.StartOf(name, host) >= kReceivedAfter &&
+         !recent(processes.FrozenUntil(name, host)) && !recent(controller.thawed) &&
+         !recent(context_.link_faults_until) &&
+         !recent(robot_.hosts().BlockedUntil(endpoint, controller.endpoint())) &&
+         !recent(robot_.hosts().BlockedUntil(controller.endpoint(), endpoint));
 }
 
 }  // namespace musher::simulation

@@ -67,6 +67,9 @@ class SwitchChecker : public SubjectChecker {
   };
 
   void CheckNotDegraded(const Machine& machine, const SwitchResult& result);
+  void CheckSecondProcesses(const SimulatedController& controller, const SwitchResult& result);
+  bool HasArrived(const SimulatedController& controller, const std::string& name,
+                  std::size_t host) const;
   bool ObeysAnother(const Machine& machine, const ActuatorReport& report) const;
   bool IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const;
 

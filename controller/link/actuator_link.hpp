@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 
 #include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/config/config.hpp"
@@ -34,8 +35,8 @@ class ActuatorLink {
   virtual void Switch(const SwitchCommand& command) = 0;
   // Queries the outcome of a command, and fences it where the protocol can.
   virtual void Query(const QueryCommand& command) = 0;
-  // The machine that commands belong to.
-  virtual void OnMachine(const MachineIdentity& /*machine*/) {}
+  // The machine that commands belong to, and the host of its controller.
+  virtual void OnMachine(const MachineIdentity& /*machine*/, const std::string& /*host*/) {}
   // The participant that the actuator's status comes from now.
   virtual void OnPeer(transport::ParticipantId /*participant*/) {}
   // The controller has started this process for the actuator.

@@ -78,11 +78,20 @@ void MusherLink::Call(msg::ActuatorCommand::Request request) {
         // Without a reply the decision code applies its own deadline.
         if (!reply || reply.value().status.name != name_) return;
         const msg::ActuatorCommand::Response& response = reply.value();
+        if (IsOfOtherMachine(response.status)) return;
         emit_(event::Replied{actuator_, number, query, transport::VerdictFrom(response.verdict),
                              response.code, response.message,
                              transport::FromMessage(response.status)});
       },
       peer_);
+}
+
+// A process on another host that follows the controller of another machine there: the epoch that it
+// reports is not of a successor of this controller. One on this host follows this controller as
+// soon as it has received its heartbeat.
+bool MusherLink::IsOfOtherMachine(const msg::ActuatorStatus& status) const {
+  const bool here = !host_.empty() && status.host == host_;
+  return !here && !SameMachine(machine_, {status.machine, status.machine_id});
 }
 
 }  // namespace musher

@@ -25,7 +25,10 @@ class MusherLink : public ActuatorLink {
 
   void Switch(const SwitchCommand& command) override;
   void Query(const QueryCommand& command) override;
-  void OnMachine(const MachineIdentity& machine) override { machine_ = machine; }
+  void OnMachine(const MachineIdentity& machine, const std::string& host) override {
+    machine_ = machine;
+    host_ = host;
+  }
   void OnPeer(transport::ParticipantId participant) override;
 
  private:
@@ -36,11 +39,13 @@ class MusherLink : public ActuatorLink {
   bool PeerIsMatched() const;
   void SendHeld();
   void Call(msg::ActuatorCommand::Request request);
+  bool IsOfOtherMachine(const msg::ActuatorStatus& status) const;
 
   const std::string name_;
   const ActuatorIndex actuator_;
   const Emit emit_;
   MachineIdentity machine_;
+  std::string host_;  // of the controller
   transport::ParticipantId peer_ = 0;  // 0: any
   std::vector<msg::ActuatorCommand::Request> held_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;  // last: it uses the others

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kProcessesKept = 4;  // of one actuator, with the latest statuses
 constexpr std::size_t kMostUnlisted = 64;
+constexpr std::size_t kLongestShown = 64;          // of a name, an id or a host, in messages
 constexpr std::size_t kMostOfOtherMachines = 256;  // actuators
 // A heartbeat that was sent before the loss may arrive after it.
 constexpr Duration kTakenAgainAfter = std::chrono::seconds(1);
@@ -52,7 +53,7 @@ Result<> ActuatorPeers::OpenLinks() {
         node, config_, i, [this](const Event& event) { OnLinkEvent(event); }, dependencies_.links);
     if (!link) return link.error();
     peers_[i].link = std::move(link).value();
-    peers_[i].link->OnMachine(identity_);
+    peers_[i].link->OnMachine(identity_, dependencies_.host);
   }
   return Ok();
 }
@@ -77,7 +78,7 @@ void ActuatorPeers::Unsubscribe() {
 
 void ActuatorPeers::SetMachine(const MachineIdentity& machine) {
   identity_ = machine;
-  for (Peer& peer : peers_) peer.link->OnMachine(machine);
+  for (Peer& peer : peers_) peer.link->OnMachine(machine, dependencies_.host);
 }
 
 ActuatorLink& ActuatorPeers::LinkTo(ActuatorIndex actuator) {
@@ -96,7 +97,8 @@ void ActuatorPeers::OnStatus(const msg::ActuatorStatus& status, const transport:
   const MachineIdentity theirs{status.machine, status.machine_id};
   if (!SameMachine(identity_, theirs) && !HoldsItsNameHere(status)) {
     NoteOtherMachine(status, info);
-    return RecordOtherMachines(status, theirs);
+    RecordOtherMachines(status, theirs);
+    return LoseToOther(theirs, info.writer);
   }
   other_machines_.erase(info.writer);
   if (found == index_.end()) return RecordUnlisted(status);
@@ -147,7 +149,8 @@ void ActuatorPeers::OnAlive(ActuatorIndex actuator, Incarnation incarnation) {
   const ActuatorReport& report = known.report;
   const bool lost = known.presence == Presence::kLost && report.incarnation == incarnation &&
                     known.process.dead != incarnation && !known.process.termination &&
-                    report.state != kTearDown && report.state != config_.default_state;
+                    report.state != kTearDown && report.state != config_.default_state &&
+                    !FollowsOther(actuator);
   const Time now = context_.loop().Now();
   if (!lost) {
     since.reset();
@@ -158,6 +161,25 @@ void ActuatorPeers::OnAlive(ActuatorIndex actuator, Incarnation incarnation) {
     context_.handle(event::HealthChanged{actuator, incarnation, Health::kWell, false,
                                          "its heartbeats are received"});
   }
+}
+
+// A process on another host has followed this controller, and since then the controller of another
+// machine, which began there. That one leads its own machine: this controller keeps the others.
+void ActuatorPeers::LoseToOther(const MachineIdentity& theirs, transport::EndpointId writer) {
+  const auto lost = status_writers_.extract(writer);
+  if (lost.empty()) return;
+  const auto [actuator, incarnation] = lost.mapped();
+  const MachineIdentity shown{theirs.name.substr(0, kLongestShown), theirs.id};
+  context_.handle(event::Vanished{actuator, incarnation, false,
+                                  "it follows another machine now, " + MachineText(shown), true});
+}
+
+bool ActuatorPeers::FollowsOther(ActuatorIndex actuator) const {
+  const std::vector<Process>& processes = peers_[actuator].processes;
+  return std::ranges::any_of(processes, [&](const Process& process) {
+    return process.participant != 0 && process.Is(machine_.actuators[actuator].report) &&
+           OtherMachineOf(process.participant) != nullptr;
+  });
 }
 
 void ActuatorPeers::OnWriterLost(transport::EndpointId writer) {
@@ -324,7 +346,8 @@ void ActuatorPeers::CompareHash(ActuatorIndex actuator, const std::string& hash)
 void ActuatorPeers::RecordUnlisted(const msg::ActuatorStatus& status) {
   if (!Runs(config_, transport::FromMessage(status))) return;
   const Incarnation incarnation(status.incarnation);
-  const auto [unlisted, added] = unlisted_.try_emplace(status.name.substr(0, 64), incarnation);
+  const auto [unlisted, added] =
+      unlisted_.try_emplace(status.name.substr(0, kLongestShown), incarnation);
   const bool known = !added && unlisted->second == incarnation;
   if (known || unlisted_.size() > kMostUnlisted) return;
   unlisted->second = incarnation;
@@ -346,12 +369,11 @@ bool ActuatorPeers::HoldsItsNameHere(const msg::ActuatorStatus& status) const {
 // A status without its participant may be one that a bridge repeats.
 void ActuatorPeers::NoteOtherMachine(const msg::ActuatorStatus& status,
                                      const transport::SampleInfo& info) {
-  constexpr std::size_t kLongest = 64;  // of a name and an id, in messages
   const bool known = other_machines_.contains(info.writer);
   if (status.participant == 0 || (!known && other_machines_.size() >= kMostOfOtherMachines)) return;
   other_machines_[info.writer] = {
       info.participant,
-      {status.machine.substr(0, kLongest), status.machine_id.substr(0, kLongest)}};
+      {status.machine.substr(0, kLongestShown), status.machine_id.substr(0, kLongestShown)}};
 }
 
 const MachineIdentity* ActuatorPeers::OtherMachineOf(transport::ParticipantId participant) const {
@@ -367,7 +389,7 @@ void ActuatorPeers::RecordOtherMachines(const msg::ActuatorStatus& status,
   const auto found = index_.find(status.name);
   if (found == index_.end() || !config_.actuators[found->second].command.empty()) return;
   MachineIdentity machine = theirs;
-  machine.name = machine.name.substr(0, 64);
+  machine.name = machine.name.substr(0, kLongestShown);
   const bool added = of_others_.emplace(found->second, machine.name).second;
   if (!added || of_others_.size() > kMostUnlisted) return;
   context_.records.WriteOwn(
@@ -389,7 +411,7 @@ void ActuatorPeers::RecordPeerFault(const transport::PeerFault& fault) {
   for (const transport::PeerInfo& peer : dependencies_.node->Peers()) {
     if (peer.id != fault.participant || peer.pid == 0) continue;
     source += (source.empty() ? "" : ", ") + std::string("process ") + std::to_string(peer.pid) +
-              (peer.host.empty() ? "" : " of host " + peer.host.substr(0, 64));
+              (peer.host.empty() ? "" : " of host " + peer.host.substr(0, kLongestShown));
   }
   if (source.empty()) source = "a participant that does not say its process";
   context_.records.Remark(kCodeParametersInvalid,

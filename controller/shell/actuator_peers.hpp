@@ -78,6 +78,8 @@ class ActuatorPeers {
   // The machine of this namespace and domain, not this controller's, of which that participant has
   // published an actuator's status; null: none is known.
   const MachineIdentity* OtherMachineOf(transport::ParticipantId participant) const;
+  // Whether the process whose report the machine uses follows another machine since.
+  bool FollowsOther(ActuatorIndex actuator) const;
   // The machine has begun: the kept events are handled.
   void Begin();
 
@@ -112,6 +114,7 @@ class ActuatorPeers {
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   void OnLinkEvent(const Event& event);
   void OnWriterLost(transport::EndpointId writer);
+  void LoseToOther(const MachineIdentity& theirs, transport::EndpointId writer);
   void CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarnation);
 
   // The sender.

@@ -200,7 +200,8 @@ void ActuatorProcesses::Do(const action::FindProcesses&) {
     found.unreached.resize(config_.actuators.size());
     for (const HostProcesses::Found& one : there) {
       const ActuatorIndex i = *config_.IndexOf(one.actuator);
-      found.processes[i] = one.pid;
+      // What another machine leads there is not ended with this one.
+      found.processes[i] = peers_.FollowsOther(i) ? 0 : one.pid;
       found.hosts[i] = one.host;
       found.unreached[i] = one.unreached;
     }

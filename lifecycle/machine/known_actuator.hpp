@@ -121,6 +121,7 @@ struct KnownActuator {
   // process is present. Its status is latched and may not come again: it counts once the known
   // process is lost.
   std::optional<ActuatorReport> other;
+  bool writer_lost = false;  // of its status, since the last report
   // The same instant by the actuator's clock and by ours, from the report with the least latency:
   // the actuator computes the age of a command from it.
   Time clock_theirs{};
@@ -245,6 +246,7 @@ inline constexpr std::tuple kFields<KnownActuator> = {
     Field{"presence", &KnownActuator::presence},
     Field{"report", &KnownActuator::report},
     Field{"other", &KnownActuator::other},
+    Field{"writer_lost", &KnownActuator::writer_lost},
     Field{"clock_theirs", &KnownActuator::clock_theirs},
     Field{"clock_ours", &KnownActuator::clock_ours},
     Part{&KnownActuator::process},

@@ -1,6 +1,11 @@
 #include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher {
+namespace {
+
+constexpr std::size_t kLongestHost = 64;  // in messages
+
+}  // namespace
 
 std::string_view PhaseName(Phase phase) {
   return fields::NameOf(phase);
@@ -62,8 +67,21 @@ std::optional<Error> PartialFaultOf(const KnownActuator& known) {
   return Error{report.degraded_code, report.degraded_reason};
 }
 
+std::optional<Error> SecondProcessOf(const KnownActuator& known) {
+  if (!known.other) return std::nullopt;
+  const ActuatorReport& other = *known.other;
+  const std::string place = other.busy() ? "is switching to " + other.target.Shortened()
+                                         : "is in " + other.state.Shortened();
+  return Error{kCodePermissionDenied, "a second process of it runs and " + place + ": process " +
+                                          std::to_string(other.pid) + " of host " +
+                                          other.host.substr(0, kLongestHost) +
+                                          ", which no command reaches; end one of the two"};
+}
+
 std::optional<Error> TroubleOf(const KnownActuator& known) {
-  return known.fault ? known.fault : PartialFaultOf(known);
+  if (known.fault) return known.fault;
+  const auto second = SecondProcessOf(known);
+  return second ? second : PartialFaultOf(known);
 }
 
 std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine) {

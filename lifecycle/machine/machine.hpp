@@ -134,11 +134,14 @@ bool MustBeSetAgain(const Machine& machine, const KnownActuator& known);
 // The partial fault of a present actuator: the self-check has passed as degraded, or has failed
 // with a code that is not critical. The actuator reaches the state of the machine nevertheless.
 std::optional<Error> PartialFaultOf(const KnownActuator& known);
-// Why the actuator is listed as degraded: its fault, else its partial fault.
+// That a second process of the actuator runs on another host, and in which state: this controller
+// commands only the one in use.
+std::optional<Error> SecondProcessOf(const KnownActuator& known);
+// Why the actuator is listed as degraded: its fault, else a second process, else its partial fault.
 std::optional<Error> TroubleOf(const KnownActuator& known);
 
-// The names of the actuators that are not in the state of the machine, with a recorded reason, or
-// that have a partial fault.
+// The names of the actuators that are not in the state of the machine, with a recorded reason, that
+// have a partial fault, or of which a second process runs.
 std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine);
 
 }  // namespace musher

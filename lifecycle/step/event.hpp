@@ -63,6 +63,7 @@ struct Vanished {
   Incarnation incarnation = 0;
   bool for_good = false;  // its process has exited; otherwise it may connect again
   std::string how;        // "its process 4711 ended", kOutOfReach
+  bool taken = false;     // it runs on, and follows the controller of another machine on its host
   friend bool operator==(const Vanished&, const Vanished&) = default;
 };
 struct ProcessStarted {
@@ -271,6 +272,7 @@ inline constexpr std::tuple kFields<event::Vanished> = {
     Field{"incarnation", &event::Vanished::incarnation},
     Field{"for_good", &event::Vanished::for_good},
     Field{"how", &event::Vanished::how},
+    Field{"taken", &event::Vanished::taken},
 };
 
 template <>

@@ -17,6 +17,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
   const bool same = report.incarnation == known.report.incarnation;
   if (same && (known.presence == Presence::kPresent || known.control.again)) {
     if (report.stamp < known.report.stamp) return;
+    known.writer_lost = false;
     commands_.Accept(seen.actuator, report);
     // The latched status carries the outcome like the reply, and remains when the reply is lost.
     if (known.command && report.outcome_number == known.command->number) {
@@ -50,11 +51,10 @@ void Arrivals::On(const event::StatusSeen& seen) {
     if (IsImpostor(seen.actuator, report)) return;
     commands_.Lose(seen.actuator, texts::Replaced(), known.cause);
   }
-  // Two processes on two hosts may publish in turn before one of them is attached.
-  const ActuatorReport& before = known.report;
-  const bool attaching = known.presence == Presence::kStarting && known.control.again;
-  const bool elsewhere = !before.host.empty() && before.host != report.host;
-  if (!same && attaching && elsewhere) NoteOther(seen.actuator, ActuatorReport(before), report.pid);
+  if (second) known.other.reset();  // it is the one in use from now on
+  if (!same && MayRunBeside(seen.actuator, report)) {
+    NoteOther(seen.actuator, ActuatorReport(known.report), report.pid);
+  }
   // Restarts by another party are counted as well.
   if (!same && known.report.incarnation != 0 && known.process.pid == 0) ++known.restart.count;
   if (!same) {
@@ -63,6 +63,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
     processes_.ForgetEnd(seen.actuator);
     known.control.rival_until.reset();
   }
+  known.writer_lost = false;
   commands_.Accept(seen.actuator, report);
   known.presence = Presence::kStarting;
   if (known.restart.at) processes_.CancelRestart(seen.actuator);
@@ -119,6 +120,20 @@ void Arrivals::SetUpFailed(ActuatorIndex i, const ActuatorReport& report) {
   Degrade(i, report.outcome_code, texts::SetUpFailed(report.outcome_code, report.outcome_message),
           known.cause);
   if (keeps_running) FallBack(i);
+}
+
+// Whether the process in use before `report` may run on, on another host. Two processes may publish
+// in turn before one of them is attached; and one that does not answer may only be out of reach for
+// a moment: as long as its writer is not lost, its latched status does not come again.
+bool Arrivals::MayRunBeside(ActuatorIndex i, const ActuatorReport& report) const {
+  const KnownActuator& known = Of(i);
+  const ActuatorReport& before = known.report;
+  if (before.host.empty() || before.host == report.host) return false;
+  const bool attaching = known.presence == Presence::kStarting && known.control.again;
+  const bool out_of_reach = known.presence == Presence::kLost && !known.writer_lost &&
+                            before.incarnation != 0 && before.incarnation != known.process.dead &&
+                            before.state != kTearDown;
+  return attaching || out_of_reach;
 }
 
 // A process on another host publishes as this actuator while the known process still answers.
@@ -208,6 +223,9 @@ void Arrivals::On(const event::Vanished& vanished) {
   KnownActuator& known = Of(vanished.actuator);
   if (known.other && known.other->incarnation == vanished.incarnation) known.other.reset();
   if (known.report.incarnation != vanished.incarnation) return;
+  known.writer_lost = true;
+  // Whoever leads it there also ends it.
+  if (vanished.taken) processes_.ForgetProcess(vanished.actuator);
   if (known.process.dead == vanished.incarnation) return;  // its successor may be starting already
   const bool was_there =
       known.presence == Presence::kPresent || known.presence == Presence::kStarting;

@@ -30,6 +30,7 @@ class Arrivals : StepPart {
  private:
   void FoundTornDown(ActuatorIndex i, const ActuatorReport& report);
   void SetUpFailed(ActuatorIndex i, const ActuatorReport& report);
+  bool MayRunBeside(ActuatorIndex i, const ActuatorReport& report) const;
   bool IsImpostor(ActuatorIndex i, const ActuatorReport& report);
   void NoteOther(ActuatorIndex i, const ActuatorReport& other, std::int32_t used);
   void RecordDuplicate(ActuatorIndex i, const ActuatorReport& other, std::int32_t used);

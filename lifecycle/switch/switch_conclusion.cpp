@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 
 namespace musher {
@@ -34,7 +35,7 @@ SwitchResult SwitchConclusion::Conclude(const Switch& s, bool undone) const {
     result.reason = ConfigOf(worst->actuator).name + ": " +
                     std::string(OutcomeName(worst->outcome)) + " with " + CodeText(worst->code) +
                     (worst->message.empty() ? "" : ", " + worst->message);
-  } else if (const auto away = FirstAway(s); away && !s.only) {
+  } else if (const auto away = FirstAway(s)) {
     const Error why = *WhyAway(s, *away);
     result.code = why.code;
     result.reason = ConfigOf(*away).name + ": " + why.message;
@@ -101,7 +102,7 @@ void SwitchConclusion::CorrectIfAway(const Switch& s, ActuatorIndex i,
   if (result.outcome != ActuatorOutcome::kDone || s.rollback.under_way) return;
   const auto away = WhyAway(s, i);
   if (!away) return;
-  result.outcome = ActuatorOutcome::kLost;
+  result.outcome = SecondAbove(s, i) ? ActuatorOutcome::kFailed : ActuatorOutcome::kLost;
   result.code = away->code;
   result.message = away->message;
 }
@@ -125,17 +126,29 @@ const Leg* SwitchConclusion::FirstPartial(const Switch& s) {
   return s.direction == Direction::kCheck && found != s.legs.end() ? &*found : nullptr;
 }
 
+// A second process of it, on another host, is more active than the target: the switch has led only
+// the one in use down.
+std::optional<Error> SwitchConclusion::SecondAbove(const Switch& s, ActuatorIndex i) const {
+  const auto& other = Of(i).other;
+  if (!other || (s.only && *s.only != i) || s.direction == Direction::kCheck) return std::nullopt;
+  const bool above = s.target == kTearDown || Rises(config_, s.target, other->state) ||
+                     (other->busy() && Rises(config_, s.target, other->target));
+  return above ? SecondProcessOf(Of(i)) : std::nullopt;
+}
+
 // The reason why it is not in the target of the switch; nullopt: it is, or was not expected.
 std::optional<Error> SwitchConclusion::WhyAway(const Switch& s, ActuatorIndex i) const {
+  if (const auto second = SecondAbove(s, i)) return second;
   if (IsAway(i, s.target)) return Of(i).fault;
   const std::string left = LeftSince(s, i);
   return left.empty() ? std::nullopt : std::optional(Error{kCodeNetError, left});
 }
 
-// The first actuator that is away; nullopt when all expected ones are in the target.
+// The first actuator that is away; nullopt when all expected ones are in the target. Of a switch of
+// one actuator its leg has said whether it is.
 std::optional<ActuatorIndex> SwitchConclusion::FirstAway(const Switch& s) const {
   for (const ActuatorIndex i : view_.actuators.Indices()) {
-    if (WhyAway(s, i)) return i;
+    if (s.only ? SecondAbove(s, i) : WhyAway(s, i)) return i;
   }
   return std::nullopt;
 }

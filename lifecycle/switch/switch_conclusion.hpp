@@ -23,6 +23,7 @@ class SwitchConclusion : MachineView {
   void CorrectIfAway(const Switch& s, ActuatorIndex i, ActuatorResult& result) const;
   static const Leg* FirstPartial(const Switch& s);
   std::optional<Error> WhyAway(const Switch& s, ActuatorIndex i) const;
+  std::optional<Error> SecondAbove(const Switch& s, ActuatorIndex i) const;
   std::optional<ActuatorIndex> FirstAway(const Switch& s) const;
   bool IsAway(ActuatorIndex i, const State& target) const;
   std::string LeftSince(const Switch& s, ActuatorIndex i) const;

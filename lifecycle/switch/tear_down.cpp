@@ -201,14 +201,21 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
   // A host that could not be asked says more than how its actuator was lost.
   std::optional<ActuatorIndex> left;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    const bool counts = result.outcome == SwitchOutcome::kDone && Of(i).fault;
+    const bool counts = result.outcome == SwitchOutcome::kDone && LeftBehind(i);
     if (!left && (counts || IsOutOfReach(i))) left = i;
   }
   if (!left) return result;
+  const Error why = *LeftBehind(*left);
   result.outcome = SwitchOutcome::kDoneDegraded;
-  result.code = Of(*left).fault->code;
-  result.reason = ConfigOf(*left).name + ": " + Of(*left).fault->message;
+  result.code = why.code;
+  result.reason = ConfigOf(*left).name + ": " + why.message;
   return result;
+}
+
+// Why the actuator may not be torn down; none: it is.
+std::optional<Error> TearDown::LeftBehind(ActuatorIndex i) const {
+  if (const auto& fault = Of(i).fault) return *fault;
+  return SecondProcessOf(Of(i));
 }
 
 // Whether the host that runs its command could not be asked.

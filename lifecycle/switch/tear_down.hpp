@@ -74,6 +74,7 @@ class TearDown : StepPart {
   bool ProcessesLeft() const;
   bool HasSearched();
   bool IsOutOfReach(ActuatorIndex i) const;
+  std::optional<Error> LeftBehind(ActuatorIndex i) const;
   void ForgetElsewhere(ActuatorIndex i);
   void SignalProcesses(bool kill);
   void EndUnfinished();
