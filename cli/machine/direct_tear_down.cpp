@@ -57,7 +57,6 @@ Result<> DirectTearDown::Open() {
     target.outcome.name = name;
     target.outcome.pid = actuator.status.pid;
     target.elsewhere = actuator.status.host != HostId();
-    epoch_ = std::max(epoch_, Epoch(actuator.status.epoch) + 1);
     if (actuator.status.host == HostId()) {
       const std::string lock = NameLock::NameOf(domain, name_space_, name);
       auto process = OpenPidfd(actuator.status.pid);
@@ -68,11 +67,9 @@ Result<> DirectTearDown::Open() {
       if (target.here) target.process = std::move(process).value();
     }
     target.outcome.has_tear_down = !actuator.child;
-    if (!actuator.has_status) {
-      target.outcome.trouble = "its process publishes no status";
-      continue;
-    }
-    machine_ = {actuator.status.machine, actuator.status.machine_id};
+    target.outcome.trouble = "its process publishes no status";
+    if (actuator.has_status) Know(target, actuator.status);
+    if (actuator.child) continue;
     auto commands = transport::MakeClient<msg::ActuatorCommand>(
         node_, transport::CommandService(name_space_, name));
     if (!commands) return commands.error();
@@ -90,9 +87,20 @@ Result<> DirectTearDown::Open() {
   return Ok();
 }
 
+void DirectTearDown::Know(Target& target, const msg::ActuatorStatus& status) {
+  target.known = true;
+  target.outcome.trouble = "";
+  epoch_ = std::max(epoch_, Epoch(status.epoch) + 1);
+  machine_ = {status.machine, status.machine_id};
+}
+
 void DirectTearDown::Advance() {
   const Time now = node_.loop().Now();
   const auto running = running_.Now();
+  // A status that is late may show that what holds the name is of another machine.
+  std::erase_if(targets_, [this](const auto& one) {
+    return !one.second.known && !one.second.terminated_at && running_.IsOfAnotherMachine(one.first);
+  });
   for (auto& [name, target] : targets_) {
     Check(target, running);
     if (target.outcome.ended) continue;
@@ -126,13 +134,19 @@ void DirectTearDown::Check(Target& target, const Actuators& running) {
 void DirectTearDown::CommandTearDown(Target& target, const Actuators& running) {
   const auto found = running.find(target.outcome.name);
   if (target.commanded || found == running.end() || !found->second.has_status) return;
+  // What was found by its name runs here; a process elsewhere may announce itself first.
+  if (!target.known && !IsOfThisBoot(found->second.status.host)) return;
   // An actuator of another machine may have the same name: only this process is commanded.
   const transport::ParticipantId participant = found->second.participant;
   const std::vector<transport::ParticipantId> servers = target.commands->Servers();
   if (std::find(servers.begin(), servers.end(), participant) == servers.end()) return;
   const msg::ActuatorStatus& status = found->second.status;
   const Time now = node_.loop().Now();
+  if (!target.known) Know(target, status);
   target.commanded = true;
+  heartbeat_.epoch = epoch_.value();
+  heartbeat_.machine = machine_.name;
+  heartbeat_.machine_id = machine_.id;
   static_cast<void>(heartbeats_->Publish(heartbeat_));  // it obeys only an announced controller
   msg::ActuatorCommand::Request request;
   request.kind = msg::ActuatorCommand::kKindSwitch;
@@ -149,9 +163,9 @@ void DirectTearDown::CommandTearDown(Target& target, const Actuators& running) {
     target.commanded = false;  // commanded again if it was refused
     if (!reply) return;
     const bool done = reply.value().verdict == msg::ActuatorCommand::kVerdictDone;
-    Learn(target, reply.value().status);
     target.outcome.trouble = done ? "" : reply.value().message;
-    if (!done || target.outcome.torn_down) return;
+    if (!done) return Learn(target, reply.value().status);
+    if (target.outcome.torn_down) return;
     target.outcome.torn_down = true;
     target.torn_down_at = node_.loop().Now();
   };
@@ -163,7 +177,6 @@ void DirectTearDown::CommandTearDown(Target& target, const Actuators& running) {
 void DirectTearDown::Learn(Target& target, const msg::ActuatorStatus& status) {
   target.last_number = std::max(target.last_number, CommandNumber(status.number));
   epoch_ = std::max(epoch_, Epoch(status.epoch) + 1);
-  heartbeat_.epoch = epoch_.value();
 }
 
 void DirectTearDown::Signal(Target& target) {

@@ -5,6 +5,9 @@
 //   commanded ──torn down, 1 s──▶ SIGTERM ──2 s──▶ SIGKILL
 //       └──not torn down in time────▲
 //
+// One whose process is found here and whose status has not arrived yet is awaited: it is commanded
+// once its status arrives.
+//
 // All stop at the same time: their order is in the config, which this class does not read.
 //
 // Threads: loop thread only.
@@ -54,6 +57,7 @@ class DirectTearDown {
     Outcome outcome;
     bool here = false;       // a process of this host, proven to hold the actuator's name
     bool elsewhere = false;  // of another host
+    bool known = false;      // its status was received
     bool commanded = false;
     CommandNumber last_number = 0;
     std::unique_ptr<transport::Client<msg::ActuatorCommand>> commands;
@@ -68,6 +72,8 @@ class DirectTearDown {
   DirectTearDown(transport::Node& node, std::string name_space, const RunningActuators& running,
                  Duration timeout);
   Result<> Open();
+  // Its status has arrived.
+  void Know(Target& target, const msg::ActuatorStatus& status);
   void Advance();
   void Check(Target& target, const Actuators& running);
   void CommandTearDown(Target& target, const Actuators& running);

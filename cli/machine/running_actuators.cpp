@@ -10,6 +10,12 @@
 
 namespace musher::cli {
 
+bool IsOfThisBoot(const std::string& host) {
+  const std::string own = HostId();
+  const std::string boot = own.substr(0, own.find('/') + 1);
+  return !boot.empty() && host.starts_with(boot);
+}
+
 Result<std::unique_ptr<RunningActuators>> RunningActuators::Begin(transport::Node& node,
                                                                   const std::string& name_space,
                                                                   bool with_keys) {
@@ -79,9 +85,21 @@ std::map<std::string, RunningActuators::Actuator> RunningActuators::Received() c
   for (const auto& [writer, actuator] : received_) {
     const msg::ActuatorStatus& status = actuator.status;
     if (!SameMachine(machine_, {status.machine, status.machine_id})) continue;
+    // Of two processes of one actuator that of this host counts.
+    const auto known = received.find(status.name);
+    if (known != received.end() && known->second.status.host == HostId()) continue;
     received[status.name] = actuator;
   }
   return received;
+}
+
+// By its status, also of a container, which has the names of its host and pids of its own.
+bool RunningActuators::IsOfAnotherMachine(const std::string& name) const {
+  return std::ranges::any_of(received_, [&](const auto& one) {
+    const msg::ActuatorStatus& status = one.second.status;
+    return status.name == name && IsOfThisBoot(status.host) &&
+           !SameMachine(machine_, {status.machine, status.machine_id});
+  });
 }
 
 std::map<std::string, RunningActuators::Actuator> RunningActuators::Now() const {
@@ -92,21 +110,11 @@ std::map<std::string, RunningActuators::Actuator> RunningActuators::Now() const 
   }
   const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
   const auto has_status = [&](const std::string& name) { return received.contains(name); };
-  // By its status, also of a container, which has the names of its host and pids of its own.
-  const std::string host = HostId();
-  const std::string boot = host.substr(0, host.find('/') + 1);
-  const auto is_of_another_machine = [&](const std::string& name) {
-    return std::ranges::any_of(received_, [&](const auto& one) {
-      const msg::ActuatorStatus& status = one.second.status;
-      return status.name == name && !boot.empty() && status.host.starts_with(boot) &&
-             !SameMachine(machine_, {status.machine, status.machine_id});
-    });
-  };
   const bool all = std::ranges::all_of(NameLock::HeldBelow(prefix), has_status);
   const auto holders =
       all ? std::map<std::string, NameLock::Holder>() : NameLock::HoldersBelow(prefix);
   for (const auto& [name, holder] : holders) {
-    if (has_status(name) || is_of_another_machine(name)) continue;
+    if (has_status(name) || IsOfAnotherMachine(name)) continue;
     Actuator& silent = running[name];
     silent.has_status = false;
     silent.status.name = name;

@@ -18,6 +18,9 @@
 
 namespace musher::cli {
 
+// Whether it is the HostId() of a process on this computer, perhaps in a container.
+bool IsOfThisBoot(const std::string& host);
+
 class RunningActuators {
  public:
   struct Actuator {
@@ -40,6 +43,9 @@ class RunningActuators {
   // The actuators that are not torn down, by name.
   std::map<std::string, Actuator> Now() const;
   bool HasStatusOf(const std::string& actuator) const { return Received().contains(actuator); }
+  // Whether a process of this computer says in its status that it is an actuator of this name of
+  // another machine.
+  bool IsOfAnotherMachine(const std::string& actuator) const;
   // Whether a process of the namespace is known of which no status has arrived: its participant is
   // discovered first, and its status takes several times as long over a slow link.
   bool IsAnyAwaited() const;

@@ -3,8 +3,11 @@
 #include "musher/cli/machine/direct_tear_down.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include "musher/base/host.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -87,6 +90,118 @@ TEST(ADirectTearDown, TakesAHigherEpochThanAnyThatTheActuatorHasSeen) {
   EXPECT_EQ(torn_down_by, kSeen + 1);
   EXPECT_EQ(number, 7U) << "after 1, which was refused with 6 as the last one";
   EXPECT_TRUE(ending->Outcomes().front().torn_down);
+}
+
+// On a slow computer no status had arrived within the second of the search: all processes were
+// ended by a signal, with what they had switched on.
+TEST(ADirectTearDown, CommandsAnActuatorOfThisHostOnceItsStatusArrives) {
+  const std::string name_space = "late_" + std::to_string(getpid());
+  transport::sim::Network network(1);
+  const auto desk = network.MakeNode("desk");
+  const auto board = network.MakeNode("board");
+  const int domain = transport::DomainId({}).value();
+  const auto held = NameLock::Acquire(NameLock::NameOf(domain, name_space, "legs"));
+  ASSERT_TRUE(held);
+  const auto running = RunningActuators::Begin(*desk, name_space, false).value();
+  network.RunFor(std::chrono::seconds(1));
+  ASSERT_EQ(running->Now().count("legs"), 1U);
+  ASSERT_FALSE(running->Now().at("legs").has_status);
+  const auto ending =
+      DirectTearDown::Begin(*desk, name_space, *running, std::chrono::seconds(10)).value();
+  network.RunFor(std::chrono::seconds(3));
+  EXPECT_EQ(ending->Outcomes().front().signal, "") << "it has time until the timeout";
+
+  std::string machine;
+  const auto server = transport::MakeServer<msg::ActuatorCommand>(
+      *board, transport::CommandService(name_space, "legs"),
+      [&machine](const msg::ActuatorCommand::Request& request, auto reply) {
+        machine = request.machine;
+        reply(msg::ActuatorCommand::Response{});
+      });
+  ASSERT_TRUE(server);
+  const auto statuses =
+      transport::MakePublisher<msg::ActuatorStatus>(
+          *board, transport::ActuatorStatusTopic(name_space), transport::kLatchedQos)
+          .value();
+  msg::ActuatorStatus legs;
+  legs.name = "legs";
+  legs.machine = "dog";
+  legs.host = HostId();
+  legs.state = "Active";
+  legs.pid = getpid();
+  static_cast<void>(statuses->Publish(legs));
+  network.RunFor(Milliseconds(500));
+  EXPECT_EQ(machine, "dog");
+  EXPECT_TRUE(ending->Outcomes().front().torn_down);
+  EXPECT_EQ(ending->Outcomes().front().trouble, "");
+}
+
+// Its name is held on this host, and its late status says that it is of a robot that is simulated
+// here, too.
+TEST(ADirectTearDown, LeavesAnActuatorAloneWhoseLateStatusIsOfAnotherMachine) {
+  const std::string name_space = "foreign_" + std::to_string(getpid());
+  transport::sim::Network network(1);
+  const auto desk = network.MakeNode("desk");
+  const auto board = network.MakeNode("board");
+  const int domain = transport::DomainId({}).value();
+  const auto held = NameLock::Acquire(NameLock::NameOf(domain, name_space, "legs"));
+  ASSERT_TRUE(held);
+  const auto running = RunningActuators::Begin(*desk, name_space, false).value();
+  network.RunFor(std::chrono::seconds(1));
+  running->OnlyOf({"dog", ""});
+  const auto ending =
+      DirectTearDown::Begin(*desk, name_space, *running, std::chrono::seconds(10)).value();
+  const auto statuses =
+      transport::MakePublisher<msg::ActuatorStatus>(
+          *board, transport::ActuatorStatusTopic(name_space), transport::kLatchedQos)
+          .value();
+  msg::ActuatorStatus legs;
+  legs.name = "legs";
+  legs.machine = "cat";
+  legs.host = HostId();
+  legs.state = "Active";
+  legs.pid = getpid();
+  static_cast<void>(statuses->Publish(legs));
+  network.RunFor(std::chrono::seconds(30));
+  EXPECT_TRUE(ending->Outcomes().empty());
+}
+
+// One that has the name on another host announced itself first, and was torn down in the place of
+// the one that is found here.
+TEST(ADirectTearDown, AwaitsTheStatusOfTheProcessThatItHasFoundHere) {
+  const std::string name_space = "elsewhere_" + std::to_string(getpid());
+  transport::sim::Network network(1);
+  const auto desk = network.MakeNode("desk");
+  const auto board = network.MakeNode("board");
+  const int domain = transport::DomainId({}).value();
+  const auto held = NameLock::Acquire(NameLock::NameOf(domain, name_space, "legs"));
+  ASSERT_TRUE(held);
+  const auto running = RunningActuators::Begin(*desk, name_space, false).value();
+  network.RunFor(std::chrono::seconds(1));
+  const auto ending =
+      DirectTearDown::Begin(*desk, name_space, *running, std::chrono::seconds(10)).value();
+  int commands = 0;
+  const auto server = transport::MakeServer<msg::ActuatorCommand>(
+      *board, transport::CommandService(name_space, "legs"),
+      [&commands](const msg::ActuatorCommand::Request&, auto reply) {
+        ++commands;
+        reply(msg::ActuatorCommand::Response{});
+      });
+  ASSERT_TRUE(server);
+  const auto statuses =
+      transport::MakePublisher<msg::ActuatorStatus>(
+          *board, transport::ActuatorStatusTopic(name_space), transport::kLatchedQos)
+          .value();
+  msg::ActuatorStatus legs;
+  legs.name = "legs";
+  legs.machine = "cat";
+  legs.host = "another boot/1";
+  legs.state = "Active";
+  legs.pid = 7;
+  static_cast<void>(statuses->Publish(legs));
+  network.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(commands, 0);
+  EXPECT_FALSE(ending->Outcomes().front().torn_down);
 }
 
 }  // namespace musher::cli::direct_tear_down_test
