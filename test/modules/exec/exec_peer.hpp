@@ -1,8 +1,10 @@
 #pragma once
 // The peer of a musher-exec process, which is the actuator "motion".
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "musher/messages/musher_msgs/actuator_status.hpp"
@@ -24,12 +26,14 @@ class ExecPeer : public test::ActuatorPeer {
                     node(), transport::ActuatorStatusTopic(""),
                     [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
                       status_ = status;
+                      const bool confirms = status.stop_trouble.empty();
+                      if (status.emergency_stop != 0 && confirms) confirmed_.emplace(status.target);
                     },
                     transport::kLatchedFromManyQos)
                     .value();
   }
 
-  void EngageStop() { PublishStop(true); }
+  void EngageStop(std::uint64_t id = 7) { PublishStop(true, id); }
   // As its controller.
   bool ReleaseStop() {
     PublishStop(false);
@@ -45,17 +49,20 @@ class ExecPeer : public test::ActuatorPeer {
     return AwaitTrouble([&](const std::string& now) { return now == trouble; });
   }
   const std::string& trouble() const { return status_.stop_trouble; }
+  // Whether a status has confirmed a stop while the callback of that state ran.
+  bool HasConfirmedDuring(const State& target) const { return confirmed_.contains(target); }
 
  private:
-  void PublishStop(bool engaged) {
+  void PublishStop(bool engaged, std::uint64_t id = 7) {
     msg::EmergencyStop stop;
-    stop.id = 7;
+    stop.id = id;
     stop.engaged = engaged;
     stop.by = "alice";
     static_cast<void>(stops_->Publish(stop));
   }
 
   msg::ActuatorStatus status_;
+  std::set<State> confirmed_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
   std::unique_ptr<transport::Subscription> statuses_;
 };

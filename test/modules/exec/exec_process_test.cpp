@@ -253,6 +253,12 @@ std::ptrdiff_t Runs(const ExecPeer& peer, const std::string& file) {
   return std::count(std::istreambuf_iterator<char>(lines), {}, '\n');
 }
 
+// What the commands have written to this file.
+std::string Log(const ExecPeer& peer) {
+  std::ifstream file(peer.folder() / "log");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 TEST(MusherExec, ConfirmsAnEmergencyStopOnceItsCommandHasEnded) {
   ExecPeer peer;
   peer.Start(
@@ -353,21 +359,134 @@ TEST(MusherExec, RepeatsItsEmergencyStopAfterACommandThatRanBelowIt) {
       "[state.Active]\n[state.LowPower]\n"
       "shell = \"echo on ${MUSHER_EMERGENCY_STOP:-free} >> $MUSHER_TEST/log\"\n"
       "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/log\"\n");
-  const auto log = [&] {
-    std::ifstream file(peer.folder() / "log");
-    return std::string{std::istreambuf_iterator<char>(file), {}};
-  };
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
   ASSERT_TRUE(peer.Switch("Active"));
   peer.EngageStop();
   ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
   ASSERT_TRUE(peer.Switch("LowPower"));
-  EXPECT_TRUE(peer.Until([&] { return log() == "off\non 1\noff\n"; })) << log();
+  EXPECT_TRUE(peer.Until([&] { return Log(peer) == "off\non 1\noff\n"; })) << Log(peer);
   EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
 
   ASSERT_TRUE(peer.ReleaseStop());
   ASSERT_TRUE(peer.Switch("LowPower"));
-  EXPECT_EQ(log(), "off\non 1\noff\non free\n");
+  EXPECT_EQ(Log(peer), "off\non 1\noff\non free\n");
+}
+
+// Until it has ended it may switch something on again.
+TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandRunsBelowIt) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.LowPower]\n"
+      "shell = \"until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  peer.Send("LowPower");
+  EXPECT_TRUE(peer.AwaitTrouble([](const std::string& trouble) {
+    return trouble.starts_with("[emergency_stop] has not ended: `echo off");
+  })) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 1);
+  std::ofstream(peer.folder() / "go") << "go";
+  ASSERT_TRUE(peer.AwaitReply());
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 2);
+}
+
+// The command of the stop was under way when the command of LowPower began.
+TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhoseCommandEndsBeforeACommandBelowIt) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.LowPower]\n"
+      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "[emergency_stop]\ntime_ms = 20000\n"
+      "shell = \"echo $$ > $MUSHER_TEST/stop; until [ -e $MUSHER_TEST/end ]; do sleep 0.02; done; "
+      "rm $MUSHER_TEST/end\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  const pid_t stop = ReadPid(peer.folder() / "stop");
+  ASSERT_GT(stop, 0);
+  peer.Send("LowPower");
+  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
+  std::ofstream(peer.folder() / "end") << "end";
+  EXPECT_TRUE(HasExited(stop));
+  std::ofstream(peer.folder() / "go") << "go";
+  ASSERT_TRUE(peer.AwaitReply());
+  EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
+  std::ofstream(peer.folder() / "end") << "end";
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+}
+
+TEST(MusherExec, DoesNotConfirmASecondEmergencyStopWhileACommandRunsBelowTheFirst) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.LowPower]\n"
+      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  peer.Send("LowPower");
+  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
+  peer.EngageStop(8);
+  EXPECT_TRUE(peer.Until([&] { return Runs(peer, "off") == 2; }));
+  std::ofstream(peer.folder() / "go") << "go";
+  ASSERT_TRUE(peer.AwaitReply());
+  EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+}
+
+// It had begun before the stop.
+TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandThatLeadsDownRuns) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.LowPower]\n"
+      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.Send("LowPower");
+  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
+  peer.EngageStop();
+  EXPECT_TRUE(peer.Until([&] { return Runs(peer, "off") == 1; }));
+  std::ofstream(peer.folder() / "go") << "go";
+  ASSERT_TRUE(peer.AwaitReply());
+  EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 2);
+}
+
+TEST(MusherExec, RepeatsItsEmergencyStopAfterATearDownThatFailsBelowIt) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.TearDown]\nshell = \"echo down >> $MUSHER_TEST/log; exit 5\"\n"
+      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/log\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  const auto torn_down = peer.Switch("TearDown");
+  ASSERT_TRUE(torn_down);
+  EXPECT_EQ(torn_down.value().verdict, msg::ActuatorCommand::kVerdictFailed);
+  EXPECT_TRUE(peer.Until([&] { return Log(peer) == "off\ndown\noff\n"; })) << Log(peer);
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+}
+
+TEST(MusherExec, DoesNotRepeatItsEmergencyStopAfterATearDown) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.TearDown]\nshell = \"echo down >> $MUSHER_TEST/log\"\n"
+      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/log\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  ASSERT_TRUE(peer.Switch("TearDown"));
+  EXPECT_EQ(peer.AwaitExit(), 0) << peer.Output();
+  EXPECT_EQ(Log(peer), "off\ndown\n");
 }
 
 TEST(MusherExec, EndsItsProgramAtAnEmergencyStopAndIsNotSwitchedOnWithoutIt) {

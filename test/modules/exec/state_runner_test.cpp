@@ -96,6 +96,15 @@ TEST_F(StateRunnerTest, PassesStateActuatorAndProgramToACommand) {
   EXPECT_EQ(Content("called"), "Active motion\n");
 }
 
+TEST_F(StateRunnerTest, PassesAnEngagedEmergencyStopToACommand) {
+  On("Protected", "echo ${MUSHER_EMERGENCY_STOP:-none} >> " + folder_ / "called");
+  StateRunner runner("motion", config_, reaper_.value());
+  EXPECT_TRUE(runner.Run(
+      "Protected", [] { return false; }, true));
+  EXPECT_TRUE(Run(runner, "Protected"));
+  EXPECT_EQ(Content("called"), "1\nnone\n");
+}
+
 TEST_F(StateRunnerTest, StopsACommandWhoseResultIsNoLongerNeeded) {
   On("Active", "echo $$ > " + folder_ / "ready" + "; exec sleep infinity");
   StateRunner runner("motion", config_, reaper_.value());
