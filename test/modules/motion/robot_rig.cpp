@@ -77,7 +77,7 @@ RobotRig::~RobotRig() {
   });
 }
 
-bool RobotRig::BringUp() {
+::testing::AssertionResult RobotRig::BringUp() {
   node_->RunOnLoop([this] {
     board_ = std::make_unique<TopicBoard>(node_->node());
     const Motion& lying = *TheTable().Find(kGetDown);
@@ -85,8 +85,21 @@ bool RobotRig::BringUp() {
     board_->board.report.gait = lying.gait;
     board_->board.report.bar = 100;
   });
-  return controller_->Init(folder_ / "robot.toml") && controller_->AwaitSetUp() &&
-         controller_->Switch("SelfCheck").done() && controller_->Switch("Active").done();
+  if (const auto begun = controller_->Init(folder_ / "robot.toml"); !begun) {
+    return ::testing::AssertionFailure() << begun.error().message;
+  }
+  if (const auto there = controller_->AwaitSetUp(); !there) {
+    return ::testing::AssertionFailure() << there.error().message << "\n" << Log();
+  }
+  for (const char* target : {"SelfCheck", "Active"}) {
+    const SwitchResult result = controller_->Switch(target);
+    if (result.done()) continue;
+    return ::testing::AssertionFailure()
+           << "the switch to " << target << " is " << OutcomeName(result.outcome) << ": "
+           << result.reason << "\n"
+           << Log();
+  }
+  return ::testing::AssertionSuccess();
 }
 
 void RobotRig::OnBoard(const std::function<void(TopicBoard&)>& work) {

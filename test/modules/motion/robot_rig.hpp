@@ -2,6 +2,7 @@
 // A robot of one real motion manager process, led by a controller in this process, with a board
 // over DDS. In a domain of its own.
 
+#include <gtest/gtest.h>
 #include <sys/types.h>
 
 #include <functional>
@@ -38,8 +39,8 @@ class RobotRig {
   // Leads the machine to TearDown. A motion manager that hangs is killed.
   ~RobotRig();
 
-  // Starts the board and leads the machine to Active.
-  bool BringUp();
+  // Starts the board and leads the machine to Active. A failure says why.
+  ::testing::AssertionResult BringUp();
   MachineController& controller() { return *controller_; }
 
   // Does something with the board, on its loop.

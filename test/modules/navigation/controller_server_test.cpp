@@ -38,6 +38,15 @@ CellMap WithBox(CellMap map, const Point& middle, double half_m) {
 
 class ControllerServerTest : public testing::NavigationRig {
  protected:
+  // Before StartServers(). The result is the time for which the server's computer was suspended,
+  // and the test adds to it.
+  Duration& MakeSuspendable() {
+    auto node = std::make_unique<musher::testing::SuspendedNode>(network_.MakeNode("robot"));
+    Duration& suspended = node->loop().suspended;
+    controller_clock_ = transport::Clock::Steady(node->loop());
+    controller_node_ = std::move(node);
+    return suspended;
+  }
   // On the way to (3, 2), with some speed.
   std::size_t StartDriving() {
     const std::size_t drive = Follow(PathOf({At(1, 2), At(6.5, 2)}));
@@ -445,11 +454,24 @@ TEST_F(ControllerServerTest, RejectsAGoalThatMayHaveWaitedWhileItsProcessCouldNo
   EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
 }
 
+// The client of the late goal no longer follows the drive before it.
+TEST_F(ControllerServerTest, EndsTheDriveThatARejectedLateGoalWasToReplace) {
+  Duration& suspended = MakeSuspendable();
+  StartServers();
+  const std::size_t drive = StartDriving();
+  suspended += std::chrono::seconds(9);
+  const std::size_t late = Follow(PathOf({At(1, 2), At(3, 2)}));
+  Run(100);
+  ASSERT_TRUE(drives_.ends[late]);
+  EXPECT_EQ(drives_.ends[late]->end, GoalEnd::kRejected);
+  ASSERT_EQ(CodeOf(drive), 100);
+  EXPECT_THAT(drives_.ends[drive]->result.error_msg,
+              musher::testing::HasRefusal(ApplicationRefusal::kMayBeLate));
+  ExpectStanding();
+}
+
 TEST_F(ControllerServerTest, EndsTheDriveThatWasUnderWayBeforeALongBreakOfItsProcess) {
-  auto node = std::make_unique<musher::testing::SuspendedNode>(network_.MakeNode("robot"));
-  Duration& suspended = node->loop().suspended;
-  controller_clock_ = transport::Clock::Steady(node->loop());
-  controller_node_ = std::move(node);
+  Duration& suspended = MakeSuspendable();
   StartServers();
   const std::size_t drive = StartDriving();
   suspended += std::chrono::seconds(50);
@@ -466,6 +488,17 @@ TEST_F(ControllerServerTest, EndsTheDriveThatWasUnderWayBeforeALongBreakOfItsPro
   const std::size_t next = Follow(PathOf({At(robot_.pose().at.x_m, 2), At(6.5, 2)}));
   ASSERT_TRUE(AwaitEnd(next));
   EXPECT_EQ(drives_.ends[next]->end, GoalEnd::kSucceeded) << log_.back();
+}
+
+// The break does not end the drive that begins after it.
+TEST_F(ControllerServerTest, DrivesAfterALongBreakInWhichNoGoalRan) {
+  Duration& suspended = MakeSuspendable();
+  StartServers();
+  suspended += std::chrono::minutes(2);
+  Run(3000);  // until goals are accepted again
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(3, 2)}));
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
 }
 
 TEST_F(ControllerServerTest, StandsWhenTheWorldIsRestarted) {

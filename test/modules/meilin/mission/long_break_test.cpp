@@ -86,7 +86,7 @@ class AMatchAfterALongSuspension : public ::testing::Test {
 
   void Loop(const std::function<void()>& work) { harness_.node().RunOnLoop(work); }
   bool Go(const State& state) { return harness_.controller().Switch(state).done(); }
-  // A goal of that action is counted, and does not end.
+  // A goal of that action is counted, and ends only by its cancellation.
   template <msg::Action A>
   void Serve(const std::string& name) {
     transport::ActionHandlers<A> handlers;
@@ -94,7 +94,10 @@ class AMatchAfterALongSuspension : public ::testing::Test {
       ++goals_;
       kept_.push_back(std::make_shared<transport::ServerGoal<A>>(std::move(goal)));
     };
-    handlers.cancel = [](transport::ServerGoal<A> goal) { goal.Canceled({}); };
+    handlers.cancel = [this](transport::ServerGoal<A> goal) {
+      ++cancelled_;
+      goal.Canceled({});
+    };
     servers_.push_back(std::shared_ptr<transport::ActionServer<A>>(
         transport::MakeActionServer<A>(harness_.node().node(), name, std::move(handlers)).value()));
   }
@@ -128,11 +131,28 @@ class AMatchAfterALongSuspension : public ::testing::Test {
     return Await([&] { return state_ == state; });
   }
 
+  // A person has begun the match, and it waits for a plan.
+  void AwaitPlan() {
+    const auto begun = Begin();
+    const auto second = Begin();  // its reply: the first one has arrived
+    ASSERT_TRUE(Await([&] { return second->has_value(); }));
+    harness_.Advance(match_, Mission::kStartWait + Milliseconds(100));  // no pose comes
+    ASSERT_TRUE(Await([&] { return begun->has_value(); }));
+    ASSERT_EQ(**begun, "begins with the region full");
+    harness_.Tick(match_, 5);
+    ASSERT_TRUE(AwaitState("WAITING_MF_ACTION_SEQ"));
+  }
+  void SendPlan() {
+    Loop([&] { EXPECT_TRUE(plans_->Publish(ToActionSequence({{false, {0, 1}, 0, 0}}))); });
+    ASSERT_TRUE(Await([&] { return status_.find("\"plans\":1") != std::string::npos; }));
+  }
+
   testing::Harness harness_;
   const std::shared_ptr<testing::SuspendedThread> thread_ =
       std::make_shared<testing::SuspendedThread>();
   ActuatorRunner<Played> match_{Stage()};
   int goals_ = 0;
+  int cancelled_ = 0;
   std::string state_;
   std::string status_;
   std::vector<std::shared_ptr<void>> kept_;
@@ -166,20 +186,24 @@ TEST_F(AMatchAfterALongSuspension, RefusesTheStartThatWaitedForThePose) {
   EXPECT_EQ(**first, "its process could not run before the match could begin");
 }
 
+// The server of a goal that runs on another computer does not see the break.
+TEST_F(AMatchAfterALongSuspension, HasCancelledTheGoalThatWasUnderWay) {
+  ASSERT_NO_FATAL_FAILURE(AwaitPlan());
+  ASSERT_NO_FATAL_FAILURE(SendPlan());
+  harness_.Tick(match_, 20);
+  ASSERT_TRUE(Await([&] { return goals_ == 1; }));
+  thread_->Suspend(std::chrono::minutes(2));
+  harness_.Tick(match_, 1);
+  EXPECT_TRUE(AwaitState("WAITING_START"));
+  EXPECT_TRUE(Await([&] { return cancelled_ == 1; }));
+}
+
 TEST_F(AMatchAfterALongSuspension, StandsUntilAPersonBeginsAlsoWhereAPlanComes) {
-  const auto begun = Begin();
-  const auto second = Begin();  // its reply: the first one has arrived
-  ASSERT_TRUE(Await([&] { return second->has_value(); }));
-  harness_.Advance(match_, Mission::kStartWait + Milliseconds(100));  // no pose comes
-  ASSERT_TRUE(Await([&] { return begun->has_value(); }));
-  ASSERT_EQ(**begun, "begins with the region full");
-  harness_.Tick(match_, 5);
-  ASSERT_TRUE(AwaitState("WAITING_MF_ACTION_SEQ"));
+  ASSERT_NO_FATAL_FAILURE(AwaitPlan());
   thread_->Suspend(std::chrono::minutes(2));
   harness_.Tick(match_, 1);
   ASSERT_TRUE(AwaitState("WAITING_START"));
-  Loop([&] { EXPECT_TRUE(plans_->Publish(ToActionSequence({{false, {0, 1}, 0, 0}}))); });
-  ASSERT_TRUE(Await([&] { return status_.find("\"plans\":1") != std::string::npos; }));
+  ASSERT_NO_FATAL_FAILURE(SendPlan());
   ASSERT_TRUE(Go("LowPower"));
   ASSERT_TRUE(Go("Active"));
   harness_.Tick(match_, 20);

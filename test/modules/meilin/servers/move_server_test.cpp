@@ -2,6 +2,7 @@
 
 #include "musher/modules/meilin/servers/move_server.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -185,6 +186,45 @@ TEST_F(MoveServerTest, RejectsAGoalThatMayHaveWaitedWhileItsProcessCouldNotRun) 
   EXPECT_THAT(log_,
               ::testing::Contains(musher::testing::HasRefusal(ApplicationRefusal::kMayBeLate)));
   Run(2000);
+  ExpectEnd(Send({1, 0, 0}), GoalEnd::kSucceeded, "Goal reached");
+}
+
+// The client of the late goal no longer follows the drive before it.
+TEST_F(MoveServerTest, EndsTheDriveThatARejectedLateGoalWasToReplace) {
+  Duration& suspended = MakeSuspendable();
+  Start(kFile);
+  const std::size_t drive = Send({3, 0, 0});
+  Run(1000);
+  ASSERT_GT(velocity_[0], 0);
+  suspended += std::chrono::seconds(9);
+  EXPECT_EQ(Await(Send({0, 1, 0})).end, GoalEnd::kRejected);
+  const Outcome ended = Await(drive);
+  EXPECT_EQ(ended.end, GoalEnd::kAborted);
+  EXPECT_THAT(ended.result.message, musher::testing::HasRefusal(ApplicationRefusal::kMayBeLate));
+  ExpectStanding();
+}
+
+TEST_F(MoveServerTest, EndsTheDriveThatWasUnderWayBeforeALongBreakOfItsProcess) {
+  Duration& suspended = MakeSuspendable();
+  Start(kFile);
+  const std::size_t drive = Send({3, 0, 0});
+  Run(500);
+  suspended += std::chrono::seconds(50);
+  Run(100);
+  EXPECT_FALSE(ends_[drive]);
+  suspended += std::chrono::minutes(2);
+  ExpectEnd(drive, GoalEnd::kAborted, "Aborted: this server could not run for 120 s");
+  ExpectStanding();
+  Run(2000);  // until goals are accepted again
+  ExpectEnd(Send({1, 0, 0}), GoalEnd::kSucceeded, "Goal reached");
+}
+
+// The break does not end the drive that begins after it.
+TEST_F(MoveServerTest, DrivesAfterALongBreakInWhichNoGoalRan) {
+  Duration& suspended = MakeSuspendable();
+  Start(kFile);
+  suspended += std::chrono::minutes(2);
+  Run(3000);  // until goals are accepted again
   ExpectEnd(Send({1, 0, 0}), GoalEnd::kSucceeded, "Goal reached");
 }
 

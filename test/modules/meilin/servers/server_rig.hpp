@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/messages/std_msgs/multi_array.hpp"
 #include "musher/modules/meilin/servers/server_config.hpp"
+#include "musher/test/transport/suspended_node.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::meilin::servers::testing {
@@ -25,6 +27,15 @@ class ServerRig : public ::testing::Test {
  protected:
   using Outcome = transport::GoalOutcome<A>;
 
+  // Before Start(). The result is the time for which the server's computer was suspended, and the
+  // test adds to it.
+  Duration& MakeSuspendable() {
+    auto node = std::make_unique<musher::testing::SuspendedNode>(network_.MakeNode("robot"));
+    Duration& suspended = node->loop().suspended;
+    clock_ = transport::Clock::Steady(node->loop());
+    node_ = std::move(node);
+    return suspended;
+  }
   void Start(const std::string& file) {
     const Parsed<ServerConfig> reading = ReadServerText(file, "server.toml");
     ASSERT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.at(0));

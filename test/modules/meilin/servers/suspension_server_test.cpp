@@ -2,6 +2,7 @@
 
 #include "musher/modules/meilin/servers/suspension_server.hpp"
 
+#include <chrono>
 #include <limits>
 
 #include "musher/test/modules/meilin/servers/server_rig.hpp"
@@ -151,6 +152,18 @@ TEST_F(SuspensionServerTest, HoldsTheWheelsWhenTheRobotLeavesActive) {
   Run(500);
   EXPECT_EQ(commands_, commands);
   ExpectRejected(GoalOf(3, 30), "an emergency stop holds it");
+}
+
+TEST_F(SuspensionServerTest, HoldsTheWheelsAfterALongBreakOfItsProcess) {
+  Duration& suspended = MakeSuspendable();
+  Start(kFile);
+  const std::size_t goal = Send(GoalOf(1, 200));
+  Run(500);
+  suspended += std::chrono::minutes(2);
+  ExpectEnd(goal, GoalEnd::kAborted, "Aborted: this server could not run for 120 s");
+  Run(500);
+  EXPECT_NEAR(targets_.at(0), heights_[0], 0.1);
+  EXPECT_LT(heights_[0], 150);
 }
 
 TEST_F(SuspensionServerTest, NamesASilentHardware) {

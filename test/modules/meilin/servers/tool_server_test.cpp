@@ -2,9 +2,11 @@
 
 #include "musher/modules/meilin/servers/tool_server.hpp"
 
+#include <chrono>
 #include <limits>
 
 #include "musher/test/modules/meilin/servers/server_rig.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::meilin::servers::tool_server_test {
 
@@ -148,6 +150,30 @@ TEST_F(ArmServerTest, StopsTheArmOutsideOfActive) {
   Run(50);
   EXPECT_EQ(commands_.back(), (std::vector<float>{0, 0, 0, 0}));
   ExpectRejected({2, true, 0}, "it is in LowPower");
+}
+
+// A second goal is never accepted while one runs: the late goal was to replace nothing.
+TEST_F(ArmServerTest, GoesOnWithItsCommandWhereALateGoalIsRejected) {
+  Duration& suspended = MakeSuspendable();
+  Start(kFile);
+  const std::size_t goal = Send({1, true, 0});
+  Run(300);
+  suspended += std::chrono::seconds(9);
+  EXPECT_EQ(Await(Send({2, true, 0})).end, GoalEnd::kRejected);
+  EXPECT_THAT(log_,
+              ::testing::Contains(musher::testing::HasRefusal(ApplicationRefusal::kMayBeLate)));
+  ExpectEnd(goal, GoalEnd::kSucceeded, "Arm command 1 done");
+}
+
+TEST_F(ArmServerTest, StopsTheArmAfterALongBreakOfItsProcess) {
+  Duration& suspended = MakeSuspendable();
+  Start(kFile);
+  const std::size_t goal = Send({1, true, 0});
+  Run(300);
+  suspended += std::chrono::minutes(2);
+  ExpectEnd(goal, GoalEnd::kAborted, "Aborted: this server could not run for 120 s");
+  Run(50);
+  EXPECT_EQ(commands_.back(), (std::vector<float>{0, 0, 0, 0}));
 }
 
 TEST_F(ArmServerTest, NamesASilentHardware) {
