@@ -68,6 +68,7 @@ class SkillActuator(Actuator):
         self._tick_key = 0
         self._now_s = 0.0
         self._stepping = False
+        self._end_faults = ""  # of the last skills that were cancelled at once, until Active
         self._is_set_up = False
         self._goals: Dict[int, "_Request"] = {}  # by the number of the run, as what was shown of it
         self._shown: Dict[int, str] = {}
@@ -180,12 +181,16 @@ class SkillActuator(Actuator):
         if self._stepping:
             return
         self._end_after_break()
+        self._end_faults = ""
         self._stepping = True
         if self._ticks is not None:
             self._ticks.start(self.rate_hz)
 
     def _pause_at_stop(self) -> None:
-        if not self._rest("emergency stop"):
+        well = self._rest("emergency stop")
+        if self._end_faults:
+            raise Failure(_FAILED, self._end_faults)
+        if not well:
             raise Failure(_FAILED, "on_pause raised an exception")
 
     def _pause(self, cancels: str = "") -> None:
@@ -197,12 +202,17 @@ class SkillActuator(Actuator):
         if self._ticks is not None:
             self._ticks.stop()
         if self._manager is not None:
-            if cancels:
-                self._manager.cancel_all_now(cancels)
+            if cancels and self._manager.running():
+                self._note_end_faults(self._manager.cancel_all_now(cancels))
             self._manager.pause()
         well = self._guard("on_pause", self.on_pause)
         self._publish()
         return well
+
+    def _note_end_faults(self, faults: List[str]) -> None:
+        self._end_faults = "; ".join(faults) + "; its outputs may not be neutral" if faults else ""
+        if faults:
+            self.log.error(f"fault: {self._end_faults}")
 
     def _on_tick(self, item: _native.Item) -> None:
         if not self._stepping:

@@ -23,11 +23,12 @@ musher.SkillActuator runs the registered skills as goals of the action skill_exe
 No thread and no DDS: one thread at a time. Times are seconds of the clock that the manager is given.
 """
 
+import contextlib
 import difflib
 import inspect
 import math
 import time
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 PROCESSING, COMPLETED, FAILED, CANCELLED = "processing", "completed", "failed", "cancelled"
 _STATUSES = (PROCESSING, COMPLETED, FAILED, CANCELLED)
@@ -37,7 +38,7 @@ Feedback = Dict[str, Any]
 _Function = Callable[..., Feedback]
 #: (name, status) at each end of a run: bring the outputs to neutral.
 _OnEnd = Callable[[Any, str], None]
-#: Of the robot, when a run is paused by a request: bring the outputs to neutral.
+#: Of the robot, when a run is paused: bring the outputs to neutral.
 _OnPause = Callable[[Any], None]
 
 
@@ -100,6 +101,8 @@ class _Run:
         self.timeout_s = timeout_s
         self.elapsed_s = 0.0
         self.stepped_at: Optional[float] = None  # none: no time passes until the next step
+        self.is_neutral = False  # its on_pause was called, and no step since
+        self.end_fault = ""  # what on_end has raised: its outputs may not be neutral
         self.state: Optional[str] = None
         self.data: Dict[str, Any] = {}
         self.feedback: Feedback = {"status": PROCESSING, "state": "IDLE", "progress": 0, "message": "", "details": {}}
@@ -121,9 +124,9 @@ class SkillManager:
                  ) -> Callable[[_Function], _Function]:
         """Makes a function a skill of all robots. `timeout`: seconds of a run, then it fails. `uses`: parts of the
         robot that it needs for itself. `on_end(robot, status)` is called once at each end, however the run ends,
-        but not of a run that is paused by pause_skill(). `on_pause(robot)` is called when a run is paused so, and
-        brings the outputs to neutral, as another skill may use them from then on; without it a skill is not paused
-        so. `may_resume(robot)` returns why such a run may not go on, or None."""
+        but not of a run that is paused by pause_skill(). `on_pause(robot)` is called once in each pause of a run, by
+        pause_skill() or pause(), and brings the outputs to neutral; without it a skill is not paused by pause_skill(),
+        after which another skill may use them. `may_resume(robot)` returns why such a run may not go on, or None."""
         if callable(name):
             raise TypeError("write @SkillManager.register(), with parentheses")
         _check_timeout(timeout)
@@ -154,6 +157,7 @@ class SkillManager:
             self._lookup(chosen)
         self._runs: Dict[str, _Run] = {}
         self._last_number = 0  # of a run
+        self._resting = False  # all are being cancelled or paused
 
     # Of skills.
 
@@ -188,8 +192,10 @@ class SkillManager:
 
     def start(self, skill: str, parameters: Optional[Mapping[str, Any]] = None,
               timeout: Optional[float] = None) -> None:
-        """Raises SkillError, and changes nothing, for an unknown skill or parameter, for one that runs, and for one
-        that needs a part of the robot which another one uses."""
+        """Raises SkillError, and changes nothing, for an unknown skill or parameter, for one that runs, for one that
+        needs a part of the robot which another one uses, and while cancel_all_now() or pause() runs."""
+        if self._resting:  # it would move later without a request
+            raise SkillError(f"{skill}: no skill is started while all are cancelled or paused")
         found = self._lookup(skill)
         given = dict(parameters or {})
         found.check(given)
@@ -213,6 +219,7 @@ class SkillManager:
         if run.stepped_at is not None:
             run.elapsed_s += max(0.0, now - run.stepped_at)
         run.stepped_at = now
+        run.is_neutral = False
         if run.cancel_why is not None:
             return self._end(run, CANCELLED, run.cancel_why)
         if run.elapsed_s >= run.timeout_s:
@@ -249,10 +256,14 @@ class SkillManager:
             raise SkillError(f"{skill} does not run")
         run.cancel_why = run.cancel_why or why
 
-    def cancel_all_now(self, why: str) -> None:
-        """At once, without another step."""
-        for name in self.running():
-            self._end(self._runs[name], CANCELLED, why)
+    def cancel_all_now(self, why: str) -> List[str]:
+        """At once, without another step; what their on_end starts is refused. Returns what on_end has raised, with the
+        name of each skill: its outputs may not be neutral."""
+        runs = [self._runs[name] for name in self.running()]
+        with self._rest():
+            for run in runs:
+                self._end(run, CANCELLED, why)
+        return [f"{run.skill.name}: {run.end_fault}" for run in runs if run.end_fault]
 
     def pause_skill(self, skill: str, why: str = "by a request") -> None:
         """Until resume_skill(), also over pause() of all: its outputs are neutral, its time stands still, and others
@@ -266,12 +277,8 @@ class SkillManager:
         if run.skill.on_pause is None:
             raise SkillError(f"{skill} cannot be paused: it is registered without on_pause")
         run.pause_why, run.stepped_at = why, None
-        try:
-            run.skill.on_pause(self.robot)
-        except Exception as error:  # the outputs may not be neutral
-            run.pause_why = None
-            self._end(run, FAILED, f"on_pause: {type(error).__name__}: {error}")
-            raise SkillError(f"{skill} has failed: {run.feedback['message']}") from None
+        if not self._bring_to_neutral(run):
+            raise SkillError(f"{skill} has failed: {run.feedback['message']}")
 
     def resume_skill(self, skill: str) -> None:
         """It goes on with its next step. Raises SkillError, and it stays paused, for one that is not paused so, when
@@ -293,9 +300,13 @@ class SkillManager:
         return self._why_paused(skill) is not None
 
     def pause(self) -> None:
-        """The time until the next step does not count."""
-        for run in self._runs.values():
-            run.stepped_at = None
+        """Until the next step: the time until then does not count, and the outputs are neutral. A skill whose on_pause
+        raises has failed."""
+        with self._rest():
+            for run in list(self._runs.values()):
+                run.stepped_at = None
+                if run.feedback["status"] == PROCESSING:
+                    self._bring_to_neutral(run)
 
     def reset_skill(self, skill: str) -> None:
         """Removes its run and data; a running one is cancelled before."""
@@ -352,6 +363,27 @@ class SkillManager:
             raise SkillError(f"{skill} was not started")
         return run
 
+    @contextlib.contextmanager
+    def _rest(self) -> Iterator[None]:
+        before, self._resting = self._resting, True
+        try:
+            yield
+        finally:
+            self._resting = before
+
+    def _bring_to_neutral(self, run: _Run) -> bool:
+        """False: its on_pause has failed, and the run with it."""
+        if run.is_neutral or run.skill.on_pause is None:
+            return True
+        run.is_neutral = True
+        try:
+            run.skill.on_pause(self.robot)
+        except Exception as error:  # the outputs may not be neutral
+            run.pause_why, run.is_neutral = None, False
+            self._end(run, FAILED, f"on_pause: {type(error).__name__}: {error}")
+            return False
+        return True
+
     def _end(self, run: _Run, status: str, message: str) -> Feedback:
         name = run.skill.name
         if status == COMPLETED and run.cancel_why is not None:
@@ -364,8 +396,8 @@ class SkillManager:
             try:
                 run.skill.on_end(self.robot, status)
             except Exception as error:  # the outputs may not be neutral: no success
-                run.feedback.update(status=FAILED, message=f"on_end: {type(error).__name__}: {error}",
-                                    state=_ENDS[FAILED], progress=progress)
+                run.end_fault = f"on_end: {type(error).__name__}: {error}"
+                run.feedback.update(status=FAILED, message=run.end_fault, state=_ENDS[FAILED], progress=progress)
         status = run.feedback["status"]
         if status == FAILED and self._runs.get(name) is run:  # on_end may have started the skill again
             self.skill_errors[name] = run.feedback["message"]

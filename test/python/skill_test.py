@@ -4,6 +4,7 @@ import json
 import os
 import time
 import unittest
+from unittest import mock
 
 import musher
 from musher.skill import SkillError, SkillManager
@@ -62,6 +63,33 @@ def _again(robot, status):
 def short(robot, skill_manager):
     skill_manager.set_skill_state("short", "RUNNING")
     return skill_manager.form_feedback("completed", "Done")
+
+
+def _land(robot, status):
+    robot.refused = ""
+    try:
+        robot.skills.start("land")
+    except SkillError as error:
+        robot.refused = str(error)
+
+
+@SkillManager.register(on_end=_land)
+def fly(robot, skill_manager):
+    return skill_manager.form_feedback("processing", "flies")
+
+
+@SkillManager.register()
+def land(robot, skill_manager):
+    return skill_manager.form_feedback("processing", "lands")
+
+
+def _stick(*arguments):
+    raise OSError("the valve is stuck")
+
+
+@SkillManager.register(on_end=_stick, on_pause=_stick)
+def grip(robot, skill_manager):
+    return skill_manager.form_feedback("processing", "grips")
 
 
 @SkillManager.register()
@@ -244,6 +272,47 @@ class AManager(unittest.TestCase):
         self.drone.height = 0.0
         self.assertEqual(why(self.skills.resume_skill, "take_off"), "take_off stays paused: it has landed")
 
+    # It was stepped once Active was set again, without a request.
+    def test_the_end_of_a_skill_starts_none_while_all_are_cancelled(self):
+        self.drone.skills = self.skills
+        self.step("fly")
+        self.skills.cancel_all_now("emergency stop")
+        self.assertEqual((self.skills.running(), self.drone.refused),
+                         ([], "land: no skill is started while all are cancelled or paused"))
+        self.step("fly")
+        self.skills.cancel_skill("fly")
+        self.step("fly")
+        self.assertEqual((self.skills.running(), self.drone.refused), (["land"], ""))
+
+    # The motor of a skill ran on in LowPower.
+    def test_a_pause_of_all_brings_the_outputs_of_each_to_neutral_once(self):
+        pauses = []
+        self.step(altitude=2.0)
+        self.step()
+        with mock.patch.object(self.skills.skills["take_off"], "on_pause", pauses.append):
+            self.skills.pause()
+            self.skills.pause()
+            self.skills.pause_skill("take_off")
+            self.assertEqual(pauses, [self.drone])
+            self.skills.resume_skill("take_off")
+            self.step()
+            self.skills.pause()
+        self.assertEqual(pauses, [self.drone] * 2)
+        self.assertEqual(self.skills.running(), ["take_off"])
+
+    def test_a_skill_whose_on_pause_raises_has_failed(self):
+        self.step("grip")
+        self.skills.pause()
+        self.assertEqual(self.skills.running(), [])
+        self.assertEqual(self.skills.feedback_of("grip")["status"], "failed")
+
+    def test_names_the_skills_whose_end_has_failed_as_all_are_cancelled(self):
+        self.step("grip")
+        self.step(altitude=2.0)
+        self.assertEqual(self.skills.cancel_all_now("emergency stop"),
+                         ["grip: on_end: OSError: the valve is stuck"])
+        self.assertEqual(self.skills.cancel_all_now("emergency stop"), [])
+
     def test_registers_only_what_is_a_skill(self):
         with self.assertRaises(SkillError):
             SkillManager.register()(lambda: None)
@@ -386,6 +455,35 @@ def think(robot, pipe="", **kwargs):
         self.assertEqual((ended.exception.end, ended.exception.result.message),
                          ("canceled", "cancelled before it started"))
         self.assertEqual(thinks.result(DEADLINE_S).message[:10], "completed:")
+
+
+class AnActuatorWhoseSkillDoesNotEndWell(WithArm):
+    more = """
+def stick(robot, status):
+    raise OSError("the valve is stuck")
+
+@SkillManager.register(on_end=stick)
+def grip(robot, **kwargs):
+    return kwargs["skill_manager"].form_feedback("processing", "grips")
+"""
+
+    # It was confirmed, as only the run had failed.
+    def test_confirms_no_stop_until_active_is_set_again(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import RobotSkill, SkillInfo
+        client = node.action_client("skill_execution", SkillExecution)
+        goal = client.send(SkillExecution.Goal(RobotSkill("robot_0", [SkillInfo("grip")])), DEADLINE_S)
+        next(iter(goal))
+        for _ in range(2):
+            with self.assertRaisesRegex(musher.Failure, "not confirmed by arm .*grip: on_end: OSError: the valve is "
+                                                        "stuck; its outputs may not be neutral"):
+                self.machine.estop("test", timeout_s=5.0)
+        self.machine.release_estop()
+        self.machine.set("Active")
+        self.assertEqual(self.machine.estop("test", timeout_s=DEADLINE_S), ["arm"])
+        self.machine.release_estop()  # it would be published for a minute, to the robots of the next tests too
 
 
 class AnActuator(WithArm):
