@@ -13,7 +13,7 @@ from typing import Callable, ContextManager, Dict, List, NoReturn, Optional, Set
 
 from musher import _native
 from musher._errors import ConfigError, Failure, Key, ProcessKilled
-from musher._log import Log, where
+from musher._log import Log, call_hook, short, where
 from musher._node import Node
 
 _FAILED = 101  # Robot (100) + FAILED
@@ -246,12 +246,12 @@ class Actuator:
             return _FAILED, f"{method} raised {where(error)}"
         if result is None:
             return None
-        return _FAILED, (f"{method} returned {_short(result)}; a callback returns nothing when it has succeeded, "
+        return _FAILED, (f"{method} returned {short(result)}; a callback returns nothing when it has succeeded, "
                          "and raises musher.Failure(code, reason) when it has not")
 
     def _run_emergency_stop(self) -> str:
         try:
-            self.on_emergency_stop()
+            call_hook("on_emergency_stop", self.on_emergency_stop)
         except BaseException as error:
             self.log.exception("on_emergency_stop raised an exception")
             return where(error)
@@ -296,14 +296,6 @@ def _run(actuator: Actuator, config: str) -> int:
 
 def _snake(name: str) -> str:
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
-
-
-def _short(value: object) -> str:
-    try:
-        text = repr(value)
-    except Exception as error:
-        text = f"a {type(value).__name__} whose repr() raises {type(error).__name__}"
-    return text if len(text) <= 80 else text[:77] + "..."
 
 
 # Kept until their end, since the native side refers to them weakly.

@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, List, Optional
 from musher import _native, fsm
 from musher._actuator import LONGEST_BREAK_S, Actuator
 from musher._errors import Failure, ProcessKilled
-from musher._log import ERROR, INFO, WARNING, where
+from musher._log import ERROR, INFO, WARNING, call_hook, where
 from musher._node import Endpoint
 from musher.musher_msgs.srv import GetBehavior, SendCommand
 from musher.std_msgs.msg import String
@@ -126,12 +126,7 @@ class FsmActuator(Actuator):
         paused, so that no command is executed hours later, and when machine.send() does. A machine that the application
         has stopped begins again by START only."""
         if self._waits and command == "START":
-            self._has_ended = self._has_begun = False
-            try:
-                return self._start_or_resume()
-            except BaseException:
-                self._has_ended = self._waits = True  # a START that fails was not given
-                raise
+            return self.node._run(self._begin_by_start)  # a stop, too, pauses on the node's thread
         if not self._ticking:
             if self._waits:
                 raise Failure(_STATE_INVALID, f"{self.name} stands and waits for START: musher behavior {self.name} "
@@ -250,6 +245,16 @@ class FsmActuator(Actuator):
         self._ticking = True
         ticks.start(self.rate_hz)
 
+    def _begin_by_start(self) -> None:
+        if not self._waits:  # a stop, or another START, came first
+            return self.send("START")
+        self._has_ended = self._has_begun = False
+        try:
+            self._start_or_resume()
+        except BaseException:
+            self._has_ended = self._waits = True  # a START that fails was not given
+            raise
+
     def _end_after_break(self) -> bool:
         """As after a restart: what ran long ago does not go on by itself. Whether the machine was ended."""
         could_not_run_s = self._ticks.take_break_s() if self._ticks is not None else None
@@ -320,7 +325,7 @@ class FsmActuator(Actuator):
     def _named(self, name: str, hook: Callable[[], None]) -> None:
         """An exception becomes the failure of the state's callback, with the name of the hook."""
         try:
-            hook()
+            call_hook(name, hook)
         except (Failure, ProcessKilled):
             raise
         except BaseException as error:
@@ -336,7 +341,7 @@ class FsmActuator(Actuator):
 
     def _guard(self, name: str, hook: Callable[[], None]) -> bool:
         try:
-            hook()
+            call_hook(name, hook)
         except ProcessKilled:
             raise
         except BaseException:
@@ -348,7 +353,7 @@ class FsmActuator(Actuator):
         """An exception counts as a failed state; it is logged once as long as it is the same."""
         last = self._last_raised.pop(name, "")
         try:
-            hook()
+            call_hook(name, hook)
             return True
         except BaseException as error:
             raised = f"{name}: {where(error)}"

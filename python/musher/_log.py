@@ -3,6 +3,7 @@
 import os
 import sys
 import traceback
+from typing import Callable
 
 from musher import _native
 
@@ -59,6 +60,22 @@ def where(error: BaseException) -> str:
     if not own:
         return name
     return f"{name} ({os.path.basename(own[-1].filename)}:{own[-1].lineno})"
+
+
+def short(value: object) -> str:
+    try:
+        text = repr(value)
+    except Exception as error:
+        text = f"a {type(value).__name__} whose repr() raises {type(error).__name__}"
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def call_hook(name: str, hook: Callable[..., object], *arguments: object) -> None:
+    """Raises what it raises, and TypeError for a result: of what is `async def`, or a generator, nothing has run yet."""
+    returned = hook(*arguments)
+    if returned is not None:
+        raise TypeError(f"{name} returned {short(returned)}; it returns nothing when it has succeeded, and raises an "
+                        "exception when it has not")
 
 
 log = Log()

@@ -8,7 +8,7 @@ from musher import _native
 from musher._action import GoalCanceled, ServerGoal
 from musher._actuator import LONGEST_BREAK_S, Actuator
 from musher._errors import Failure, ProcessKilled
-from musher._log import where
+from musher._log import call_hook, where
 from musher.musher_msgs.msg import SkillDetail, SkillFeedback, SkillOffer, SkillOffers
 from musher.musher_msgs.srv import CancelSkill, GetSkill, PauseSkill
 from musher.plan_msgs.action import SkillExecution
@@ -396,7 +396,7 @@ class SkillActuator(Actuator):
     def _named(self, name: str, hook: Any) -> None:
         """An exception becomes the failure of the state's callback, with the name of the hook."""
         try:
-            hook()
+            call_hook(name, hook)
         except (Failure, ProcessKilled):
             raise
         except BaseException as error:
@@ -405,7 +405,7 @@ class SkillActuator(Actuator):
 
     def _guard(self, name: str, hook: Any) -> bool:
         try:
-            hook()
+            call_hook(name, hook)
         except ProcessKilled:
             raise
         except BaseException:

@@ -30,6 +30,8 @@ import math
 import time
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
+from musher._log import call_hook
+
 PROCESSING, COMPLETED, FAILED, CANCELLED = "processing", "completed", "failed", "cancelled"
 _STATUSES = (PROCESSING, COMPLETED, FAILED, CANCELLED)
 _ENDS = {COMPLETED: "SUCCEEDED", FAILED: "FAILED", CANCELLED: "CANCELLED"}
@@ -126,7 +128,8 @@ class SkillManager:
         robot that it needs for itself. `on_end(robot, status)` is called once at each end, however the run ends,
         but not of a run that is paused by pause_skill(). `on_pause(robot)` is called once in each pause of a run, by
         pause_skill() or pause(), and brings the outputs to neutral; without it a skill is not paused by pause_skill(),
-        after which another skill may use them. `may_resume(robot)` returns why such a run may not go on, or None."""
+        after which another skill may use them. Both return nothing; what they return or raise fails the run.
+        `may_resume(robot)` returns why such a run may not go on, or None."""
         if callable(name):
             raise TypeError("write @SkillManager.register(), with parentheses")
         _check_timeout(timeout)
@@ -377,7 +380,7 @@ class SkillManager:
             return True
         run.is_neutral = True
         try:
-            run.skill.on_pause(self.robot)
+            call_hook("on_pause", run.skill.on_pause, self.robot)
         except Exception as error:  # the outputs may not be neutral
             run.pause_why, run.is_neutral = None, False
             self._end(run, FAILED, f"on_pause: {type(error).__name__}: {error}")
@@ -394,7 +397,7 @@ class SkillManager:
             run.feedback["progress"] = 100
         if run.skill.on_end is not None and run.pause_why is None:
             try:
-                run.skill.on_end(self.robot, status)
+                call_hook("on_end", run.skill.on_end, self.robot, status)
             except Exception as error:  # the outputs may not be neutral: no success
                 run.end_fault = f"on_end: {type(error).__name__}: {error}"
                 run.feedback.update(status=FAILED, message=run.end_fault, state=_ENDS[FAILED], progress=progress)

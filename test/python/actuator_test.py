@@ -124,6 +124,15 @@ class Actuators(unittest.TestCase):
             machine.estop("test")
         machine.release_estop()  # it would be published for a minute, to the robots of the next tests, too
 
+    # Nothing had run of it, and the stop was confirmed.
+    def test_a_stop_whose_function_is_a_coroutine_or_a_generator_is_not_confirmed(self):
+        _, machine = self.start({"a": program("async def on_emergency_stop(self): pass"),
+                                 "b": program("def on_emergency_stop(self): yield")})
+        with self.assertRaisesRegex(musher.Failure, "not confirmed by a .*on_emergency_stop returned <coroutine .*, "
+                                                    "b .*on_emergency_stop returned <generator"):
+            machine.estop("test")
+        machine.release_estop()
+
     def test_a_stop_without_a_controller_waits_for_all_actuators_of_the_host_and_reaches_a_frozen_one_later(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)

@@ -1,5 +1,6 @@
 """Applications in Python that are state machines: in real processes, with the commands of `musher`."""
 
+import contextlib
 import json
 import os
 import shutil
@@ -255,6 +256,45 @@ class Applications(WithRobot):
             self.machine.estop("test", timeout_s=5.0)
         self.assertFalse(self.behavior("show")["ticking"])
         self.machine.release_estop()  # it would be published for a minute, to the robots of the next tests too
+
+    # Nothing of it had run, and the stop was confirmed.
+    def test_an_emergency_stop_whose_pause_is_a_coroutine_is_not_confirmed(self):
+        self.show("async def on_pause(self): pass")
+        self.await_state(self.states_of("show"), "GREET")
+        with self.assertRaisesRegex(musher.Failure, "not confirmed by show .*on_pause"):
+            self.machine.estop("test", timeout_s=5.0)
+        self.machine.release_estop()
+
+    def test_set_up_fails_with_a_hook_that_is_a_coroutine(self):
+        robot = Robot({"show": program()})
+        self.addCleanup(robot.close)
+        for hook in ("build_machine(self, machine)", "open_topics(self)"):
+            ended = run_python(program(f"async def {hook}: pass"), MUSHER_CONFIG=robot.file, MUSHER_ACTUATOR="show")
+            self.assertEqual(ended.returncode, 1, ended.stderr)
+            self.assertIn(f"{hook.split('(')[0]} returned <coroutine", ended.stderr)
+
+    # It ticked on during a stop that was confirmed while START was under way on its thread.
+    def test_start_from_a_thread_of_the_application_begins_no_machine_during_a_stop(self):
+        self.show("def after_tick(self):\n    if self.machine.state == 'PLAY': self.machine.stop()\n"
+                  "def open_topics(self): __import__('threading').Thread(target=self.begin, daemon=True).start()\n"
+                  "def wait_for(self, file):\n"
+                  "    while not __import__('os').path.exists(file): __import__('time').sleep(0.01)\n"
+                  "def begin(self):\n    self.wait_for('start')\n    self.send('START')\n    self.log.info('sent')\n"
+                  "def on_resume(self):\n"
+                  "    if __import__('os').path.exists('start'):\n"
+                  "        self.log.info('begins')\n        self.wait_for('stopped')")
+        self.await_state(self.states_of("show"), "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_behavior("show", lambda report: not report["ticking"])
+        self.robot.write("start", "")
+        self.robot.await_log("show", " begins$")
+        with contextlib.suppress(musher.Failure):  # not confirmed before it has ended
+            self.machine.estop("test", timeout_s=2.0)
+        self.robot.write("stopped", "")
+        self.robot.await_log("show", " sent$")
+        self.assertFalse(self.behavior("show")["ticking"])
+        self.assertEqual(self.machine.estop("again", timeout_s=DEADLINE_S), ["show"])
+        self.machine.release_estop()
 
     def test_an_emergency_stop_pauses_the_machine_until_active_is_set_again(self):
         self.show("def on_pause(self): self.log.info('pauses')")

@@ -4,6 +4,7 @@ import json
 import os
 import time
 import unittest
+import warnings
 from unittest import mock
 
 import musher
@@ -305,6 +306,20 @@ class AManager(unittest.TestCase):
         self.skills.pause()
         self.assertEqual(self.skills.running(), [])
         self.assertEqual(self.skills.feedback_of("grip")["status"], "failed")
+
+    def test_a_skill_whose_end_is_a_coroutine_has_failed(self):
+        async def end(robot, status):
+            pass
+
+        self.step("grip")
+        with mock.patch.object(self.skills.skills["grip"], "on_end", end), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # it is never awaited
+            self.assertIn("grip: on_end: TypeError: on_end returned <coroutine",
+                          self.skills.cancel_all_now("emergency stop")[0])
+        self.step("grip")
+        with mock.patch.object(self.skills.skills["grip"], "on_pause", lambda robot: 5):
+            self.skills.pause()
+        self.assertEqual(self.skills.running(), [])
 
     def test_names_the_skills_whose_end_has_failed_as_all_are_cancelled(self):
         self.step("grip")
