@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, Optional, Type
 from musher import _native
 from musher._errors import Failure
 from musher._message import Action, Message, codec_of, type_name
-from musher._node import Endpoint, _check_type
+from musher._node import Endpoint, _check_type, handling
 
 if TYPE_CHECKING:
     from musher._node import Node
@@ -192,15 +192,16 @@ class ActionServer(Endpoint):
         goal = self._goals[item.token] = ServerGoal(self, item.token, request)
         self._native.execute(item.token)
         try:
-            threading.Thread(target=self._work, args=(goal,), daemon=True, name=f"action {self._name}").start()
+            threading.Thread(target=self._work, args=(goal, item), daemon=True, name=f"action {self._name}").start()
         except RuntimeError:  # no thread is left
             self._node.log.exception(f"action {self._name}: a goal cannot be run; it is aborted")
             self._finish(item.token, _ABORTED, None)
 
-    def _work(self, goal: ServerGoal) -> None:
+    def _work(self, goal: ServerGoal, item: _native.Item) -> None:
         state, result = _ABORTED, None
         try:
-            result = self._handler(goal)
+            with handling(item):
+                result = self._handler(goal)
             if isinstance(result, self._action.Result):
                 state = _SUCCEEDED
             else:

@@ -14,7 +14,7 @@ from typing import Callable, ContextManager, Dict, List, NoReturn, Optional, Set
 from musher import _native
 from musher._errors import ConfigError, Failure, Key, ProcessKilled
 from musher._log import Log, call_hook, short, where
-from musher._node import Node
+from musher._node import Node, request_here
 
 _FAILED = 101  # Robot (100) + FAILED
 _STATE_INVALID = 103
@@ -77,6 +77,7 @@ class Actuator:
         self.name = chosen
         self.log = Log(chosen)
         self._node: Optional[Node] = None
+        self._pause_fault = ""  # of an application
         self._handle = _native.ActuatorHandle(chosen, self)
         for state_name, method in self._callbacks().items():
             self._handle.register(state_name, method)
@@ -127,6 +128,15 @@ class Actuator:
         config: `with self.allowed("grip"): …`, or as a statement of its own."""
         self._actuator.allowed(capability, self.module_code)
         return contextlib.nullcontext()
+
+    def check_not_late(self) -> None:
+        """At the beginning of a handler of a topic, service or action that may move the robot: raises musher.Failure
+        when what it handles may be older than 5 s. It has waited for the node's thread, or for this process, which was
+        stopped, or for its computer, which was suspended."""
+        request = request_here()
+        late = None if request is None else request.may_be_late(self.name)
+        if late is not None:
+            raise Failure(_STATE_INVALID, late)
 
     def give_up(self, code: int, reason: str) -> None:
         """The actuator cannot continue: the process exits with 1, and its restart policy applies."""
@@ -248,6 +258,29 @@ class Actuator:
             return None
         return _FAILED, (f"{method} returned {short(result)}; a callback returns nothing when it has succeeded, "
                          "and raises musher.Failure(code, reason) when it has not")
+
+    def _take_break_s(self, ticks: Optional[_native.FsmTicks], waited_s: float = 0.0) -> float:
+        """Of an application: for how long at most its process, or its node's thread, could not run since the last call.
+        `waited_s`: for that long a tick has waited for the thread."""
+        could_not_run_s = ticks.take_break_s() if ticks is not None else None
+        return max(could_not_run_s or 0.0, self.node._delivery.take_longest_s(), waited_s)
+
+    def _call_on_pause(self, on_pause: Callable[[], None]) -> bool:
+        """Of an application. False: its outputs may not be neutral, which the status shows until it succeeds."""
+        fault = ""
+        try:
+            call_hook("on_pause", on_pause)
+        except ProcessKilled:
+            raise
+        except BaseException as error:
+            fault = f"on_pause raised {where(error)}; its outputs may not be neutral"
+            self.log.exception(f"fault: {fault}")
+        before, self._pause_fault = self._pause_fault, fault
+        if before:
+            self._actuator.report_fault(0, before)
+        if fault:
+            self._actuator.report_fault(_FAILED, fault)
+        return not fault
 
     def _run_emergency_stop(self) -> str:
         try:

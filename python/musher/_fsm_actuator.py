@@ -37,7 +37,8 @@ class FsmActuator(Actuator):
         all others     is paused, its time stands still; on_pause()
         an emergency stop: on_pause() as soon as the tick that runs has ended, and it is paused until the stop is
                        released and Active is set again
-        its process could not run for more than a minute: is stopped; on_pause(). It begins at its start state
+        its process, or the node's thread, could not run for more than a minute: is stopped; on_pause(). It begins at
+                       its start state
 
     A machine that stops because its safe state failed, or because it has none, ends the process with a non-zero exit
     code, so that its restart policy applies. Musher's loop never waits for a state; a tick that computes for ever is
@@ -100,8 +101,8 @@ class FsmActuator(Actuator):
 
     def on_pause(self) -> None:
         """The robot is in a state in which the machine is paused, or an emergency stop was engaged: bring the outputs
-        to neutral. Must return at once and be idempotent. An exception is logged; an emergency stop is then not
-        confirmed."""
+        to neutral. Must return at once and be idempotent. An exception is logged, and the status shows
+        it until on_pause() succeeds; an emergency stop is then not confirmed."""
 
     def on_resume(self) -> None:
         """The robot goes to Active; called before the machine is started or continues. An exception fails the switch to
@@ -205,7 +206,7 @@ class FsmActuator(Actuator):
             elif state == "TearDown":
                 self._pause_machine()
                 self._quietly(self.machine.stop)
-                self._guard("on_pause", self.on_pause)
+                self._call_on_pause(self.on_pause)
             else:
                 self._pause()
         finally:
@@ -255,15 +256,15 @@ class FsmActuator(Actuator):
             self._has_ended = self._waits = True  # a START that fails was not given
             raise
 
-    def _end_after_break(self) -> bool:
+    def _end_after_break(self, waited_s: float = 0.0) -> bool:
         """As after a restart: what ran long ago does not go on by itself. Whether the machine was ended."""
-        could_not_run_s = self._ticks.take_break_s() if self._ticks is not None else None
-        if could_not_run_s is None or could_not_run_s <= LONGEST_BREAK_S or not self.machine.running:
+        could_not_run_s = self._take_break_s(self._ticks, waited_s)
+        if could_not_run_s <= LONGEST_BREAK_S or not self.machine.running:
             return False
         self._limited(WARNING, f"the machine is ended: its process could not run for {could_not_run_s:.0f} s")
         self._pause_machine()
         self._quietly(self.machine.stop)
-        self._guard("on_pause", self.on_pause)
+        self._call_on_pause(self.on_pause)
         self._has_begun = False
         return True
 
@@ -278,7 +279,7 @@ class FsmActuator(Actuator):
     def _on_tick(self, item: _native.Item) -> None:
         if not self._ticking:
             return
-        if self._end_after_break():
+        if self._end_after_break(item.waited_s()):
             self._begin_after_break()
             return
         machine = self.machine
@@ -308,12 +309,12 @@ class FsmActuator(Actuator):
 
     def _pause_at_stop(self) -> None:
         if not self._pause():
-            raise Failure(_FAILED, "on_pause raised an exception")
+            raise Failure(_FAILED, self._pause_fault)
 
     def _pause(self) -> bool:
         """False: on_pause has failed, and the outputs may not be neutral."""
         self._pause_machine()
-        return self._guard("on_pause", self.on_pause)
+        return self._call_on_pause(self.on_pause)
 
     def _pause_machine(self) -> None:
         self._ticking = self._waits = False
@@ -338,16 +339,6 @@ class FsmActuator(Actuator):
             work()
         except Failure:
             pass
-
-    def _guard(self, name: str, hook: Callable[[], None]) -> bool:
-        try:
-            call_hook(name, hook)
-        except ProcessKilled:
-            raise
-        except BaseException:
-            self.log.exception(f"fault: {name}")
-            return False
-        return True
 
     def _guard_tick(self, name: str, hook: Callable[[], None]) -> bool:
         """An exception counts as a failed state; it is logged once as long as it is the same."""
@@ -393,9 +384,8 @@ class FsmActuator(Actuator):
     def _send_requested(self, request: "SendCommand.Request") -> "SendCommand.Response":
         try:
             urgent = self._ticks is None or self.machine.is_urgent(request.command)
-            late = None if urgent or self._ticks is None else self._ticks.may_be_late()
-            if late is not None:
-                raise Failure(_STATE_INVALID, late)
+            if not urgent:
+                self.check_not_late()
             self.send(request.command)
         except Failure as failure:
             return SendCommand.Response(False, failure.reason)

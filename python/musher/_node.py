@@ -6,6 +6,7 @@ Python thread, one at a time. A subscription without a handler is an iterator in
 
 import atexit
 import collections
+import contextlib
 import os
 import threading
 import time
@@ -20,6 +21,7 @@ from musher._message import Action, Message, Service, codec_of, type_name
 M = TypeVar("M", bound=Message)
 _CLOSED = 103  # Robot (100) + STATE_INVALID
 _MALFORMED = 105  # + NET_ERROR
+_of_thread = threading.local()  # .request: what this thread handles, see request_here()
 
 
 def default_by() -> str:
@@ -42,6 +44,22 @@ def _user() -> str:
             return next((fields[0] for fields in of_this if len(fields) > 2 and fields[2] == number), number)
     except OSError:
         return number
+
+
+def request_here() -> Optional[_native.Item]:
+    """What this thread handles: a message, a request or a goal; None: nothing that was received."""
+    request: Optional[_native.Item] = getattr(_of_thread, "request", None)
+    return request
+
+
+@contextlib.contextmanager
+def handling(request: Optional[_native.Item]) -> Iterator[None]:
+    before = request_here()
+    _of_thread.request = request
+    try:
+        yield
+    finally:
+        _of_thread.request = before
 
 
 class Endpoint:
@@ -394,12 +412,14 @@ class _Job:
 
     def __init__(self, work: Callable[[], None]) -> None:
         self._work = work
+        self._request = request_here()  # of the thread that waits for it
         self.done = threading.Event()
         self.error: Optional[BaseException] = None
 
     def run(self) -> None:
         try:
-            self._work()
+            with handling(self._request):
+                self._work()
         except BaseException as error:
             self.error = error
         self.done.set()
@@ -423,6 +443,7 @@ class _Delivery:
         self._jobs: Deque[_Job] = collections.deque()
         self._lock = threading.Lock()
         self._ended = False
+        self._longest_s = 0.0
         #: Called around each handler, with whether it begins.
         self.watch: Callable[[bool], None] = lambda busy: None
 
@@ -446,6 +467,11 @@ class _Delivery:
                 self._jobs.append(job)
             self._mailbox.wake(self._JOBS, first)
 
+    def take_longest_s(self) -> float:
+        """For how long at most one of its handlers and jobs has run since the last call."""
+        longest_s, self._longest_s = self._longest_s, 0.0
+        return longest_s
+
     def run(self) -> None:
         try:
             while True:
@@ -466,11 +492,14 @@ class _Delivery:
         if handler is None:
             return
         self.watch(True)
+        began_s = time.clock_gettime(time.CLOCK_BOOTTIME)  # which counts a suspension
         try:
-            handler(item)
+            with handling(None if item.key == self._JOBS else item):
+                handler(item)
         except BaseException:  # also sys.exit(): without this thread no emergency stop would be handled
             self._log.exception("a handler raised an exception")
         finally:
+            self._longest_s = max(self._longest_s, time.clock_gettime(time.CLOCK_BOOTTIME) - began_s)
             self.watch(False)
 
     def _run_job(self, item: _native.Item) -> None:

@@ -93,7 +93,7 @@ class SkillActuator(Actuator):
 
     def on_pause(self) -> None:
         """No skill is stepped from now on: bring the outputs to neutral. Must return at once and be idempotent. An
-        exception is logged."""
+        exception is logged, and the status shows it until on_pause() succeeds; an emergency stop is then not confirmed."""
 
     # What it uses, on the node's thread.
 
@@ -191,7 +191,7 @@ class SkillActuator(Actuator):
         if self._end_faults:
             raise Failure(_FAILED, self._end_faults)
         if not well:
-            raise Failure(_FAILED, "on_pause raised an exception")
+            raise Failure(_FAILED, self._pause_fault)
 
     def _pause(self, cancels: str = "") -> None:
         self._rest(cancels)
@@ -205,7 +205,7 @@ class SkillActuator(Actuator):
             if cancels and self._manager.running():
                 self._note_end_faults(self._manager.cancel_all_now(cancels))
             self._manager.pause()
-        well = self._guard("on_pause", self.on_pause)
+        well = self._call_on_pause(self.on_pause)
         self._publish()
         return well
 
@@ -354,10 +354,10 @@ class SkillActuator(Actuator):
             self.manager.cancel_all_now(f"it does not go on: its process could not run for {could_not_run_s:.0f} s")
 
     def _check_not_late(self) -> None:
-        """What waited while this process was stopped, or its computer suspended, begins nothing."""
-        late = self._ticks.may_be_late() if self._ticks is not None else None
-        if late is not None:
-            raise SkillError(late)
+        try:
+            self.check_not_late()
+        except Failure as failure:
+            raise SkillError(failure.reason) from None
 
     def _message(self, name: str) -> SkillFeedback:
         feedback = self.manager.feedback_of(name) or {"status": PROCESSING, "state": "IDLE", "progress": 0,

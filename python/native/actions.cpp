@@ -165,9 +165,9 @@ class ActionServer : public OnLoop<RawActionServer> {
       : OnLoop(node,
                [&](transport::Node& on) {
                  goals->node = &on;
-                 return RawActionServer::Make(on, node->Resolve(name), TypesOf(type),
-                                              std::move(defaults), HandlersOf(goals, mailbox, key),
-                                              {});
+                 return RawActionServer::Make(
+                     on, node->Resolve(name), TypesOf(type), std::move(defaults),
+                     HandlersOf(goals, mailbox, key, node->breaks.get()), {});
                }),
         goals_(std::move(goals)) {}
 
@@ -181,10 +181,10 @@ class ActionServer : public OnLoop<RawActionServer> {
     return done;
   }
   static RawActionServer::Handlers HandlersOf(const std::shared_ptr<Goals>& goals,
-                                              const MailboxPtr& mailbox, std::int64_t key) {
-    const auto push = [mailbox, key](ServerKind kind, const ServedGoal& goal) {
-      Item item;
-      item.key = key;
+                                              const MailboxPtr& mailbox, std::int64_t key,
+                                              transport::LoopBreaks* breaks) {
+    const auto push = [mailbox, key, breaks](ServerKind kind, const ServedGoal& goal) {
+      Item item = ReceivedItem(key, breaks);
       item.kind = kind;
       item.token = goal.token;
       if (kind == kStart) item.bytes = goal.request;

@@ -68,7 +68,18 @@ PyNodePtr NodeOf(const ActuatorHandle& handle) {
   const PyActuator& actuator = handle.Get();
   auto thread = actuator.node();
   if (!thread) return nullptr;
-  return std::make_shared<PyNode>(std::move(thread), actuator.machine_config().name_space);
+  const auto node =
+      std::make_shared<PyNode>(std::move(thread), actuator.machine_config().name_space);
+  WithoutGil([&] {
+    node->thread->RunOnLoop(
+        [&] { node->breaks = std::make_unique<transport::LoopBreaks>(node->thread->loop()); });
+  });
+  return node;
+}
+
+void ReportFault(const ActuatorHandle& handle, std::int32_t code, const std::string& message) {
+  PyActuator& actuator = handle.Get();
+  WithoutGil([&] { actuator.RunOnLoop([&] { actuator.ReportFault({code, message}); }); });
 }
 
 std::unique_ptr<ActuatorHandle> MakeHandle(const std::string& name, const py::object& self) {
@@ -128,6 +139,7 @@ void AddActuator(py::module_& native) {
            [](ActuatorHandle& h, std::int32_t code, const std::string& why) {
              h.Get().ReportDegraded(CheckedError(code, why));
            })
+      .def("report_fault", &ReportFault)
       .def("emergency_stopped", [](const ActuatorHandle& h) { return h.Get().EmergencyStopped(); })
       .def("held_by_stop", [](const ActuatorHandle& h) { return h.Get().HeldByStop(); })
       .def("listed_states", &ListedStates)

@@ -17,7 +17,7 @@ const char* NameOf(StateCalls::Hook hook) {
 }
 
 std::string Shown(const py::object& value) {
-  return py::module_::import("musher._actuator").attr("_short")(value).cast<std::string>();
+  return py::module_::import("musher._log").attr("short")(value).cast<std::string>();
 }
 
 [[noreturn]] void ThrowReturned(const std::string& function, const py::object& returned,

@@ -1,10 +1,8 @@
 // Python: the ticks of an application, on the clock of its machine.
 
 #include <optional>
-#include <string>
 #include <utility>
 
-#include "musher/application/refusal.hpp"
 #include "musher/application/ticks.hpp"
 #include "musher/python/native/fsm_machine.hpp"
 #include "musher/python/native/node.hpp"
@@ -58,16 +56,6 @@ class FsmTicks {
     if (!could_not_run) return std::nullopt;
     return ToSeconds(*could_not_run);
   }
-  // Why nothing is begun by a request that has just arrived: it may be as old as a break in which
-  // this process could not run. None: it is fresh.
-  std::optional<std::string> MayBeLate() {
-    std::optional<Duration> could_not_run;
-    Run([&] { could_not_run = ticks_.RecentBreak(); });
-    if (!could_not_run) return std::nullopt;
-    return Refused<ApplicationRefusal::kMayBeLate>(handle_.Get().name(),
-                                                   ToMilliseconds(*could_not_run) / 1000)
-        .message;
-  }
 
  private:
   template <class Work>
@@ -94,8 +82,7 @@ void AddFsmTicks(py::module_& native) {
       .def("stop", &FsmTicks::Stop)
       .def("now_ns", &FsmTicks::Now)
       .def("stamp", &FsmTicks::Stamp)
-      .def("take_break_s", &FsmTicks::TakeBreak)
-      .def("may_be_late", &FsmTicks::MayBeLate);
+      .def("take_break_s", &FsmTicks::TakeBreak);
 }
 
 }  // namespace musher::python

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -17,10 +18,18 @@
 #include <system_error>
 #include <utility>
 
+#include "musher/base/time.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/messages/cdr.hpp"
 
 namespace musher::python {
+
+// A suspension of the computer counts.
+inline Duration SinceBoot() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
 
 struct Item {
   std::int64_t key = 0;  // of whom it is for, chosen by the Python layer
@@ -29,6 +38,12 @@ struct Item {
   std::string text;
   std::uint64_t token = 0;
   msg::Bytes bytes;
+  Duration received{};  // by the mailbox, since the boot
+  // For so long this process could not run just before that, if so: the item may be as old.
+  std::optional<Duration> after_break;
+
+  // For its Python thread.
+  Duration Waited() const { return SinceBoot() - received; }
 };
 
 class Mailbox {
@@ -45,23 +60,27 @@ class Mailbox {
   void Push(Item item, std::size_t limit = 0) {
     const std::lock_guard lock(mutex_);
     if (limit > 0) Limit(item.key, limit);
+    item.received = SinceBoot();
     items_.push_back(std::move(item));
     Wake();
   }
-  // Takes the place of a waiting item of this key, if there is one.
+  // Takes the place of a waiting item of this key, if there is one, and has waited for as long.
   void PushLatest(Item item) {
     const std::lock_guard lock(mutex_);
     for (Item& waiting : items_) {
       if (waiting.key != item.key) continue;
+      item.received = waiting.received;
       waiting = std::move(item);
       return;
     }
+    item.received = SinceBoot();
     items_.push_back(std::move(item));
     Wake();
   }
   // Before all others.
   void PushFirst(Item item) {
     const std::lock_guard lock(mutex_);
+    item.received = SinceBoot();
     items_.push_front(std::move(item));
     Wake();
   }

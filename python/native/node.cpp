@@ -2,8 +2,11 @@
 
 #include "musher/python/native/node.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "musher/application/refusal.hpp"
+#include "musher/base/break_watch.hpp"
 #include "musher/python/native/codec.hpp"
 
 namespace musher::python {
@@ -48,6 +51,15 @@ std::optional<Item> Pop(Mailbox& mailbox, std::optional<double> timeout_s) {
   }
 }
 
+// Why nothing is begun by this request: it has waited for the node's Python thread, or may be as
+// old as a break in which this process could not run. None: it is fresh.
+std::optional<std::string> MayBeLate(const Item& request, const std::string& actuator) {
+  const Duration waited = request.Waited();
+  if (waited <= BreakWatch::kShortest && !request.after_break) return std::nullopt;
+  const Duration oldest = std::max(waited, request.after_break.value_or(Duration{}));
+  return Refused<ApplicationRefusal::kMayBeLate>(actuator, ToMilliseconds(oldest) / 1000).message;
+}
+
 class Writer : public OnLoop<transport::RawWriter> {
  public:
   Writer(const PyNodePtr& node, const std::string& topic, const std::string& type, const Qos& qos)
@@ -75,10 +87,10 @@ class Reader : public OnLoop<transport::RawReader> {
       : OnLoop(node, [&](transport::Node& on) {
           transport::ReaderCallbacks callbacks;
           const auto limit = static_cast<std::size_t>(std::max(qos.depth, 0));
-          callbacks.on_sample = [mailbox, key, limit](std::span<const std::byte> bytes,
-                                                      const transport::SampleInfo& info) {
-            Item item;
-            item.key = key;
+          callbacks.on_sample = [mailbox, key, limit, breaks = node->breaks.get()](
+                                    std::span<const std::byte> bytes,
+                                    const transport::SampleInfo& info) {
+            Item item = ReceivedItem(key, breaks);
             item.token = info.participant.value();
             item.bytes.assign(bytes.begin(), bytes.end());
             mailbox->Push(std::move(item), limit);
@@ -152,6 +164,8 @@ void AddNode(py::module_& native) {
       .def_readonly("code", &Item::code)
       .def_readonly("text", &Item::text)
       .def_readonly("token", &Item::token)
+      .def("waited_s", [](const Item& item) { return ToSeconds(item.Waited()); })
+      .def("may_be_late", &MayBeLate)
       // The message; None if the bytes are not one. `envelope`: an id comes first.
       .def("decode", [](const Item& item, const Codec& codec, bool envelope) -> py::object {
         py::object message = DecodeMessage(codec, item.bytes, envelope);

@@ -3,6 +3,8 @@
 //
 // Threads: with the GIL, which is released while the loop works.
 
+#include <unistd.h>
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +13,7 @@
 #include "musher/python/native/mailbox.hpp"
 #include "musher/python/native/parts.hpp"
 #include "musher/transport/dds/node_thread.hpp"
+#include "musher/transport/loop_breaks.hpp"
 #include "musher/wire/node_services.hpp"
 
 namespace musher::python {
@@ -19,21 +22,59 @@ struct PyNode {
   std::shared_ptr<transport::NodeThread> thread;
   std::string name_space;
   std::unique_ptr<transport::NodeServices> services;  // of a node with a name; on the loop
+  std::unique_ptr<transport::LoopBreaks> breaks;      // of an actuator's node; on the loop
+  const pid_t process = getpid();
 
   PyNode(std::shared_ptr<transport::NodeThread> on, std::string in)
       : thread(std::move(on)), name_space(std::move(in)) {}
   PyNode(const PyNode&) = delete;
   PyNode& operator=(const PyNode&) = delete;
   ~PyNode() {
-    if (services) WithoutGil([this] { thread->RunOnLoop([this] { services.reset(); }); });
+    if (!InThisProcess()) {
+      LeaveToParent();
+      return;
+    }
+    if (!services && !breaks) return;
+    WithoutGil([this] {
+      thread->RunOnLoop([this] {
+        services.reset();
+        breaks.reset();
+      });
+    });
+  }
+
+  // A fork has no thread of the loop, and would wait for it for ever.
+  bool InThisProcess() const { return getpid() == process; }
+  // Raises musher.Failure in a fork. With the GIL.
+  void CheckProcess() const {
+    if (InThisProcess()) return;
+    Raise("Failure", {kCodeStateInvalid, "process " + std::to_string(process) +
+                                             " has made this node, and this is a fork of it: make "
+                                             "a node or a Machine of its own here"});
   }
 
   std::string Resolve(const std::string& name) const {
     return transport::ResolveName(name_space, name);
   }
+
+ private:
+  void LeaveToParent() {
+    static_cast<void>(services.release());
+    static_cast<void>(breaks.release());
+    // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): its destructor waits for the loop
+    static_cast<void>(new std::shared_ptr<transport::NodeThread>(std::move(thread)));
+  }
 };
 using PyNodePtr = std::shared_ptr<PyNode>;
 using MailboxPtr = std::shared_ptr<Mailbox>;
+
+// An item that a node receives. On the loop; `breaks` may be null.
+inline Item ReceivedItem(std::int64_t key, transport::LoopBreaks* breaks) {
+  Item item;
+  item.key = key;
+  if (breaks != nullptr) item.after_break = breaks->Recent();
+  return item;
+}
 
 // With the arguments of musher.Node. Raises musher.Failure.
 PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
@@ -47,6 +88,7 @@ class OnLoop {
   // `make(node)` returns a Result of a unique_ptr.
   template <class Make>
   OnLoop(PyNodePtr node, const Make& make) : node_(std::move(node)) {
+    node_->CheckProcess();
     const Result<> made = WithoutGil([&] {
       Result<> result;
       node_->thread->RunOnLoop([&] {
@@ -68,13 +110,19 @@ class OnLoop {
   void Close() {
     if (!node_) return;
     const PyNodePtr node = std::exchange(node_, nullptr);
+    if (!node->InThisProcess()) {
+      static_cast<void>(object_.release());  // it belongs to the parent
+      return;
+    }
     WithoutGil([&] { node->thread->RunOnLoop([&] { object_.reset(); }); });
   }
-  // Runs `work(object)` on the loop and waits for it. Raises musher.Failure after Close().
+  // Runs `work(object)` on the loop and waits for it. Raises musher.Failure after Close(), and in a
+  // fork.
   template <class Work>
   void Run(const Work& work) {
     const PyNodePtr node = node_;
     if (!node) Raise("Failure", {kCodeStateInvalid, "it is closed"});
+    node->CheckProcess();
     bool closed = false;
     WithoutGil([&] {
       node->thread->RunOnLoop([&] {

@@ -82,14 +82,13 @@ class ServiceServer : public OnLoop<transport::RawServer> {
                 const std::string& type, const MailboxPtr& mailbox, std::int64_t key)
       : OnLoop(node,
                [&](transport::Node& on) {
-                 auto on_request = [requests, mailbox, key](const msg::RequestId& id,
-                                                            std::span<const std::byte> bytes,
-                                                            transport::RawServer::Reply reply,
-                                                            transport::ParticipantId) {
+                 auto on_request = [requests, mailbox, key, breaks = node->breaks.get()](
+                                       const msg::RequestId& id, std::span<const std::byte> bytes,
+                                       transport::RawServer::Reply reply,
+                                       transport::ParticipantId) {
                    if (requests->open.size() >= Requests::kMost)
                      requests->open.erase(requests->open.begin());
-                   Item item;
-                   item.key = key;
+                   Item item = ReceivedItem(key, breaks);
                    item.token = requests->next++;
                    item.bytes.assign(bytes.begin(), bytes.end());
                    requests->open[item.token] = {id, std::move(reply)};

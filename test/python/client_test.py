@@ -57,6 +57,29 @@ class Client(unittest.TestCase):
         self.assertEqual(refused.returncode, 1)
         self.assertIn("did you mean 'LowPower'?", refused.stderr)
 
+    # It waited for ever for the thread of the loop, which a fork does not have: also the emergency stop.
+    def test_a_fork_of_its_program_gets_a_failure_and_ends_while_the_parent_goes_on(self):
+        program = ("import os, musher\n"
+                   "from musher.std_msgs.msg import String\n"
+                   "machine, node = musher.Machine(machine='absent'), musher.Node('parent')\n"
+                   "chat = node.publisher('chat', String)\n"
+                   "child = os.fork()\n"
+                   "if child == 0:\n"
+                   "    __import__('signal').alarm(30)\n"
+                   "    for call in (lambda: machine.estop('test'), machine.status, lambda: chat.publish(String('a'))):\n"
+                   "        try: call()\n"
+                   "        except musher.Failure as failure: print(failure.reason, flush=True)\n"
+                   "    raise SystemExit(5)\n"
+                   "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n"
+                   "chat.publish(String('b'))\n"
+                   "print('published')\n")
+        ended = subprocess.run([sys.executable, "-c", program], env=self.environment, text=True, capture_output=True,
+                               timeout=DEADLINE_S, check=False)
+        lines = ended.stdout.splitlines()
+        self.assertEqual(lines[3:], ["5", "published"], ended.stdout + ended.stderr)
+        for line in lines[:3]:
+            self.assertRegex(line, r"^process \d+ has made this node, and this is a fork of it: make a node or a Machine")
+
     def test_it_is_meant_by_its_name_beside_a_copy_of_it_on_another_host(self):
         self.musher("up", "--detach", "robot.toml")
         self.addCleanup(self.musher, "down")

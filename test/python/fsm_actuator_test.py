@@ -51,6 +51,13 @@ def program(methods=""):
     return SHOW + "".join(f"    {line}\n" for line in methods.splitlines()) + "musher.run(Show)\n"
 
 
+# Of a show: blocks the thread of the node until the pipe has a writer.
+HOLD = """    self.node.subscribe('hold', String, self.hold)
+def hold(self, word):
+    self.log.info('held')
+    open(word.data).close()"""
+
+
 class WithRobot(unittest.TestCase):
     def start(self, robot):
         self.addCleanup(robot.close)
@@ -138,6 +145,22 @@ class Applications(WithRobot):
     def show(self, methods="", more="", config=""):
         self.start(Robot({"show": program(methods)}, more, config))
 
+    def await_match(self, publisher):
+        end = time.monotonic() + DEADLINE_S
+        while not publisher.matched:
+            self.behavior("show")
+            self.assertLess(time.monotonic(), end, "it has no subscription")
+
+    def hold(self):
+        """The thread of the node is blocked; returns the pipe whose writer ends that."""
+        hold = self.node.publisher("hold", String)
+        self.await_match(hold)
+        pipe = os.path.join(self.robot.folder, "pipe")
+        os.mkfifo(pipe)
+        hold.publish(String(pipe))
+        self.robot.await_log("show", " held$")
+        return pipe
+
     def test_the_machine_is_paused_outside_of_active_and_continues_where_it_was(self):
         self.show("def on_pause(self): self.log.info('pauses')\ndef on_resume(self): self.log.info('resumes')")
         states = self.states_of("show")
@@ -194,8 +217,8 @@ class Applications(WithRobot):
     def test_start_that_waited_while_its_process_was_stopped_begins_no_machine(self):
         self.show("def after_tick(self):\n    if self.machine.state == 'PLAY': self.machine.stop()\n"
                   "def open_topics(self):\n"
-                  "    fresh = musher._native.FsmTicks.may_be_late\n"
-                  "    musher._native.FsmTicks.may_be_late = lambda ticks: fresh(ticks) or (\n"
+                  "    fresh = musher._native.Item.may_be_late\n"
+                  "    musher._native.Item.may_be_late = lambda item, name: fresh(item, name) or (\n"
                   "        None if self.machine.state == 'GREET' else 'it could not run for 9 s')")
         self.await_state(self.states_of("show"), "GREET")
         self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
@@ -206,8 +229,8 @@ class Applications(WithRobot):
     # A door opened by a command that had waited while the computer was suspended.
     def test_a_command_that_waited_while_its_process_was_stopped_is_refused(self):
         self.show("def open_topics(self):\n"
-                  "    fresh = musher._native.FsmTicks.may_be_late\n"
-                  "    musher._native.FsmTicks.may_be_late = lambda ticks: fresh(ticks) or 'it could not run for 9 s'")
+                  "    fresh = musher._native.Item.may_be_late\n"
+                  "    musher._native.Item.may_be_late = lambda item, name: fresh(item, name) or 'it could not run for 9 s'")
         self.await_state(self.states_of("show"), "GREET")
         self.assertIn("it could not run for 9 s", self.robot.run("behavior", "show", "--send", "next").stderr)
         self.assertEqual(self.behavior("show")["state"], "GREET")
@@ -249,13 +272,69 @@ class Applications(WithRobot):
         self.assertRegex(refused.message, r"^show could not run for \d+ s, and the request may be as old")
         self.await_state(states, "GREET")
 
+    # The loop runs on while the node's thread is blocked, and requests wait in front of it: the door opened by a command
+    # that had not been answered for 20 s.
+    def test_what_waited_for_the_thread_of_the_node_is_refused(self):
+        self.show("def open_topics(self):\n"
+                  "    self.node.subscribe('next', String, self.obey)\n" + HOLD + "\n"
+                  "def obey(self, word):\n"
+                  "    try: self.check_not_late()\n"
+                  "    except musher.Failure as failure: return self.log.info(f'refused: {failure.reason}')\n"
+                  "    self.log.info('obeyed')\n    self.send(word.data)")
+        states = self.states_of("show")
+        self.await_state(states, "GREET")
+        obey = self.node.publisher("next", String)
+        commands = self.node.client("show/send_command", SendCommand)
+        self.assertTrue(commands.wait_until_ready(DEADLINE_S))
+        self.await_match(obey)
+        pipe = self.hold()
+        obey.publish(String("next"))
+        with self.assertRaises(musher.Failure):
+            commands.call(SendCommand.Request("next"), 6.0)  # it waits for the thread for as long
+        self.robot.write(pipe, "")  # waits for the reader
+        late = r"refused: show could not run for \d+ s, and the request may be as old: look at the robot, then repeat it"
+        self.robot.await_log("show", late)
+        self.assertEqual(self.behavior("show")["state"], "GREET")
+        self.assertTrue(commands.call(SendCommand.Request("next"), DEADLINE_S).success)
+        self.await_state(states, "PLAY")
+        obey.publish(String("next"))
+        self.robot.await_log("show", " obeyed$")
+
+    def test_begins_at_its_start_after_a_handler_has_blocked_its_ticks_for_long(self):
+        self.show("def open_topics(self):\n"
+                  "    musher._fsm_actuator.LONGEST_BREAK_S = 3.0  # instead of a minute\n" + HOLD)
+        states = self.states_of("show")
+        self.await_state(states, "GREET")
+        commands = self.node.client("show/send_command", SendCommand)
+        self.assertTrue(commands.call(SendCommand.Request("next"), DEADLINE_S).success)
+        self.await_state(states, "PLAY")
+        pipe = self.hold()
+        with self.assertRaises(musher.Failure):
+            commands.call(SendCommand.Request("nothing"), 4.0)
+        self.robot.write(pipe, "")  # waits for the reader
+        self.await_state(states, "GREET")
+
     def test_an_emergency_stop_whose_pause_fails_is_not_confirmed(self):
         self.show("def on_pause(self): raise OSError('the port is gone')")
         self.await_state(self.states_of("show"), "GREET")
-        with self.assertRaisesRegex(musher.Failure, "not confirmed by show .*on_pause raised an exception"):
+        with self.assertRaisesRegex(musher.Failure, "not confirmed by show .*on_pause raised OSError: the port is gone"):
             self.machine.estop("test", timeout_s=5.0)
         self.assertFalse(self.behavior("show")["ticking"])
         self.machine.release_estop()  # it would be published for a minute, to the robots of the next tests too
+
+    # The switch was done, and nothing but the log had the failure.
+    def test_the_status_shows_a_pause_that_has_failed_until_one_succeeds(self):
+        self.show("def on_pause(self):\n"
+                  "    if not __import__('os').path.exists('port'): raise OSError('the port is gone')")
+        self.await_state(self.states_of("show"), "GREET")
+        self.machine.set("LowPower")
+        fault = r"on_pause raised OSError: the port is gone \(show\.py:\d+\); its outputs may not be neutral"
+        shown = self.machine.wait_until(lambda status: status.actuators[0].message != "", DEADLINE_S)
+        self.assertRegex(shown.actuators[0].message, fault)
+        self.machine.set("Active")
+        self.robot.write("port", "")
+        self.machine.set("LowPower")
+        self.assertTrue(self.machine.wait_until(lambda status: status.actuators[0].message == "", DEADLINE_S))
 
     # Nothing of it had run, and the stop was confirmed.
     def test_an_emergency_stop_whose_pause_is_a_coroutine_is_not_confirmed(self):

@@ -368,8 +368,8 @@ RUN = "musher.run(arm)\n"
 # As if its process had been stopped, and had just gone on, whenever wave is paused.
 BREAKS = """
 from musher import _native
-fresh = _native.FsmTicks.may_be_late
-_native.FsmTicks.may_be_late = lambda ticks: fresh(ticks) or (
+fresh = _native.Item.may_be_late
+_native.Item.may_be_late = lambda item, name: fresh(item, name) or (
     "arm could not run for 9 s" if arm.manager.is_paused("wave") else None)
 """
 
@@ -472,6 +472,29 @@ def think(robot, pipe="", **kwargs):
         self.assertEqual(thinks.result(DEADLINE_S).message[:10], "completed:")
 
 
+    # It was begun as soon as the thread was free, however long its client had waited.
+    def test_begins_no_goal_that_waited_for_long(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import Parameter, RobotSkill, SkillInfo
+        client = node.action_client("skill_execution", SkillExecution)
+        thought = os.path.join(self.robot.folder, "thought")
+        os.mkfifo(thought)
+        think = SkillInfo("think", [Parameter("pipe", repr(thought))])
+        thinks = client.send(SkillExecution.Goal(RobotSkill("robot_0", [think])), DEADLINE_S)
+        self.robot.await_log("arm", "thinks")
+        waves = client.send(SkillExecution.Goal(RobotSkill("robot_0", [SkillInfo("wave")])), DEADLINE_S)
+        waves._next(DEADLINE_S)  # it is accepted
+        with self.assertRaises(musher.Failure):
+            waves.result(6.0)
+        self.robot.write("thought", "")  # waits for the reader
+        with self.assertRaises(musher.GoalFailed) as ended:
+            waves.result(DEADLINE_S)
+        self.assertRegex(ended.exception.result.message, r"^arm could not run for \d+ s, and the request may be as old")
+        self.assertEqual(thinks.result(DEADLINE_S).message[:10], "completed:")
+
+
 class AnActuatorWhoseSkillDoesNotEndWell(WithArm):
     more = """
 def stick(robot, status):
@@ -499,6 +522,22 @@ def grip(robot, **kwargs):
         self.machine.set("Active")
         self.assertEqual(self.machine.estop("test", timeout_s=DEADLINE_S), ["arm"])
         self.machine.release_estop()  # it would be published for a minute, to the robots of the next tests too
+
+
+class AnActuatorWhosePauseFails(WithArm):
+    more = """
+def fail():
+    raise OSError("the valve is stuck")
+
+arm.on_pause = fail
+"""
+
+    # The switch was done, and nothing but the log had the failure.
+    def test_shows_it_in_its_status(self):
+        self.machine.set("LowPower")
+        shown = self.machine.wait_until(lambda status: status.actuators[0].message != "", DEADLINE_S)
+        self.assertIn("on_pause raised OSError: the valve is stuck", shown.actuators[0].message)
+        self.assertIn("its outputs may not be neutral", shown.actuators[0].message)
 
 
 class AnActuator(WithArm):
