@@ -224,14 +224,14 @@ void Arrivals::On(const event::Vanished& vanished) {
   if (known.other && known.other->incarnation == vanished.incarnation) known.other.reset();
   if (known.report.incarnation != vanished.incarnation) return;
   known.writer_lost = true;
-  // Whoever leads it there also ends it.
-  if (vanished.taken) processes_.ForgetProcess(vanished.actuator);
   if (known.process.dead == vanished.incarnation) return;  // its successor may be starting already
   const bool was_there =
       known.presence == Presence::kPresent || known.presence == Presence::kStarting;
   if (!vanished.for_good) {
     if (was_there) {
       commands_.LoseConnection(vanished.actuator, texts::Disconnected(vanished.how));
+      // Its process runs on and is well: no exit and no hang will be seen of it.
+      if (vanished.taken) FallBack(vanished.actuator);
     }
     return;
   }

@@ -51,36 +51,19 @@ Result<> ExecProcess::RunState(const State& state) {
                     Falls(actuator_.machine_config(), actuator_.CurrentState(), state);
   if (!down) stop_thread_.Flush();
   const std::optional<Error> ended = down ? std::nullopt : runner_.EndedByStop();
-  Result<> result = ended ? Result<>(*ended) : RunStateCommand(state, down);
+  Result<> result = Ok();
+  if (ended) {
+    result = *ended;
+  } else {
+    const bool stopped = actuator_.EmergencyStopped() && runner_.HasCommand(state);
+    if (stopped) DoubtStop();
+    result = runner_.Run(
+        state, [this] { return actuator_.StopRequested(); }, stopped);
+    // That of Protected, which is entered from below, too, may have switched something on again.
+    // After a TearDown nothing is left.
+    if (stopped && (state != kTearDown || !result)) OnEmergencyStop();
+  }
   loop_.Post([this] { EvaluateProgram(); });
-  return result;
-}
-
-// A command may switch something on again behind the action of a stop, also one that leads down:
-// that of Protected, which is entered from below, too. So a stop is confirmed only after both; what
-// leads up is followed by the action anyway. SetUp and a check switch nothing on, and after a
-// TearDown nothing is left.
-Result<> ExecProcess::RunStateCommand(const State& state, bool down) {
-  const bool has_command = runner_.HasCommand(state);
-  {
-    const std::lock_guard lock(stops_mutex_);
-    command_runs_ = has_command && state != kSetUp && state != kSelfCheck;
-  }
-  const bool stopped = has_command && actuator_.EmergencyStopped();
-  if (stopped) DoubtStop();
-  const Result<> result = runner_.Run(
-      state, [this] { return actuator_.StopRequested(); }, stopped);
-  const bool engaged = has_command && actuator_.EmergencyStopped();
-  const bool nothing_left = state == kTearDown && result.ok();
-  bool unconfirmed = false;
-  {
-    const std::lock_guard lock(stops_mutex_);
-    command_runs_ = false;
-    unconfirmed = std::exchange(unconfirmed_, false);
-    if (unconfirmed && !engaged) actuator_.ReportStopTrouble("");  // it is released
-  }
-  const bool repeats = stopped || (engaged && (down || unconfirmed));
-  if (repeats && !nothing_left) OnEmergencyStop();
   return result;
 }
 
@@ -104,8 +87,6 @@ void ExecProcess::RunEmergencyStop(std::uint64_t number) {
   if (!result) actuator_.Log(LogLevel::kError, "[emergency_stop]: " + result.error().message);
   const std::lock_guard lock(stops_mutex_);
   if (number != stops_) return;  // it runs again
-  unconfirmed_ = command_runs_;
-  if (unconfirmed_) return;
   actuator_.ReportStopTrouble(result ? "" : "[emergency_stop]: " + result.error().message);
 }
 

@@ -51,9 +51,7 @@ class ExecProcess {
   Result<> RunState(const State& state);  // on the worker
   void OnEmergencyStop();                 // on the actuator's loop; on the worker, after a command
   void RunEmergencyStop(std::uint64_t number);
-  // The command of a state, `down`: of one that leads down. On the worker.
-  Result<> RunStateCommand(const State& state, bool down);
-  void DoubtStop();
+  void DoubtStop();  // on the worker
   void OnSetUp(bool ok);
   void OnSignal();
   void EvaluateProgram();
@@ -64,11 +62,9 @@ class ExecProcess {
   const bool has_stop_action_;
   transport::LinuxEventLoop loop_;
   StateRunner runner_;
-  UniqueFd signals_;           // before any thread
-  std::mutex stops_mutex_;     // guards the next ones, together with what is reported of them
-  std::uint64_t stops_ = 0;    // so often the action was to run
-  bool command_runs_ = false;  // which may switch on again what the action switches off
-  bool unconfirmed_ = false;   // the action has ended meanwhile
+  UniqueFd signals_;         // before any thread
+  std::mutex stops_mutex_;   // guards the next one, together with what is reported of it
+  std::uint64_t stops_ = 0;  // so often the action was to run
   WorkQueue stop_thread_{{.name = "emergency-stop"}};
   ActuatorRunner<ExecActuator> actuator_;
   transport::LoopHandlePtr signal_watch_;

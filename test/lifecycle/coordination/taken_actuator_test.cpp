@@ -26,15 +26,4 @@ TEST_F(TakenActuator, TakesTheMachineToItsOnLost) {
   EXPECT_EQ(Of(0).presence, Presence::kLost);
 }
 
-TEST_F(TakenActuator, IsNeitherRestartedNorSignalled) {
-  ObeyAll();
-  Do(event::SetStateRequested{1, kTearDown, {}});
-  ObeyAll();
-  Pass(config_.shutdown_budget);
-  EXPECT_EQ(machine_.phase, Phase::kStopped);
-  for (const auto& signal : Did<action::SignalProcess>())
-    EXPECT_NE(signal.actuator, ActuatorIndex(0));
-  for (const auto& start : Did<action::StartProcess>()) EXPECT_NE(start.actuator, ActuatorIndex(0));
-}
-
 }  // namespace musher::testing::taken_actuator_test
