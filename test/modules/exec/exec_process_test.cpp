@@ -419,46 +419,6 @@ TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhoseCommandEndsBeforeACommandBelo
   EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
 }
 
-TEST(MusherExec, DoesNotConfirmASecondEmergencyStopWhileACommandRunsBelowTheFirst) {
-  ExecPeer peer;
-  peer.Start(
-      "[state.Active]\n[state.LowPower]\n"
-      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
-      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off\"\n");
-  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
-  ASSERT_TRUE(peer.Switch("Active"));
-  peer.EngageStop();
-  ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
-  peer.Send("LowPower");
-  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
-  peer.EngageStop(8);
-  EXPECT_TRUE(peer.Until([&] { return Runs(peer, "off") == 2; }));
-  std::ofstream(peer.folder() / "go") << "go";
-  ASSERT_TRUE(peer.AwaitReply());
-  EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
-  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
-}
-
-// It had begun before the stop.
-TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandThatLeadsDownRuns) {
-  ExecPeer peer;
-  peer.Start(
-      "[state.Active]\n[state.LowPower]\n"
-      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
-      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off\"\n");
-  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
-  ASSERT_TRUE(peer.Switch("Active"));
-  peer.Send("LowPower");
-  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
-  peer.EngageStop();
-  EXPECT_TRUE(peer.Until([&] { return Runs(peer, "off") == 1; }));
-  std::ofstream(peer.folder() / "go") << "go";
-  ASSERT_TRUE(peer.AwaitReply());
-  EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
-  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
-  EXPECT_EQ(Runs(peer, "off"), 2);
-}
-
 TEST(MusherExec, RepeatsItsEmergencyStopAfterATearDownThatFailsBelowIt) {
   ExecPeer peer;
   peer.Start(

@@ -92,7 +92,7 @@ RobotRig::~RobotRig() {
     return ::testing::AssertionFailure() << there.error().message << "\n" << Log();
   }
   for (const char* target : {"SelfCheck", "Active"}) {
-    const SwitchResult result = controller_->Switch(target);
+    const SwitchResult result = controller_->Switch(State(target));
     if (result.done()) continue;
     return ::testing::AssertionFailure()
            << "the switch to " << target << " is " << OutcomeName(result.outcome) << ": "
