@@ -113,6 +113,15 @@ TEST_F(FirstStart, TakesTheIdOfAnActuatorThatRunsHere) {
   EXPECT_EQ(IdAfterStart(), kFirst);
 }
 
+// It advised --takeover, which makes two robots of one name one machine.
+TEST_F(FirstStart, BesideAControllerOfItsNameOnAnotherHostSaysThatItMayBeAnotherRobot) {
+  PublishRival(kSecond);
+  controller_ = Controller::Make(*node_, transport::TestDomain(), config_, {}).value();
+  ASSERT_TRUE(loop_.RunUntil([&] { return controller_->shell().refused().has_value(); },
+                             loop_.Now() + std::chrono::seconds(20)));
+  EXPECT_THAT(*controller_->shell().refused(), testing::IsRefused(Refusal::kNameLedElsewhere));
+}
+
 // It may be that of another robot of the same name, made from the same image.
 TEST_F(FirstStart, DoesNotTakeTheIdOfAnActuatorThatItStartsAndThatRunsElsewhere) {
   config_.actuators[0].host = "vision";
