@@ -72,10 +72,10 @@ std::optional<Error> SecondProcessOf(const KnownActuator& known) {
   const ActuatorReport& other = *known.other;
   const std::string place = other.busy() ? "is switching to " + other.target.Shortened()
                                          : "is in " + other.state.Shortened();
-  return Error{kCodeStateInvalid, "a second process of it runs and " + place + ": process " +
-                                      std::to_string(other.pid) + " of host " +
-                                      other.host.substr(0, kLongestHost) +
-                                      ", which no command reaches; end one of the two"};
+  return Error{kCodeStatusError, "a second process of it runs and " + place + ": process " +
+                                     std::to_string(other.pid) + " of host " +
+                                     other.host.substr(0, kLongestHost) +
+                                     ", which no command reaches; end one of the two"};
 }
 
 std::optional<Error> TroubleOf(const KnownActuator& known) {
