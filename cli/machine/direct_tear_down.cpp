@@ -99,7 +99,9 @@ void DirectTearDown::Advance() {
   const auto running = running_.Now();
   // A status that is late may show that what holds the name is of another machine.
   std::erase_if(targets_, [this](const auto& one) {
-    return !one.second.known && !one.second.terminated_at && running_.IsOfAnotherMachine(one.first);
+    const auto& [name, target] = one;
+    return !target.known && target.outcome.has_tear_down && !target.terminated_at &&
+           !running_.HasStatusOf(name) && running_.IsOfAnotherMachine(name);
   });
   for (auto& [name, target] : targets_) {
     Check(target, running);

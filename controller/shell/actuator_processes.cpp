@@ -200,7 +200,7 @@ void ActuatorProcesses::Do(const action::FindProcesses&) {
     found.unreached.resize(config_.actuators.size());
     for (const HostProcesses::Found& one : there) {
       const ActuatorIndex i = *config_.IndexOf(one.actuator);
-      // What another machine leads there is not ended with this one.
+      // One that is found now and follows another machine is not ended with this one.
       found.processes[i] = peers_.FollowsOther(i) ? 0 : one.pid;
       found.hosts[i] = one.host;
       found.unreached[i] = one.unreached;

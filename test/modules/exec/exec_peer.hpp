@@ -1,7 +1,6 @@
 #pragma once
 // The peer of a musher-exec process, which is the actuator "motion".
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <set>
@@ -33,7 +32,7 @@ class ExecPeer : public test::ActuatorPeer {
                     .value();
   }
 
-  void EngageStop(std::uint64_t id = 7) { PublishStop(true, id); }
+  void EngageStop() { PublishStop(true); }
   // As its controller.
   bool ReleaseStop() {
     PublishStop(false);
@@ -53,9 +52,9 @@ class ExecPeer : public test::ActuatorPeer {
   bool HasConfirmedDuring(const State& target) const { return confirmed_.contains(target); }
 
  private:
-  void PublishStop(bool engaged, std::uint64_t id = 7) {
+  void PublishStop(bool engaged) {
     msg::EmergencyStop stop;
-    stop.id = id;
+    stop.id = 7;
     stop.engaged = engaged;
     stop.by = "alice";
     static_cast<void>(stops_->Publish(stop));
