@@ -45,7 +45,7 @@ class MusherLink : public ActuatorLink {
   const ActuatorIndex actuator_;
   const Emit emit_;
   MachineIdentity machine_;
-  std::string host_;  // of the controller
+  std::string host_;                   // of the controller
   transport::ParticipantId peer_ = 0;  // 0: any
   std::vector<msg::ActuatorCommand::Request> held_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;  // last: it uses the others

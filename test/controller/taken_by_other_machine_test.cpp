@@ -135,20 +135,19 @@ TEST(ReplyOfAnotherMachine, IsNoneToThisController) {
     transport::sim::Network network(1);
     const auto robot = network.MakeNode("robot");
     const auto board = network.MakeNode("board");
-    const auto server =
-        transport::MakeServer<msg::ActuatorCommand>(
-            *board, transport::CommandService("", "a"),
-            [&host](const msg::ActuatorCommand::Request&, auto reply) {
-              msg::ActuatorCommand::Response response;
-              response.verdict = msg::ActuatorCommand::kVerdictRefused;
-              response.status.name = "a";
-              response.status.epoch = 100;
-              response.status.host = host;
-              response.status.machine = "test";
-              response.status.machine_id = "22222222-0000-4000-8000-000000000000";
-              reply(response);
-            })
-            .value();
+    const auto server = transport::MakeServer<msg::ActuatorCommand>(
+                            *board, transport::CommandService("", "a"),
+                            [&host](const msg::ActuatorCommand::Request&, auto reply) {
+                              msg::ActuatorCommand::Response response;
+                              response.verdict = msg::ActuatorCommand::kVerdictRefused;
+                              response.status.name = "a";
+                              response.status.epoch = 100;
+                              response.status.host = host;
+                              response.status.machine = "test";
+                              response.status.machine_id = "22222222-0000-4000-8000-000000000000";
+                              reply(response);
+                            })
+                            .value();
     std::size_t replies = 0;
     const MachineConfig config = MachineOf(1);
     const auto link =
