@@ -107,6 +107,8 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
      "the state folder of the controller cannot be opened at a start{lasts}"},
     {InjectionKind::kOtherUser, "other-user", 0,
      "the controller is killed, and another user starts it after {ms}"},
+    {InjectionKind::kFrozen, "frozen", 0,
+     "the process of {actuator} is frozen until somebody ends it"},
 }};
 
 // The share of process ends that are configuration errors.
@@ -148,6 +150,7 @@ constexpr double kClockShare = 0.5;   // of those with clock = "topic" and a pol
 constexpr double kUnreadFolderShare = 0.04;
 constexpr double kClosedFolderShare = 0.04;
 constexpr double kOtherUserShare = 0.06;
+constexpr double kFrozenShare = 0.08;
 constexpr double kThenReleased = 0.7;
 constexpr InjectionKind kOfClients[] = {
     InjectionKind::kClientSet,    InjectionKind::kClientSet,     InjectionKind::kClientStatus,
@@ -231,6 +234,7 @@ class InjectionSampler {
         clock_random_(seed * 2 + 0x636c6f63),
         folder_random_(seed * 2 + 0x666f6c64),
         user_random_(seed * 2 + 0x75736572),
+        frozen_random_(seed * 2 + 0x66726f7a),
         hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
   Injections Sample(bool bridges) {
@@ -259,6 +263,9 @@ class InjectionSampler {
     AddOfClock();
     AddOfFolders();
     AddOfUsers();
+    if (frozen_random_.Bernoulli(kFrozenShare)) {
+      Insert(frozen_random_, InjectionKind::kFrozen, {}, {});
+    }
     return std::move(injections_);
   }
 
@@ -615,6 +622,7 @@ class InjectionSampler {
   Random clock_random_;
   Random folder_random_;
   Random user_random_;
+  Random frozen_random_;
   std::size_t hosts_;
   Duration at_{};
   Injections injections_;

@@ -85,8 +85,9 @@ enum class InjectionKind : std::uint8_t {
   kUnreadFolder,
   kClosedFolder,  // its own cannot be opened for writing, or not at all; lasts
   kOtherUser,     // another user starts the machine, with another state folder, mostly after a boot
+  kFrozen,        // an actuator's process is frozen until somebody ends it
 };
-inline constexpr std::size_t kInjectionKinds = 59;
+inline constexpr std::size_t kInjectionKinds = 60;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
 // Of its text, with names in braces: "the process of {actuator} is killed"; see Describe().

@@ -114,22 +114,13 @@ void ProcessChecker::NoteOverrun(const std::string& name, std::size_t host, bool
 // Whether nothing is, or was a short while ago, wrong with the process and its link to a controller
 // of its host.
 bool ProcessChecker::IsWell(const SimulatedController& controller, const std::string& name) const {
-  const Time now = robot_.network().now();
-  const auto recent = [&](const std::optional<Time>& until) {
-    return until && (*until == Time::max() || now - *until < kReactsFor);
-  };
-  const SimulatedProcesses& processes = robot_.processes();
   const std::size_t host = controller.host();
-  const std::string& endpoint = processes.EndpointOf(name, host);
-  const ActuatorReport* report = processes.ReportOf(name, host);
+  const ActuatorReport* report = robot_.processes().ReportOf(name, host);
   if (report == nullptr || report->busy() || report->state == kTearDown) return false;
   const auto callback = callbacks_.find({name, host});
   const bool overran = callback != callbacks_.end() && callback->second.overran_until &&
-                       now - *callback->second.overran_until < kReceivedAfter;
-  return !overran && !recent(processes.FrozenUntil(name, host)) && !recent(controller.thawed) &&
-         !recent(context_.link_faults_until) &&
-         !recent(robot_.hosts().BlockedUntil(endpoint, controller.endpoint())) &&
-         !recent(robot_.hosts().BlockedUntil(controller.endpoint(), endpoint));
+                       robot_.network().now() - *callback->second.overran_until < kReceivedAfter;
+  return !overran && !WasDisturbed(controller, name, host, kReactsFor);
 }
 
 // A controller signals a process of its host. Unless it tears the machine down, or was requested to

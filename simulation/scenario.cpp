@@ -559,6 +559,8 @@ void Scenario::ApplyAround(const Injection& injection) {
       return Later(injection.lasts, [this] { robot_.SetFolderOpens(FolderOpens::kYes); });
     case InjectionKind::kOtherUser:
       return ChangeUser(injection);
+    case InjectionKind::kFrozen:
+      return robot_.FreezeActuator(config_.actuators[injection.actuator].name);
     default:
       Engage(injection.random / 2 % 2, 0);
       return ReleaseLater(injection);

@@ -20,6 +20,20 @@ std::uint64_t SubjectChecker::SerialOf(const Machine& machine) const {
   return 0;
 }
 
+bool SubjectChecker::WasDisturbed(const SimulatedController& controller, const std::string& name,
+                                  std::size_t host, Duration within) const {
+  const Time now = robot_.network().now();
+  const auto recent = [&](const std::optional<Time>& until) {
+    return until && (*until == Time::max() || now - *until < within);
+  };
+  const SimulatedProcesses& processes = robot_.processes();
+  const std::string& endpoint = processes.EndpointOf(name, host);
+  return recent(processes.FrozenUntil(name, host)) || recent(controller.thawed) ||
+         recent(context_.link_faults_until) ||
+         recent(robot_.hosts().BlockedUntil(endpoint, controller.endpoint())) ||
+         recent(robot_.hosts().BlockedUntil(controller.endpoint(), endpoint));
+}
+
 bool IsRequested(const Switch& s) {
   return s.purpose == Purpose::kRequested || s.purpose == Purpose::kStartUpActivate ||
          s.purpose == Purpose::kStartUpCheck;

@@ -43,6 +43,10 @@ class SubjectChecker {
   }
   // The serial of the controller whose machine it is; 0: none.
   std::uint64_t SerialOf(const Machine& machine) const;
+  // Whether the actuator's process on that host, the controller, or a link between the two has had
+  // a fault within that time.
+  bool WasDisturbed(const SimulatedController& controller, const std::string& name,
+                    std::size_t host, Duration within) const;
 
   CheckerContext& context_;
   SimRobot& robot_;

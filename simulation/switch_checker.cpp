@@ -241,17 +241,9 @@ void SwitchChecker::CheckSecondProcesses(const SimulatedController& controller,
 // Whether the status of that process has had the time to arrive at the controller.
 bool SwitchChecker::HasArrived(const SimulatedController& controller, const std::string& name,
                                std::size_t host) const {
-  const Time now = robot_.network().now();
-  const auto recent = [&](const std::optional<Time>& until) {
-    return until && (*until == Time::max() || now - *until < kReceivedAfter);
-  };
-  const SimulatedProcesses& processes = robot_.processes();
-  const std::string& endpoint = processes.EndpointOf(name, host);
-  return now - processes.StartOf(name, host) >= kReceivedAfter &&
-         !recent(processes.FrozenUntil(name, host)) && !recent(controller.thawed) &&
-         !recent(context_.link_faults_until) &&
-         !recent(robot_.hosts().BlockedUntil(endpoint, controller.endpoint())) &&
-         !recent(robot_.hosts().BlockedUntil(controller.endpoint(), endpoint));
+  const Time started = robot_.processes().StartOf(name, host);
+  return robot_.network().now() - started >= kReceivedAfter &&
+         !WasDisturbed(controller, name, host, kReceivedAfter);
 }
 
 }  // namespace musher::simulation

@@ -45,6 +45,7 @@ struct Termination {
   std::optional<Time> terminate_at;  // SIGTERM; none: not, or sent already
   Time kill_at{};                    // SIGKILL; once sent, its exit is due by then
   bool killed = false;               // SIGKILL was sent
+  bool for_silence = false;          // of its alone on its host: void while the host is silent
 
   friend bool operator==(const Termination&, const Termination&) = default;
 };
@@ -200,6 +201,7 @@ inline constexpr std::tuple kFields<Termination> = {
     Field{"terminate_at", &Termination::terminate_at},
     Field{"kill_at", &Termination::kill_at},
     Field{"killed", &Termination::killed},
+    Field{"for_silence", &Termination::for_silence},
 };
 
 template <>

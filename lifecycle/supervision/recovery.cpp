@@ -1,5 +1,6 @@
 #include "musher/lifecycle/supervision/recovery.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/lifecycle/refusal.hpp"
@@ -10,6 +11,10 @@ namespace {
 // For so long a start awaits a critical actuator whose host boots: later it would be no start that
 // a person still expects.
 constexpr Duration kHostBoots = Milliseconds(180'000);
+
+// For so long an actuator on another host may be silent alone there before its process is killed:
+// three heartbeats are soon missed on a radio link.
+constexpr Duration kSilence = Milliseconds(5000);
 
 void EndLaunch(KnownActuator& known) {
   const Launch launch = known.process.launch;
@@ -38,12 +43,30 @@ void Recovery::On(const event::HealthChanged& changed) {
       if (known.presence == Presence::kPresent || known.presence == Presence::kStarting) {
         commands_.LoseConnection(i, what);
       }
+      if (changed.health == Health::kCrashed) EndUnlessHeard(i);
       return;
     case Health::kStarved:
     case Health::kWell:
       RecordActuator(i, kCodeTimeout, texts::ActuatorStarved(ConfigOf(i).name, changed.how));
       return;
   }
+}
+
+// It alone is silent on its host: its process is frozen, or its connection is bad for a moment.
+void Recovery::EndUnlessHeard(ActuatorIndex i) {
+  const ActuatorProcess& process = Of(i).process;
+  const bool known_there = !process.host.empty() && IsReportOf(i, process.pid);
+  if (!known_there || !MayRestart(i) || process.termination) return;
+  processes_.Terminate(i, process.pid, kSilence);
+  Of(i).process.termination->for_silence = true;
+}
+
+bool Recovery::AnotherIsHeardFromItsHost(ActuatorIndex i) const {
+  const auto indices = machine_.actuators.Indices();
+  return std::any_of(indices.begin(), indices.end(), [&](ActuatorIndex other) {
+    return other != i && Of(other).presence == Presence::kPresent &&
+           Of(other).report.host == Of(i).report.host;
+  });
 }
 
 void Recovery::Recovered(ActuatorIndex i, const std::string& how) {
@@ -85,6 +108,7 @@ void Recovery::AssumeExited(ActuatorIndex i) {
   // The systemd of another host reports each exit: until then the signal may not have reached it.
   if (!known.process.host.empty() && known.process.pid == pid) {
     known.process.termination->kill_at = now_ + kEndTime;
+    FallBack(i);  // its host may be out of reach, and the machine does not wait for that
     return Do(action::SignalProcess{i, pid, true});
   }
   RecordProcess(i, kCodeTimeout, texts::ProcessExitAssumed(pid));
@@ -92,6 +116,14 @@ void Recovery::AssumeExited(ActuatorIndex i) {
   known.process.dead = known.report.incarnation;
   if (known.presence == Presence::kPresent) commands_.Lose(i, texts::Killed());
   processes_.Recover(i);
+}
+
+void Recovery::EndNow(ActuatorIndex i) {
+  auto& termination = Of(i).process.termination;
+  if (termination->killed) return AssumeExited(i);
+  // The cut of its connection was the begin of that of its host.
+  if (termination->for_silence && !AnotherIsHeardFromItsHost(i)) return termination.reset();
+  processes_.Kill(i);
 }
 
 void Recovery::CheckDeadlines() {
@@ -102,7 +134,7 @@ void Recovery::CheckDeadlines() {
         termination->terminate_at.reset();
         Do(action::SignalProcess{i, termination->pid, false});
       }
-      if (termination->kill_at <= now_) termination->killed ? AssumeExited(i) : processes_.Kill(i);
+      if (termination->kill_at <= now_) EndNow(i);
     }
     if (known.restart.reset_at && *known.restart.reset_at <= now_) {
       known.restart.reset_at.reset();

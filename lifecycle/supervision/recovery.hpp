@@ -25,6 +25,9 @@ class Recovery : StepPart {
 
  private:
   void Recovered(ActuatorIndex i, const std::string& how);
+  void EndUnlessHeard(ActuatorIndex i);
+  bool AnotherIsHeardFromItsHost(ActuatorIndex i) const;
+  void EndNow(ActuatorIndex i);
   void AssumeExited(ActuatorIndex i);
   void AwaitHost(ActuatorIndex i, bool again);
   void BeginLateSetUp(const event::ProcessStarted& started);

@@ -340,7 +340,10 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
 
 void Commands::LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause) {
   Lose(i, how, cause);
-  if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
+  // The exit of a process here is seen, and it is started again. Of another host nobody may ever
+  // hear again.
+  const bool exit_is_seen = ProcessOf(i) != 0 && Of(i).process.host.empty();
+  if (!MayRestart(i) || !exit_is_seen) FallBack(i);
 }
 
 void Commands::MarkHung(ActuatorIndex i, bool silent, const RecordText& how) {

@@ -174,6 +174,60 @@ TEST_F(HostProcess, IsNeitherEndedNorStartedTwiceWhenItsConnectionIsLost) {
   EXPECT_EQ(Of(1).process.pid, kPid);
 }
 
+// A frozen process, or a board without power: no exit of it is ever reported, and a robot with legs
+// stayed in Active without its eyes.
+TEST_F(HostProcess, ThatIsCriticalTakesTheMachineToItsOnLostWhenItsConnectionIsLost) {
+  config_.actuators[1].critical = true;
+  config_.actuators[1].on_lost = kProtected;
+  StartUpBoth();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kProtected);
+}
+
+TEST_F(HostProcess, ThatIsSilentAloneForFiveSecondsIsKilledOnItsHost) {
+  StartUpBoth();
+  Of(0).report.host = "there";
+  Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  Pass(Milliseconds(4900));
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+  Pass(Milliseconds(200));
+  EXPECT_THAT(Did<action::SignalProcess>(), ElementsAre(action::SignalProcess{1, kPid, true}));
+  Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
+  Pass(Milliseconds(150));
+  EXPECT_THAT(Did<action::StartProcess>(), ElementsAre(action::StartProcess{1}));
+}
+
+// A cut that ends was nothing that its process could help.
+TEST_F(HostProcess, ThatIsHeardAgainWithinFiveSecondsIsNotKilled) {
+  StartUpBoth();
+  Of(0).report.host = "there";
+  Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  Pass(Milliseconds(4900));
+  Do(event::HealthChanged{1, kFirst + 1, Health::kWell, false, "heartbeat received again"});
+  Pass(std::chrono::seconds(10));
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+}
+
+TEST_F(HostProcess, ThatWasTheFirstToBeSilentOfItsHostIsNotKilled) {
+  StartUpBoth();
+  Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  Pass(std::chrono::seconds(10));
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+}
+
+TEST_F(HostProcess, ThatHangsAndCannotBeKilledTakesTheMachineToItsOnLost) {
+  config_.actuators[1].critical = true;
+  config_.actuators[1].on_lost = kProtected;
+  StartUpBoth();
+  Do(event::HealthChanged{1, kFirst + 1, Health::kHung, false, "no checkpoint"});
+  Do(event::BacktraceTaken{1, kPid, "none"});
+  EXPECT_EQ(machine_.state, kActive) << "the kill may help";
+  Pass(Milliseconds(2100));
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kProtected);
+}
+
 TEST_F(HostProcess, IsStoredForTheNextControllerAsOneOfAnotherHost) {
   Begin();
   Do(event::ProcessStarted{1, kPid, "there"});
