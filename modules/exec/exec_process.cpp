@@ -36,7 +36,7 @@ bool IsReadable(int fd) {
 }  // namespace
 
 ExecProcess::ExecProcess(const std::string& actuator_name, ExecConfig config, const Reaper& reaper)
-    : stop_begun_(WhyNotConfirmed(config)),
+    : confirmation_(WhyNotConfirmed(config)),
       has_stop_action_(config.emergency_stop.has_value()),
       runner_(actuator_name, std::move(config), reaper),
       signals_(TakeSignals()),
@@ -55,39 +55,52 @@ Result<> ExecProcess::RunState(const State& state) {
   if (ended) {
     result = *ended;
   } else {
-    const bool stopped = actuator_.EmergencyStopped() && runner_.HasCommand(state);
-    if (stopped) DoubtStop();
+    const bool stopped = BeginCommand(state);
     result = runner_.Run(
         state, [this] { return actuator_.StopRequested(); }, stopped);
-    // That of Protected, which is entered from below, too, may have switched something on again.
-    // After a TearDown nothing is left.
-    if (stopped && (state != kTearDown || !result)) OnEmergencyStop();
+    EndCommand(state == kTearDown && result.ok());  // after a TearDown nothing is left
   }
   loop_.Post([this] { EvaluateProgram(); });
   return result;
 }
 
-// The stop is not confirmed until its action has run again.
-void ExecProcess::DoubtStop() {
+// EmergencyStopped() is read under the mutex: the action of a stop that is engaged later finds the
+// command. SetUp and a self-check must not switch on, so a later stop is confirmed beside them.
+bool ExecProcess::BeginCommand(const State& state) {
   const std::lock_guard lock(stops_mutex_);
-  ++stops_;
-  actuator_.ReportStopTrouble(stop_begun_);
+  if (!runner_.HasCommand(state)) return false;
+  const bool stopped = actuator_.EmergencyStopped();
+  if (!stopped && (state == kSetUp || state == kSelfCheck)) return false;
+  confirmation_.BeginCommand(state, stopped);
+  actuator_.ReportStopTrouble(confirmation_.Trouble());
+  return stopped;
+}
+
+void ExecProcess::EndCommand(bool nothing_left) {
+  const std::lock_guard lock(stops_mutex_);
+  if (confirmation_.EndCommand(nothing_left)) return BeginStopAction();
+  actuator_.ReportStopTrouble(confirmation_.Trouble());
 }
 
 void ExecProcess::OnEmergencyStop() {
   const std::lock_guard lock(stops_mutex_);
-  const std::uint64_t number = ++stops_;
-  actuator_.ReportStopTrouble(stop_begun_);
-  if (!has_stop_action_) return;
-  stop_thread_.Do([this, number] { RunEmergencyStop(number); }, {.key = "stop"});
+  BeginStopAction();
 }
 
-void ExecProcess::RunEmergencyStop(std::uint64_t number) {
+void ExecProcess::BeginStopAction() {
+  const std::uint64_t number = confirmation_.BeginAction();
+  actuator_.ReportStopTrouble(confirmation_.Trouble());
+  if (!has_stop_action_) return;
+  stop_thread_.Do([this, number] { RunStopAction(number); }, {.key = "stop"});
+}
+
+void ExecProcess::RunStopAction(std::uint64_t number) {
   const Result<> result = runner_.RunEmergencyStop();
-  if (!result) actuator_.Log(LogLevel::kError, "[emergency_stop]: " + result.error().message);
+  const std::string error = result ? "" : "[emergency_stop]: " + result.error().message;
+  if (!result) actuator_.Log(LogLevel::kError, error);
   const std::lock_guard lock(stops_mutex_);
-  if (number != stops_) return;  // it runs again
-  actuator_.ReportStopTrouble(result ? "" : "[emergency_stop]: " + result.error().message);
+  confirmation_.EndAction(number, error);
+  actuator_.ReportStopTrouble(confirmation_.Trouble());
 }
 
 int ExecProcess::Run(const std::string& state_config) {

@@ -19,6 +19,7 @@
 #include "musher/base/unique_fd.hpp"
 #include "musher/base/work_queue.hpp"
 #include "musher/modules/exec/state_runner.hpp"
+#include "musher/modules/exec/stop_confirmation.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::exec {
@@ -49,22 +50,23 @@ class ExecProcess {
  private:
   void RunActuator();                     // on the second thread
   Result<> RunState(const State& state);  // on the worker
-  void OnEmergencyStop();                 // on the actuator's loop; on the worker, after a command
-  void RunEmergencyStop(std::uint64_t number);
-  void DoubtStop();  // on the worker
+  // On the worker. Returns whether an emergency stop is engaged, below which the command runs.
+  bool BeginCommand(const State& state);
+  void EndCommand(bool nothing_left);
+  void OnEmergencyStop();  // on the actuator's loop
+  void BeginStopAction();  // stops_mutex_ is held
+  void RunStopAction(std::uint64_t number);
   void OnSetUp(bool ok);
   void OnSignal();
   void EvaluateProgram();
   void End(int exit_code, Wanted wanted);
 
-  // Why an emergency stop is not confirmed yet; empty: it is.
-  const std::string stop_begun_;
+  std::mutex stops_mutex_;  // guards the next one, together with what is reported of it
+  StopConfirmation confirmation_;
   const bool has_stop_action_;
   transport::LinuxEventLoop loop_;
   StateRunner runner_;
-  UniqueFd signals_;         // before any thread
-  std::mutex stops_mutex_;   // guards the next one, together with what is reported of it
-  std::uint64_t stops_ = 0;  // so often the action was to run
+  UniqueFd signals_;  // before any thread
   WorkQueue stop_thread_{{.name = "emergency-stop"}};
   ActuatorRunner<ExecActuator> actuator_;
   transport::LoopHandlePtr signal_watch_;

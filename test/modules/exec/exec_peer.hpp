@@ -1,6 +1,7 @@
 #pragma once
 // The peer of a musher-exec process, which is the actuator "motion".
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <set>
@@ -32,7 +33,7 @@ class ExecPeer : public test::ActuatorPeer {
                     .value();
   }
 
-  void EngageStop() { PublishStop(true); }
+  void EngageStop(std::uint64_t id = 7) { PublishStop(true, id); }
   // As its controller.
   bool ReleaseStop() {
     PublishStop(false);
@@ -50,11 +51,12 @@ class ExecPeer : public test::ActuatorPeer {
   const std::string& trouble() const { return status_.stop_trouble; }
   // Whether a status has confirmed a stop while the callback of that state ran.
   bool HasConfirmedDuring(const State& target) const { return confirmed_.contains(target); }
+  void ForgetConfirmations() { confirmed_.clear(); }
 
  private:
-  void PublishStop(bool engaged) {
+  void PublishStop(bool engaged, std::uint64_t id = 7) {
     msg::EmergencyStop stop;
-    stop.id = 7;
+    stop.id = id;
     stop.engaged = engaged;
     stop.by = "alice";
     static_cast<void>(stops_->Publish(stop));

@@ -372,6 +372,9 @@ TEST(MusherExec, RepeatsItsEmergencyStopAfterACommandThatRanBelowIt) {
   EXPECT_EQ(Log(peer), "off\non 1\noff\non free\n");
 }
 
+constexpr const char* kLowPowerRuns =
+    "its callback for LowPower still runs and may switch on again";
+
 // Until it has ended it may switch something on again.
 TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandRunsBelowIt) {
   ExecPeer peer;
@@ -384,9 +387,7 @@ TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandRunsBelowIt) {
   peer.EngageStop();
   ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
   peer.Send("LowPower");
-  EXPECT_TRUE(peer.AwaitTrouble([](const std::string& trouble) {
-    return trouble.starts_with("[emergency_stop] has not ended: `echo off");
-  })) << peer.trouble();
+  EXPECT_TRUE(peer.AwaitTrouble(kLowPowerRuns)) << peer.trouble();
   EXPECT_EQ(Runs(peer, "off"), 1);
   std::ofstream(peer.folder() / "go") << "go";
   ASSERT_TRUE(peer.AwaitReply());
@@ -417,6 +418,64 @@ TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhoseCommandEndsBeforeACommandBelo
   EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
   std::ofstream(peer.folder() / "end") << "end";
   EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+}
+
+// Each run of the command of the stop waits until the test creates the file `end`. So a run too
+// much leaves the stop unconfirmed.
+TEST(MusherExec, DoesNotConfirmASecondEmergencyStopWhileACommandRunsBelowTheFirst) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.LowPower]\n"
+      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "[emergency_stop]\ntime_ms = 60000\n"
+      "shell = \"echo off >> $MUSHER_TEST/off; until [ -e $MUSHER_TEST/end ]; do sleep 0.02; done; "
+      "rm $MUSHER_TEST/end\"\n");
+  const auto end_stop = [&] { std::ofstream(peer.folder() / "end") << "end"; };
+  const auto has_not_ended = [](const std::string& trouble) {
+    return trouble.starts_with("[emergency_stop] has not ended: `echo off");
+  };
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.EngageStop();
+  end_stop();
+  ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  peer.Send("LowPower");
+  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
+  ASSERT_TRUE(peer.AwaitTrouble([](const std::string& trouble) { return !trouble.empty(); }));
+  peer.ForgetConfirmations();  // the command had not begun
+
+  peer.EngageStop(8);
+  EXPECT_TRUE(peer.AwaitTrouble(has_not_ended)) << peer.trouble();
+  end_stop();
+  EXPECT_TRUE(peer.AwaitTrouble(kLowPowerRuns)) << peer.trouble();
+  std::ofstream(peer.folder() / "go") << "go";
+  ASSERT_TRUE(peer.AwaitReply());
+  EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
+  EXPECT_TRUE(peer.AwaitTrouble(has_not_ended)) << peer.trouble();
+  end_stop();
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 3) << "for each stop, and after the command";
+}
+
+// It had begun before the stop.
+TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandThatLeadsDownRuns) {
+  ExecPeer peer;
+  peer.Start(
+      "[state.Active]\n[state.LowPower]\n"
+      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  peer.Send("LowPower");
+  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
+  peer.EngageStop();
+  EXPECT_TRUE(peer.AwaitTrouble(kLowPowerRuns)) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 1);
+  std::ofstream(peer.folder() / "go") << "go";
+  ASSERT_TRUE(peer.AwaitReply());
+  EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
+  EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
+  EXPECT_EQ(Runs(peer, "off"), 2) << "at the stop, and after the command";
 }
 
 TEST(MusherExec, RepeatsItsEmergencyStopAfterATearDownThatFailsBelowIt) {
