@@ -66,7 +66,8 @@ class HostBus {
 
   bool is_up() const { return state_ == State::kUp; }
   const std::string& host_id() const { return host_id_; }  // of the last connection
-  // For how long its host has run, by that host's clock; too short by the delay of the link.
+  // For how long its host has run: read when the connection was made, and counted on by the clock
+  // here. Too short by the delay of the link.
   Duration running() const;
   // Why the connection is not up, with what to do; empty: no failure since it was up last.
   const std::string& trouble() const { return trouble_; }

@@ -21,6 +21,8 @@ constexpr Duration kExamineAgain = Milliseconds(500);
 // How long after it was sent a host may carry out a start: the longest delay of a greeting (8 s),
 // the longest start (10 s), and a margin.
 constexpr Duration kStartValid = Milliseconds(20'000);
+// A host whose clock seems to have gained more than this skips its starts for another reason.
+constexpr Duration kMostGained = std::chrono::hours(1);
 // How long a host may have been off before its connection is found to be lost (ssh: 6 s).
 constexpr Duration kLossSeenWithin = Milliseconds(10'000);
 // This process notes each second that it runs.
@@ -42,6 +44,10 @@ ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limit
     exit.out_of_memory =
         most ? "memory_max_mb = " + std::to_string(*most >> 20) : "the memory of its host";
   }
+  // While the host was out of reach. systemd keeps a unit that has failed, and drops one that has
+  // ended well: with code 0, or by SIGTERM, SIGHUP, SIGINT or SIGPIPE.
+  const bool dropped = state.active == "inactive" && state.exec_pid == 0;
+  if (dropped) exit.kind = ProcessExit::Kind::kExited;
   if (static_cast<pid_t>(state.exec_pid) != pid || !state.ended()) return exit;
   exit.number = state.exec_status;
   if (state.exec_code == CLD_EXITED) exit.kind = ProcessExit::Kind::kExited;
@@ -79,6 +85,7 @@ struct HostUnits::Host {
   std::string seen = {};                 // its HostId() when its units were last examined
   bool reported = false;                 // its loss was reported
   std::optional<Duration> lost_at = {};  // since_boot() when its connection was lost
+  Duration gained = {};                  // by its clock, since that was read
 };
 
 struct HostUnits::Unit {
@@ -242,6 +249,7 @@ void HostUnits::OnUp(Host& host) {
     hooks_.on_ended(unit->actuator, std::exchange(unit->pid, 0), EndOfUnit({}, "", rebooted));
   }
   host.seen = id;
+  host.gained = {};
   for (Unit* unit : units) {
     if (std::exchange(unit->waits, false) && !hooks_.still_starts(unit->actuator)) {
       unit->wanted.reset();
@@ -428,8 +436,10 @@ void HostUnits::Kill(Unit& unit, int signal) {
   unit.host.systemd->Kill(
       unit.invocation, signal, [this, &unit, signal](const std::optional<SystemdError>& error) {
         if (unit.signal == signal) unit.signal = 0;
-        const bool refused = error && error->kind != SystemdError::Kind::kGone;
-        if (!refused || std::exchange(unit.refused, true)) return;
+        if (!error) return;
+        // That start of the unit has ended, which may not have been reported.
+        if (error->kind == SystemdError::Kind::kGone) return Examine(unit);
+        if (std::exchange(unit.refused, true)) return;
         hooks_.on_reach(false, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
                                    "): the signal to " + unit.name +
                                    " was refused: " + TextOf(*error));
@@ -486,7 +496,7 @@ void HostUnits::StartUnit(Unit& unit) {
   start.process = *unit.wanted;
   // A start that waits in a lost connection is not carried out later, when it may not be wanted any
   // more.
-  start.until = unit.host.systemd->running() + kStartValid;
+  start.until = unit.host.systemd->running() + unit.host.gained + kStartValid;
   unit.asked = true;
   unit.given_up = false;
   unit.job.clear();
@@ -540,6 +550,12 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   }
   if (unit.state.active == "failed") Reset(unit);
   if (!unit.wanted) return;
+  // A late start would have been given up: the clock there has gained on that of this host.
+  Duration& gained = unit.host.gained;
+  if (result == kJobSkipped && gained < kMostGained) {
+    gained = std::max(kStartValid, gained * 2);
+    return Examine(unit);
+  }
   const ProcessSpec& spec = *unit.wanted;
   if (not_executed && unit.state.exec_status == kNoSuchUser) {
     return NotStarted(unit, "host " + unit.host.config.name + " (" + unit.host.config.Login() +

@@ -26,6 +26,7 @@ namespace musher {
 
 // Results of the job that starts a unit, and of a unit.
 inline constexpr std::string_view kJobDone = "done";
+inline constexpr std::string_view kJobSkipped = "skipped";  // after UnitStart::until
 inline constexpr std::string_view kResultOutOfMemory = "oom-kill";
 
 // What systemd knows of a unit. The values of a unit that is not loaded are these.
@@ -97,7 +98,8 @@ class Systemd {
 
   virtual bool is_up() const = 0;
   virtual const std::string& host_id() const = 0;  // HostId() there, of the last connection
-  // For how long its host has run, by that host's clock; too short by the delay of the link.
+  // For how long its host has run: read when the connection was made, and counted on by the clock
+  // here. Too short by the delay of the link.
   virtual Duration running() const = 0;
   // Why the connection is not up, with what to do; empty: no failure since it was up last.
   virtual const std::string& trouble() const = 0;

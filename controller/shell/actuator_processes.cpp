@@ -191,9 +191,7 @@ event::ProcessesFound ActuatorProcesses::FindHere() {
 
 void ActuatorProcesses::Do(const action::FindProcesses&) {
   if (dependencies_.hosts == nullptr) return context_.handle(FindHere());
-  const std::uint64_t search = ++searches_;
-  dependencies_.hosts->Find([this, search](const std::vector<HostProcesses::Found>& there) {
-    if (search != searches_) return;  // what it knows may be older than the last request
+  dependencies_.hosts->Find([this](const std::vector<HostProcesses::Found>& there) {
     // Only now: a process of this host may have exited while the other hosts were asked.
     event::ProcessesFound found = FindHere();
     found.hosts.resize(config_.actuators.size());

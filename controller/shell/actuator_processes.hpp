@@ -66,7 +66,6 @@ class ActuatorProcesses {
   bool children_unsaved_ = false;                   // the last save failed, which was reported
   bool power_command_runs_ = false;                 // the command of power-off or reboot
   std::map<ActuatorIndex, transport::LoopHandlePtr> starts_later_;
-  std::uint64_t searches_ = 0;  // searches of other hosts; only the last one is answered
 };
 
 }  // namespace musher

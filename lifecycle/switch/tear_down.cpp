@@ -157,6 +157,7 @@ void TearDown::Advance() {
   if (out_of_time && machine_.current) EndUnfinished();
   if (!stopping.result) return;
   if (!out_of_time && (ProcessesLeft() || !HasSearched())) return;
+  if (stopping.look == Shutdown::Look::kUnderWay) NameSilentHosts();
   const SwitchResult result = Conclude(kCodeTimeout, std::nullopt);
   machine_.phase = Phase::kStopped;
   if (stopping.after == AfterTearDown::kMayStart)
@@ -268,20 +269,40 @@ bool TearDown::ProcessesLeft() const {
 // and the process may not have published anything yet. So processes are searched for once more when
 // all known ones have exited.
 bool TearDown::HasSearched() {
-  Shutdown::Look& look = machine_.stopping->look;
   const bool may_run =
       std::any_of(config_.actuators.begin(), config_.actuators.end(),
                   [](const ActuatorConfig& actuator) { return !actuator.command.empty(); });
-  if (!may_run || look == Shutdown::Look::kDone) return true;
-  if (look == Shutdown::Look::kNotYet) Do(action::FindProcesses{});
-  look = Shutdown::Look::kUnderWay;
+  if (!may_run || machine_.stopping->look == Shutdown::Look::kDone) return true;
+  Search();
   return false;
+}
+
+// A search that is under way is awaited: a second one would take as long again.
+void TearDown::Search() {
+  Shutdown::Look& look = machine_.stopping->look;
+  if (look != Shutdown::Look::kUnderWay) Do(action::FindProcesses{});
+  look = Shutdown::Look::kUnderWay;
+}
+
+// The budget is used up before the other hosts have answered the last search.
+void TearDown::NameSilentHosts() {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    const ActuatorProcess& process = Of(i).process;
+    const bool exited =
+        process.ended_pid != 0 || (process.dead != 0 && process.dead == Of(i).report.incarnation);
+    if (ConfigOf(i).host.empty() || exited || IsOutOfReach(i)) continue;
+    const std::string why =
+        "the search for its process was not answered within the shutdown budget";
+    Degrade(i, kCodeNetError, texts::HostUnreached(ConfigOf(i).host, why), Of(i).cause);
+  }
 }
 
 void TearDown::On(const event::ProcessesFound& found) {
   if (machine_.phase != Phase::kStopping) return;
   Shutdown& stopping = *machine_.stopping;
-  if (stopping.look == Shutdown::Look::kUnderWay) stopping.look = Shutdown::Look::kDone;
+  if (stopping.look == Shutdown::Look::kUnderWay) {
+    stopping.look = ProcessesLeft() ? Shutdown::Look::kNotYet : Shutdown::Look::kDone;
+  }
   for (const ActuatorIndex i : found.unreached.Indices()) {
     const std::string& why = found.unreached[i];
     if (!why.empty()) {
@@ -320,7 +341,8 @@ void TearDown::SignalProcesses(bool kill) {
   // Which hosts are out of reach is known before the end.
   const bool several_hosts = std::ranges::any_of(
       config_.actuators, [](const ActuatorConfig& actuator) { return !actuator.host.empty(); });
-  if (!kill && several_hosts) Do(action::FindProcesses{});
+  // SIGKILL is the first signal if the switch has not ended before.
+  if (several_hosts && (!kill || !machine_.stopping->terminate_at)) Search();
 }
 
 }  // namespace musher

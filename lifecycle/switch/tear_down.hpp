@@ -16,7 +16,8 @@
 //
 // An actuator that was lost without a known exit may still run in its last state, also when only an
 // earlier controller of this host has received its status: it is listed as degraded, and the
-// outcome is done-degraded.
+// outcome is done-degraded. So is one of another host that has not answered the last search for
+// processes within the budget.
 
 #include <cstdint>
 #include <optional>
@@ -73,6 +74,8 @@ class TearDown : StepPart {
   std::optional<RecordText> WhyMayRun(ActuatorIndex i) const;
   bool ProcessesLeft() const;
   bool HasSearched();
+  void Search();
+  void NameSilentHosts();
   bool IsOutOfReach(ActuatorIndex i) const;
   std::optional<Error> LeftBehind(ActuatorIndex i) const;
   void ForgetElsewhere(ActuatorIndex i);

@@ -4,6 +4,8 @@
 //   FOLDER/unit           ActiveState, MainPID, one variable of the environment, Result, and the
 //                         exit code of its last process
 //   FOLDER/system         SystemState; without it "running"
+//   FOLDER/uptime         for how many seconds the host has run: a start whose limit is less is
+//                         skipped; without it none is
 //   FOLDER/ignore-MEMBER  the calls of this member are not answered
 //   FOLDER/refuse-MEMBER  the calls of this member are answered with the error in it
 //   FOLDER/late-MEMBER    the calls of this member are answered once it is removed
@@ -99,13 +101,31 @@ class FakeSystemd {
     } else if (member == "Kill") {
       AnswerKill(call);
     } else if (member == "StartTransientUnit") {
-      NoteCommand(call);
-      sd_bus_reply_method_return(call, "o", "/org/freedesktop/systemd1/job/1");
+      AnswerStart(call);
     } else {
       if (member == "Stop" || member == "Cancel") Note(member);
       sd_bus_reply_method_return(call, "");
     }
     sd_bus_flush(bus_);
+  }
+
+  void AnswerStart(sd_bus_message* call) {
+    const std::string unit = NoteCommand(call);
+    std::int64_t uptime_s = 0;
+    std::ifstream(folder_ + "/uptime") >> uptime_s;
+    const bool skipped = uptime_s > until_s_;
+    Note(skipped ? "StartTransientUnit skipped" : "StartTransientUnit");
+    sd_bus_reply_method_return(call, "o", kJob);
+    if (!skipped) return;
+    sd_bus_message* signal = nullptr;
+    if (sd_bus_message_new_signal(bus_, &signal, "/org/freedesktop/systemd1",
+                                  "org.freedesktop.systemd1.Manager", "JobRemoved") < 0) {
+      return;
+    }
+    sd_bus_message_set_sender(signal, "org.freedesktop.systemd1");
+    sd_bus_message_append(signal, "uoss", 1U, kJob, unit.c_str(), "skipped");
+    sd_bus_send(bus_, signal, nullptr);
+    sd_bus_message_unref(signal);
   }
 
   void AnswerKill(sd_bus_message* call) {
@@ -185,8 +205,8 @@ class FakeSystemd {
     sd_bus_flush(bus_);
   }
 
-  // Notes how the command is given, and its arguments.
-  void NoteCommand(sd_bus_message* call) {
+  // Notes how the command is given, and its arguments. Returns the name of the unit.
+  std::string NoteCommand(sd_bus_message* call) {
     const char* unit = nullptr;
     const char* mode = nullptr;
     sd_bus_message_read(call, "ss", &unit, &mode);
@@ -210,12 +230,15 @@ class FakeSystemd {
         }
         for (int level = 0; level < 3; ++level) sd_bus_message_exit_container(call);
         Note(name + words);
+        constexpr std::string_view kLimit = " -le ";
+        const std::size_t limit = words.find(kLimit);
+        if (limit != std::string::npos) until_s_ = std::stoll(words.substr(limit + kLimit.size()));
       } else {
         Note(name + ValueOf(call));
       }
       sd_bus_message_exit_container(call);
     }
-    Note("StartTransientUnit");
+    return unit;
   }
 
   // " 64" of a variant with a number, a text or a list of devices; else nothing.
@@ -268,9 +291,11 @@ class FakeSystemd {
   }
 
   static constexpr std::uint64_t kLookEach_us = 5'000;
+  static constexpr const char* kJob = "/org/freedesktop/systemd1/job/1";
   const std::string folder_;
   sd_bus* bus_ = nullptr;
-  std::string path_;  // of the unit
+  std::string path_;          // of the unit
+  std::int64_t until_s_ = 0;  // the limit of the last start
 };
 
 }  // namespace

@@ -299,6 +299,40 @@ TEST_F(UnitOfAnotherHost, ThatEndsByItselfHasItsExitCode) {
   EXPECT_EQ(exit_, "exit code 0");
 }
 
+// systemd does not keep it, so its end is only read after the connection is made again.
+TEST_F(UnitOfAnotherHost, ThatHasDoneItsWorkWhileItsHostWasOutOfReachHasExitCode0) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  SetUnit("inactive", 0);
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "exit code 0");
+}
+
+TEST_F(UnitOfAnotherHost, ThatHasFailedWhileItsHostWasOutOfReachHasItsExitCode) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("unit", std::string("failed 41 ") + kOurs + " exit-code 3\n");
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "exit code 3");
+}
+
+TEST_F(UnitOfAnotherHost, ThatEndsOutOfReachOnAHostThatShutsDownHasEndedWithThat) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("system", "stopping");
+  SetUnit("inactive", 0);
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "its host went down");
+}
+
+TEST_F(UnitOfAnotherHost, WhoseEndIsOnlyKnownFromTheReplyToASignalHasEnded) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  SetUnit("inactive", 0);  // without a signal of systemd
+  units_->Signal("eyes", 41, SIGTERM);
+  Await([this] { return !ended_.empty(); });
+  EXPECT_THAT(ended_, ElementsAre(41));
+}
+
 TEST_F(UnitOfAnotherHost, WhoseEndTheMachineWantedHasItsExitCodeOnAHostThatShutsDown) {
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
   Write("system", "stopping");
@@ -380,6 +414,26 @@ TEST_F(UnitOfAnotherHost, IsStartedWithinSomeSecondsOfItsHostsClockOrNotAtAll) {
   };
   EXPECT_TRUE(starts(std::chrono::hours(1'000'000)));
   EXPECT_FALSE(starts(-std::chrono::seconds(1)));
+}
+
+// A connection lasts for months, and of two clocks one gains some seconds a day on the other.
+TEST_F(UnitOfAnotherHost, IsStartedAlsoIfTheClockOfItsHostHasGainedSinceTheConnectionWasMade) {
+  SetUnit("inactive", 0);
+  Write("uptime", "1500");  // it was greeted with 1,000
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit skipped\n");
+  AwaitCall("StartTransientUnit\n");
+  EXPECT_THAT(not_started_, IsEmpty());
+}
+
+TEST_F(UnitOfAnotherHost, WhoseHostSkipsEachStartIsNotStarted) {
+  SetUnit("inactive", 0);
+  Write("uptime", "1000000");
+  Open();
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(not_started_, ElementsAre(HasSubstr("has ended as 'skipped'")));
 }
 
 // What waits in the one before would be carried out beside it.

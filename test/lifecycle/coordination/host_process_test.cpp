@@ -272,6 +272,44 @@ TEST_F(HostProcess, OutOfReachIsNamedByTheTearDownWithItsHost) {
               HasSubstr(texts::HostUnreached("vision", "no route to host").message));
 }
 
+// The machine was reported as torn down while a process of an earlier controller ran there.
+TEST_F(HostProcess, WhoseHostHasNotAnsweredTheSearchWithinTheBudgetIsNamedByTheTearDown) {
+  Begin();
+  Do(event::ProcessNotStarted{0, "none"});
+  Do(event::ProcessNotStarted{1, "none"});
+  answers_search_ = false;
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  Pass(config_.shutdown_budget);
+  ASSERT_EQ(machine_.phase, Phase::kStopped);
+  EXPECT_THAT(Did<action::FindProcesses>(), ::testing::SizeIs(1));
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_THAT(answers, ::testing::SizeIs(1));
+  EXPECT_EQ(answers.back().result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(answers.back().result.reason, HasSubstr("b: host vision is out of reach"));
+}
+
+TEST_F(HostProcess, ThatHasExitedIsNotNamedByTheTearDownWhenTheSearchIsNotAnswered) {
+  StartUpBoth();
+  answers_search_ = false;
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  ObeyBoth();
+  Do(event::ProcessEnded{0, 700, true, "exit code 0"});
+  Do(event::ProcessEnded{1, kPid, true, "exit code 0"});
+  Pass(config_.shutdown_budget);
+  ASSERT_EQ(machine_.phase, Phase::kStopped);
+  EXPECT_EQ(Did<action::AnswerSetState>().back().result.outcome, SwitchOutcome::kDone);
+}
+
+// With a short budget the queries for the outcome of TearDown end after SIGKILL.
+TEST_F(HostProcess, IsSearchedForWithSigkillIfTheSwitchHasNotEndedBefore) {
+  config_.shutdown_budget = Milliseconds(800);
+  StartUpBoth();
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  Pass(config_.shutdown_budget * 95 / 100);
+  ASSERT_TRUE(machine_.current);
+  EXPECT_THAT(Did<action::FindProcesses>(), ::testing::SizeIs(1));
+}
+
 TEST_F(HostProcess, ThatIsFoundByTheTearDownIsEndedOnItsHost) {
   Begin();
   Do(event::SetStateRequested{kRequest, "TearDown", {}});
