@@ -61,7 +61,11 @@ Result<> ControllerShell::Open() {
   presence_ = std::move(presence).value();
   board_ = std::make_unique<MachineBoard>(context_, *presence_);
   auto health = HealthWatch::Make(
-      node, config_, *dependencies_.process_probe, dependencies_.host, context_.handle,
+      node, config_, *dependencies_.process_probe, dependencies_.host,
+      [this](const event::HealthChanged& changed) {
+        // Of a process that another machine has taken nothing counts here.
+        if (!peers_->FollowsOther(changed.actuator)) context_.handle(changed);
+      },
       [this](ActuatorIndex i) {
         peers_->LinkTo(i).Query({machine_.epoch, 0, false});  // this query fences nothing
       },

@@ -20,7 +20,7 @@ namespace musher {
 
 class HealthWatch {
  public:
-  using Emit = std::function<void(Event)>;
+  using Emit = std::function<void(const event::HealthChanged&)>;
   using Query = std::function<void(ActuatorIndex actuator)>;  // sends it any query
   // A heartbeat of its process was received, which reports that the work thread makes progress.
   using OnAlive = std::function<void(ActuatorIndex actuator, Incarnation incarnation)>;

@@ -205,7 +205,8 @@ std::optional<Time> NextDeadlineOf(const KnownActuator& known) {
   if (known.command) consider(known.command->deadline);
   if (known.control.again) consider(*known.control.again);
   if (known.set_up_by && known.presence != Presence::kPresent) consider(*known.set_up_by);
-  for (const auto& when : {known.restart.at, known.restart.reset_at, known.free_by}) {
+  for (const auto& when :
+       {known.restart.at, known.restart.reset_at, known.free_by, known.exit_by}) {
     if (when) consider(*when);
   }
   if (const auto& termination = known.process.termination) {

@@ -209,6 +209,8 @@ void HealthMonitor::EvaluateRemote(ActuatorIndex actuator, MonitoredProcess& pro
   if (process.host.empty()) {
     return Change(actuator, process, Health::kHung, true, silence, events);
   }
+  // Its host may be silent later, too, or be heard again without it.
+  process.look = now + process.limit;
   if (HostIsAlive(process, now)) {
     Change(actuator, process, Health::kCrashed, true,
            silence + ", while other actuators of its host are alive", events);

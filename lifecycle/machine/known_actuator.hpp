@@ -45,7 +45,8 @@ struct Termination {
   std::optional<Time> terminate_at;  // SIGTERM; none: not, or sent already
   Time kill_at{};                    // SIGKILL; once sent, its exit is due by then
   bool killed = false;               // SIGKILL was sent
-  bool for_silence = false;          // of its alone on its host: void while the host is silent
+  bool overdue = false;              // nor was its exit seen after that
+  bool for_silence = false;          // it alone is silent on its host
 
   friend bool operator==(const Termination&, const Termination&) = default;
 };
@@ -132,6 +133,7 @@ struct KnownActuator {
   ControlState control;
   std::optional<Time> set_up_by;  // not present by then: given up for now
   std::optional<Time> free_by;    // it is busy with a command that no switch waits for
+  std::optional<Time> exit_by;    // lost, and its process may have exited: known by then
 
   // How it follows the machine.
   bool checked = false;     // passed its self-check since its process started
@@ -197,11 +199,9 @@ inline constexpr std::tuple kFields<PendingCommand> = {
 
 template <>
 inline constexpr std::tuple kFields<Termination> = {
-    Field{"pid", &Termination::pid},
-    Field{"terminate_at", &Termination::terminate_at},
-    Field{"kill_at", &Termination::kill_at},
-    Field{"killed", &Termination::killed},
-    Field{"for_silence", &Termination::for_silence},
+    Field{"pid", &Termination::pid},         Field{"terminate_at", &Termination::terminate_at},
+    Field{"kill_at", &Termination::kill_at}, Field{"killed", &Termination::killed},
+    Field{"overdue", &Termination::overdue}, Field{"for_silence", &Termination::for_silence},
 };
 
 template <>
@@ -270,6 +270,7 @@ inline constexpr std::tuple kFields<KnownActuator> = {
     Field{"health", &KnownActuator::health},
     Field{"suspended", &KnownActuator::suspended},
     Field{"free_by", &KnownActuator::free_by},
+    Field{"exit_by", &KnownActuator::exit_by},
     Field{"elsewhere", &KnownActuator::elsewhere},
 };
 

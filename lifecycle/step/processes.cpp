@@ -100,6 +100,7 @@ void Processes::Kill(ActuatorIndex i) {
 void Processes::ForgetProcess(ActuatorIndex i) {
   Of(i).process.pid = 0;
   Of(i).process.host.clear();
+  Of(i).exit_by.reset();
 }
 
 void Processes::ForgetEnd(ActuatorIndex i) {

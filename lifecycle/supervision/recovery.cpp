@@ -1,6 +1,5 @@
 #include "musher/lifecycle/supervision/recovery.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "musher/lifecycle/refusal.hpp"
@@ -15,6 +14,9 @@ constexpr Duration kHostBoots = Milliseconds(180'000);
 // For so long an actuator on another host may be silent alone there before its process is killed:
 // three heartbeats are soon missed on a radio link.
 constexpr Duration kSilence = Milliseconds(5000);
+// After a cut those of a host are discovered one after the other.
+constexpr Duration kDiscovered = Milliseconds(20'000);
+constexpr Duration kLate = Milliseconds(100);
 
 void EndLaunch(KnownActuator& known) {
   const Launch launch = known.process.launch;
@@ -33,18 +35,14 @@ void Recovery::On(const event::HealthChanged& changed) {
     return;
   }
   if (changed.health == Health::kWell) return Recovered(i, changed.how);
-  known.health = changed.health;
+  const bool cut = std::exchange(known.health, changed.health) == Health::kPartitioned;
   const RecordText what = texts::Unhealthy(changed.health, changed.how);
   switch (changed.health) {
     case Health::kHung:
       return commands_.MarkHung(i, changed.silent, what);
     case Health::kCrashed:
     case Health::kPartitioned:
-      if (known.presence == Presence::kPresent || known.presence == Presence::kStarting) {
-        commands_.LoseConnection(i, what);
-      }
-      if (changed.health == Health::kCrashed) EndUnlessHeard(i);
-      return;
+      return Silent(i, what, cut ? kDiscovered : kSilence);
     case Health::kStarved:
     case Health::kWell:
       RecordActuator(i, kCodeTimeout, texts::ActuatorStarved(ConfigOf(i).name, changed.how));
@@ -52,26 +50,32 @@ void Recovery::On(const event::HealthChanged& changed) {
   }
 }
 
-// It alone is silent on its host: its process is frozen, or its connection is bad for a moment.
-void Recovery::EndUnlessHeard(ActuatorIndex i) {
-  const ActuatorProcess& process = Of(i).process;
-  const bool known_there = !process.host.empty() && IsReportOf(i, process.pid);
-  if (!known_there || !MayRestart(i) || process.termination) return;
-  processes_.Terminate(i, process.pid, kSilence);
-  Of(i).process.termination->for_silence = true;
-}
-
-bool Recovery::AnotherIsHeardFromItsHost(ActuatorIndex i) const {
-  const auto indices = machine_.actuators.Indices();
-  return std::any_of(indices.begin(), indices.end(), [&](ActuatorIndex other) {
-    return other != i && Of(other).presence == Presence::kPresent &&
-           Of(other).report.host == Of(i).report.host;
-  });
+// On another host. A silent process is none that has just exited.
+void Recovery::Silent(ActuatorIndex i, const RecordText& how, Duration patience) {
+  KnownActuator& known = Of(i);
+  if (known.presence == Presence::kPresent || known.presence == Presence::kStarting) {
+    commands_.LoseConnection(i, how);
+    if (known.report.host != machine_.host && known.exit_by) {
+      known.exit_by.reset();
+      FallBack(i);
+    }
+  }
+  auto& termination = known.process.termination;
+  if (known.health == Health::kPartitioned) {
+    if (termination && termination->for_silence) termination.reset();
+    return;
+  }
+  // It alone: its process is frozen, or its connection is bad for a moment.
+  const bool known_there = !known.process.host.empty() && IsReportOf(i, known.process.pid);
+  if (!known_there || !MayRestart(i) || termination) return;
+  processes_.Terminate(i, known.process.pid, patience);
+  termination->for_silence = true;
 }
 
 void Recovery::Recovered(ActuatorIndex i, const std::string& how) {
   KnownActuator& known = Of(i);
   known.health = Health::kWell;
+  known.exit_by.reset();
   known.cause =
       RecordActuator(i, kCodeOk, texts::ActuatorRecovered(ConfigOf(i).name, how), known.cause);
   if (!known.restart.requested) known.process.termination.reset();  // else it is terminated anyway
@@ -108,7 +112,8 @@ void Recovery::AssumeExited(ActuatorIndex i) {
   // The systemd of another host reports each exit: until then the signal may not have reached it.
   if (!known.process.host.empty() && known.process.pid == pid) {
     known.process.termination->kill_at = now_ + kEndTime;
-    FallBack(i);  // its host may be out of reach, and the machine does not wait for that
+    // Its host may be out of reach, and the machine does not wait for that.
+    if (!std::exchange(known.process.termination->overdue, true)) FallBack(i);
     return Do(action::SignalProcess{i, pid, true});
   }
   RecordProcess(i, kCodeTimeout, texts::ProcessExitAssumed(pid));
@@ -119,11 +124,23 @@ void Recovery::AssumeExited(ActuatorIndex i) {
 }
 
 void Recovery::EndNow(ActuatorIndex i) {
-  auto& termination = Of(i).process.termination;
-  if (termination->killed) return AssumeExited(i);
-  // The cut of its connection was the begin of that of its host.
-  if (termination->for_silence && !AnotherIsHeardFromItsHost(i)) return termination.reset();
+  Termination& termination = *Of(i).process.termination;
+  if (termination.killed) return AssumeExited(i);
+  // This controller was stopped itself, and may not have read yet what has been received.
+  if (termination.for_silence && now_ - termination.kill_at > kLate) {
+    termination.kill_at = now_ + kSilence;
+    return;
+  }
   processes_.Kill(i);
+}
+
+// Whether it has exited is not known in time.
+void Recovery::FallBackWithout(ActuatorIndex i) {
+  KnownActuator& known = Of(i);
+  known.exit_by.reset();
+  const auto& termination = known.process.termination;
+  const bool is_ended = known.restart.at || (termination && !termination->for_silence);
+  if (known.presence == Presence::kLost && !is_ended) FallBack(i);
 }
 
 void Recovery::CheckDeadlines() {
@@ -136,6 +153,7 @@ void Recovery::CheckDeadlines() {
       }
       if (termination->kill_at <= now_) EndNow(i);
     }
+    if (known.exit_by && *known.exit_by <= now_) FallBackWithout(i);
     if (known.restart.reset_at && *known.restart.reset_at <= now_) {
       known.restart.reset_at.reset();
       known.restart.count = 0;

@@ -25,9 +25,9 @@ class Recovery : StepPart {
 
  private:
   void Recovered(ActuatorIndex i, const std::string& how);
-  void EndUnlessHeard(ActuatorIndex i);
-  bool AnotherIsHeardFromItsHost(ActuatorIndex i) const;
+  void Silent(ActuatorIndex i, const RecordText& how, Duration patience);
   void EndNow(ActuatorIndex i);
+  void FallBackWithout(ActuatorIndex i);
   void AssumeExited(ActuatorIndex i);
   void AwaitHost(ActuatorIndex i, bool again);
   void BeginLateSetUp(const event::ProcessStarted& started);

@@ -66,6 +66,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
   known.writer_lost = false;
   commands_.Accept(seen.actuator, report);
   known.presence = Presence::kStarting;
+  known.exit_by.reset();
   if (known.restart.at) processes_.CancelRestart(seen.actuator);
   // An actuator that publishes its status and never answers is given up like one that never starts.
   if (!known.set_up_by && !known.fault && !stopping) {

@@ -340,10 +340,12 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
 
 void Commands::LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause) {
   Lose(i, how, cause);
-  // The exit of a process here is seen, and it is started again. Of another host nobody may ever
-  // hear again.
-  const bool exit_is_seen = ProcessOf(i) != 0 && Of(i).process.host.empty();
-  if (!MayRestart(i) || !exit_is_seen) FallBack(i);
+  KnownActuator& known = Of(i);
+  if (!MayRestart(i) || ProcessOf(i) == 0) return FallBack(i);
+  const auto& termination = known.process.termination;
+  const bool is_ended = known.restart.requested || (termination && !termination->for_silence) ||
+                        known.state() == kTearDown;
+  if (!is_ended) known.exit_by = now_ + kExitIsKnown;
 }
 
 void Commands::MarkHung(ActuatorIndex i, bool silent, const RecordText& how) {

@@ -114,6 +114,25 @@ TEST_F(TakenByOtherMachine, IsLostAndNamesThatMachine) {
   EXPECT_THAT(Ours().Of("b").fault->message, HasSubstr("22222222"));
 }
 
+// It was taken in a cut in which its writer was lost: with its first heartbeat it was asked for
+// control every 500 ms, and counted as starting.
+TEST_F(TakenByOtherMachine, InALongCutIsNotTakenForOneThatIsBack) {
+  const auto cut = [this](bool blocked) {
+    hosts_.SetHostBlocked(0, kBoard, blocked);
+    hosts_.SetHostBlocked(kBoard, 0, blocked);
+  };
+  cut(true);
+  ASSERT_TRUE(RunUntil([this] { return Ours().Of("b").presence == Presence::kLost; }));
+  network_.RunFor(std::chrono::seconds(10));
+  TheBoardBeginsAMachineOfItsOwn();
+  cut(false);
+  for (int i = 0; i < 200; ++i) {
+    network_.RunFor(Milliseconds(100));
+    ASSERT_EQ(Ours().Of("b").presence, Presence::kLost);
+  }
+  EXPECT_EQ(Other().Of("b").presence, Presence::kPresent);
+}
+
 // It gave the whole robot up: its base drove on without any controller, and `musher down` was
 // superseded.
 TEST_F(TakenByOtherMachine, LeavesTheOthersToTheirController) {

@@ -249,6 +249,29 @@ TEST_F(Monitor, TheOnlyActuatorOfItsHostIsPartitioned) {
   EXPECT_THAT(Found(), ElementsAre("probe a", "a partitioned, silent"));
 }
 
+// Its process was frozen while the link was cut: nobody looked at it again.
+TEST_F(Monitor, OfAHostThatIsHeardAgainAnActuatorThatStaysSilentIsCrashed) {
+  Watch(0, false, "there");
+  Watch(1, false, "there");
+  heartbeats_[0] = heartbeats_[1] = false;
+  RunFor(std::chrono::seconds(2));
+  Found();
+  heartbeats_[1] = true;
+  RunFor(std::chrono::seconds(2));
+  EXPECT_THAT(Found(), ElementsAre("b well", "a crashed, silent"));
+}
+
+TEST_F(Monitor, WhatWasTheFirstToBeSilentOfItsHostIsPartitionedWithTheOthers) {
+  Watch(0, false, "there");
+  Watch(1, false, "there");
+  heartbeats_[0] = false;
+  RunFor(std::chrono::seconds(2));
+  Found();
+  heartbeats_[1] = false;
+  RunFor(std::chrono::seconds(2));
+  EXPECT_THAT(Found(), ElementsAre("probe b", "b partitioned, silent", "a partitioned, silent"));
+}
+
 TEST_F(Monitor, APartitionThatEndsIsReported) {
   Watch(0, false, "there");
   heartbeats_[0] = false;

@@ -176,18 +176,77 @@ TEST_F(HostProcess, IsNeitherEndedNorStartedTwiceWhenItsConnectionIsLost) {
 
 // A frozen process, or a board without power: no exit of it is ever reported, and a robot with legs
 // stayed in Active without its eyes.
-TEST_F(HostProcess, ThatIsCriticalTakesTheMachineToItsOnLostWhenItsConnectionIsLost) {
-  config_.actuators[1].critical = true;
-  config_.actuators[1].on_lost = kProtected;
+class CriticalHostProcess : public HostProcess {
+ protected:
+  CriticalHostProcess() {
+    config_.actuators[1].critical = true;
+    config_.actuators[1].on_lost = kProtected;
+  }
+  void BeSilent(Health health) {
+    Do(event::HealthChanged{1, kFirst + 1, health, true, "no heartbeat"});
+  }
+};
+
+TEST_F(CriticalHostProcess, ThatIsSilentTakesTheMachineToItsOnLostAtOnce) {
   StartUpBoth();
-  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  BeSilent(Health::kPartitioned);
   ObeyBoth();
   EXPECT_EQ(machine_.state, kProtected);
 }
 
+TEST_F(CriticalHostProcess,
+       WhoseConnectionIsLostTakesTheMachineToItsOnLostUnlessItsExitIsReported) {
+  StartUpBoth();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Pass(Milliseconds(1900));
+  EXPECT_FALSE(machine_.current);
+  Pass(Milliseconds(200));
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kProtected);
+}
+
+TEST_F(CriticalHostProcess, WhoseConnectionIsLostBeforeItsExitIsReportedIsStartedAgain) {
+  StartUpBoth();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Pass(Milliseconds(100));
+  Do(event::ProcessEnded{1, kPid, false, "killed by SIGKILL"});
+  Pass(Milliseconds(150));
+  EXPECT_THAT(Did<action::StartProcess>(), ElementsAre(action::StartProcess{1}));
+  Pass(std::chrono::seconds(4));
+  EXPECT_FALSE(machine_.current);
+}
+
+// The writer of its status ends with its TearDown, before the exit comes by ssh.
+TEST_F(CriticalHostProcess, ThatIsRestartedByRequestTakesTheMachineNowhere) {
+  StartUpBoth();
+  Do(event::RestartRequested{kRequest, "b"});
+  ObeyB();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Pass(Milliseconds(500));
+  Do(event::ProcessEnded{1, kPid, true, "exit code 0"});
+  Pass(std::chrono::seconds(4));
+  EXPECT_THAT(Did<action::StartProcess>(), ElementsAre(action::StartProcess{1}));
+  EXPECT_FALSE(machine_.current);
+  EXPECT_EQ(machine_.state, kActive);
+}
+
+TEST_F(CriticalHostProcess, ThatHangsAndCannotBeKilledTakesTheMachineToItsOnLostOnce) {
+  config_.actuators[1].critical = false;
+  StartUpBoth();
+  Do(event::HealthChanged{1, kFirst + 1, Health::kHung, false, "no checkpoint"});
+  Do(event::BacktraceTaken{1, kPid, "none"});
+  EXPECT_EQ(machine_.state, kActive) << "the kill may help";
+  Pass(Milliseconds(2100));
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kProtected);
+  Do(event::SetStateRequested{kRequest, kActive, {}});
+  ObeyBoth();
+  Pass(std::chrono::seconds(10));
+  EXPECT_EQ(machine_.state, kActive) << "a person goes on without it";
+}
+
 TEST_F(HostProcess, ThatIsSilentAloneForFiveSecondsIsKilledOnItsHost) {
   StartUpBoth();
-  Of(0).report.host = "there";
   Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
   Pass(Milliseconds(4900));
   EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
@@ -201,7 +260,6 @@ TEST_F(HostProcess, ThatIsSilentAloneForFiveSecondsIsKilledOnItsHost) {
 // A cut that ends was nothing that its process could help.
 TEST_F(HostProcess, ThatIsHeardAgainWithinFiveSecondsIsNotKilled) {
   StartUpBoth();
-  Of(0).report.host = "there";
   Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
   Pass(Milliseconds(4900));
   Do(event::HealthChanged{1, kFirst + 1, Health::kWell, false, "heartbeat received again"});
@@ -212,20 +270,30 @@ TEST_F(HostProcess, ThatIsHeardAgainWithinFiveSecondsIsNotKilled) {
 TEST_F(HostProcess, ThatWasTheFirstToBeSilentOfItsHostIsNotKilled) {
   StartUpBoth();
   Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  Pass(Milliseconds(500));
+  Do(event::HealthChanged{1, kFirst + 1, Health::kPartitioned, true, "no heartbeat"});
   Pass(std::chrono::seconds(10));
   EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
 }
 
-TEST_F(HostProcess, ThatHangsAndCannotBeKilledTakesTheMachineToItsOnLost) {
-  config_.actuators[1].critical = true;
-  config_.actuators[1].on_lost = kProtected;
+TEST_F(HostProcess, ThatStaysSilentAfterACutIsKilledAfterTwentySeconds) {
   StartUpBoth();
-  Do(event::HealthChanged{1, kFirst + 1, Health::kHung, false, "no checkpoint"});
-  Do(event::BacktraceTaken{1, kPid, "none"});
-  EXPECT_EQ(machine_.state, kActive) << "the kill may help";
-  Pass(Milliseconds(2100));
-  ObeyBoth();
-  EXPECT_EQ(machine_.state, kProtected);
+  Do(event::HealthChanged{1, kFirst + 1, Health::kPartitioned, true, "no heartbeat"});
+  Pass(std::chrono::seconds(60));
+  Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  Pass(Milliseconds(19'900));
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+  Pass(Milliseconds(200));
+  EXPECT_THAT(Did<action::SignalProcess>(), ElementsAre(action::SignalProcess{1, kPid, true}));
+}
+
+// The first timer after a stop of the controller itself: what was received is not read yet.
+TEST_F(HostProcess, IsNotKilledForASilenceInWhichTheControllerWasStopped) {
+  StartUpBoth();
+  Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  now_ += std::chrono::seconds(20);
+  Do(event::TimePassed{});
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
 }
 
 TEST_F(HostProcess, IsStoredForTheNextControllerAsOneOfAnotherHost) {

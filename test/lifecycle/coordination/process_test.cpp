@@ -216,7 +216,19 @@ TEST_F(Processes, OfTheControllerWithoutConnectionAreAwaitedBeforeTheFallback) {
   config_.actuators[0].on_lost = "LowPower";
   StartUpOurs();
   Do(event::Vanished{0, kFirst, false, "connection lost"});
+  Pass(Milliseconds(1900));
   EXPECT_FALSE(machine_.current) << "whether it has ended or hangs will be found out";
+}
+
+// The services of a ROS 2 node are gone, and its process lives: nobody found out anything.
+TEST_F(Processes, OfTheControllerOfWhichNothingIsFoundOutTakeTheMachineToTheirOnLost) {
+  config_.actuators[0].critical = true;
+  config_.actuators[0].on_lost = "LowPower";
+  StartUpOurs();
+  Do(event::Vanished{0, kFirst, false, "its services are lost"});
+  Pass(Milliseconds(2100));
+  ASSERT_TRUE(machine_.current);
+  EXPECT_EQ(machine_.current->target, kLowPower);
 }
 
 TEST_F(Processes, ARestartOfAnUnknownActuatorIsRefusedWithItsNameShortened) {
