@@ -94,6 +94,8 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   console.Print(console.mode().json ? EndingJson(outcomes)
                                     : EndingText(outcomes, console.mode().colour));
   if (link.value()->interrupted()) return ExitCode::kInterrupted;
+  const auto others = ending.value()->Others();
+  if (!others.empty()) console.PrintError(OthersText(others));
   if (!ending.value()->Ended()) {
     console.PrintError("not all actuators have exited");
     return ExitCode::kNotDone;
@@ -102,7 +104,7 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   for (const auto& one : outcomes) {
     if (one.has_tear_down && !one.torn_down) not_torn_down.push_back(one.name);
   }
-  if (not_torn_down.empty()) return ExitCode::kDone;
+  if (not_torn_down.empty()) return others.empty() ? ExitCode::kDone : ExitCode::kNotDone;
   console.PrintError(fmt::format("without TearDown what {} {} switched on may still be on",
                                  fmt::join(not_torn_down, ", "),
                                  not_torn_down.size() == 1 ? "has" : "have"));

@@ -89,6 +89,8 @@ Result<> DirectTearDown::Open() {
 
 void DirectTearDown::Know(Target& target, const msg::ActuatorStatus& status) {
   target.known = true;
+  target.host = status.host;
+  target.incarnation = status.incarnation;
   target.outcome.trouble = "";
   epoch_ = std::max(epoch_, Epoch(status.epoch) + 1);
   machine_ = {status.machine, status.machine_id};
@@ -209,6 +211,26 @@ std::vector<DirectTearDown::Outcome> DirectTearDown::Outcomes() const {
   std::vector<Outcome> outcomes;
   for (const auto& [name, target] : targets_) outcomes.push_back(target.outcome);
   return outcomes;
+}
+
+// Also a status that has arrived only when its process, found by its name, was ended by a signal.
+bool DirectTearDown::IsOf(const msg::ActuatorStatus& status, const Target& target) {
+  const bool known = target.host == status.host && target.incarnation == status.incarnation;
+  return known || (target.here && status.host == HostId() && status.pid == target.outcome.pid);
+}
+
+std::vector<DirectTearDown::Other> DirectTearDown::Others() const {
+  std::vector<Other> others;
+  const std::vector<transport::PeerInfo> peers = node_.Peers();
+  for (const RunningActuators::Actuator& actuator : running_.All()) {
+    const msg::ActuatorStatus& status = actuator.status;
+    const auto found = targets_.find(status.name);
+    if (found != targets_.end() && IsOf(status, found->second)) continue;
+    const auto peer = std::ranges::find(peers, actuator.participant, &transport::PeerInfo::id);
+    const bool named = peer != peers.end() && !peer->host.empty();
+    others.push_back({status.name, status.pid, named ? peer->host : status.host});
+  }
+  return others;
 }
 
 }  // namespace musher::cli

@@ -8,6 +8,9 @@
 // One whose process is found here and whose status has not arrived yet is awaited: it is commanded
 // once its status arrives.
 //
+// Where several hosts run one actuator, one of its processes is stopped, that of this host if there
+// is one; the others are named at the end.
+//
 // All stop at the same time: their order is in the config, which this class does not read.
 //
 // Threads: loop thread only.
@@ -41,6 +44,14 @@ class DirectTearDown {
     std::string trouble;  // why it was not torn down, if it says so
   };
 
+  // A process that runs and is not stopped: a second one of an actuator, on another host, or one
+  // whose first status has arrived since the begin.
+  struct Other {
+    std::string name;
+    std::int32_t pid = 0;
+    std::string host;  // its name, if that is known, else its HostId()
+  };
+
   // `timeout`: for the TearDowns. The node and `running` must outlive it.
   static Result<std::unique_ptr<DirectTearDown>> Begin(transport::Node& node,
                                                        const std::string& name_space,
@@ -51,6 +62,8 @@ class DirectTearDown {
   // The time for all attempts is over.
   bool OutOfTime() const;
   std::vector<Outcome> Outcomes() const;
+  // By what is known now.
+  std::vector<Other> Others() const;
 
  private:
   struct Target {
@@ -58,6 +71,8 @@ class DirectTearDown {
     bool here = false;       // a process of this host, proven to hold the actuator's name
     bool elsewhere = false;  // of another host
     bool known = false;      // its status was received
+    std::string host;        // by that status, as the incarnation
+    std::uint64_t incarnation = 0;
     bool commanded = false;
     CommandNumber last_number = 0;
     std::unique_ptr<transport::Client<msg::ActuatorCommand>> commands;
@@ -79,6 +94,7 @@ class DirectTearDown {
   void CommandTearDown(Target& target, const Actuators& running);
   void Learn(Target& target, const msg::ActuatorStatus& status);
   void Signal(Target& target);
+  static bool IsOf(const msg::ActuatorStatus& status, const Target& target);
 
   transport::Node& node_;
   const std::string name_space_;

@@ -93,6 +93,16 @@ std::map<std::string, RunningActuators::Actuator> RunningActuators::Received() c
   return received;
 }
 
+std::vector<RunningActuators::Actuator> RunningActuators::All() const {
+  std::vector<Actuator> all;
+  for (const auto& [writer, actuator] : received_) {
+    const msg::ActuatorStatus& status = actuator.status;
+    const bool ours = SameMachine(machine_, {status.machine, status.machine_id});
+    if (ours && status.state != kTearDown) all.push_back(actuator);
+  }
+  return all;
+}
+
 // By its status, also of a container, which has the names of its host and pids of its own.
 bool RunningActuators::IsOfAnotherMachine(const std::string& name) const {
   return std::ranges::any_of(received_, [&](const auto& one) {

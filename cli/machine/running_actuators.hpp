@@ -42,6 +42,9 @@ class RunningActuators {
   std::vector<MachineIdentity> Machines(bool here) const;
   // The actuators that are not torn down, by name.
   std::map<std::string, Actuator> Now() const;
+  // All processes of the machine whose status says that they are not torn down: several hosts may
+  // run one actuator, of which Now() has one.
+  std::vector<Actuator> All() const;
   bool HasStatusOf(const std::string& actuator) const { return Received().contains(actuator); }
   // Whether a process of this computer says in its status that it is an actuator of this name of
   // another machine.

@@ -63,4 +63,16 @@ std::string EndingText(const std::vector<DirectTearDown::Outcome>& outcomes, boo
   return table.Text(colour);
 }
 
+std::string OthersText(const std::vector<DirectTearDown::Other>& others) {
+  std::string names;
+  for (const DirectTearDown::Other& other : others) {
+    names += fmt::format("{}{} (pid {} of host {})", names.empty() ? "" : ", ",
+                         Printable(other.name), other.pid, Printable(other.host));
+  }
+  return fmt::format(
+      "{} still {}, beside what was ended; `musher down --without-controller` ends "
+      "{}, too, when it is repeated",
+      names, others.size() == 1 ? "runs" : "run", others.size() == 1 ? "it" : "them");
+}
+
 }  // namespace musher::cli

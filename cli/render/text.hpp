@@ -40,6 +40,7 @@ std::string RunningText(const std::map<std::string, RunningActuators::Actuator>&
                         bool colour);
 std::string RunningNames(const std::map<std::string, RunningActuators::Actuator>& running);
 std::string EndingText(const std::vector<DirectTearDown::Outcome>& outcomes, bool colour);
+std::string OthersText(const std::vector<DirectTearDown::Other>& others);
 
 std::string SwitchText(const msg::SetState::Response& result, bool colour);
 // Why a switch is not done, as one sentence.

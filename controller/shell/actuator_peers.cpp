@@ -29,6 +29,11 @@ bool Runs(const MachineConfig& config, const ActuatorReport& report) {
   return report.state != kTearDown && !set_up_failed;
 }
 
+std::string TakenBy(const MachineIdentity& machine) {
+  const MachineIdentity shown{machine.name.substr(0, kLongestShown), machine.id};
+  return "it follows another machine now, " + MachineText(shown);
+}
+
 }  // namespace
 
 ActuatorPeers::ActuatorPeers(ShellContext context)
@@ -98,7 +103,7 @@ void ActuatorPeers::OnStatus(const msg::ActuatorStatus& status, const transport:
   if (!SameMachine(identity_, theirs) && !HoldsItsNameHere(status)) {
     NoteOtherMachine(status, info);
     RecordOtherMachines(status, theirs);
-    return LoseToOther(theirs, info.writer);
+    return LoseToOther(status, info.writer);
   }
   other_machines_.erase(info.writer);
   if (found == index_.end()) return RecordUnlisted(status);
@@ -165,13 +170,43 @@ void ActuatorPeers::OnAlive(ActuatorIndex actuator, Incarnation incarnation) {
 
 // A process on another host has followed this controller, and since then the controller of another
 // machine, which began there. That one leads its own machine: this controller keeps the others.
-void ActuatorPeers::LoseToOther(const MachineIdentity& theirs, transport::EndpointId writer) {
+void ActuatorPeers::LoseToOther(const msg::ActuatorStatus& status, transport::EndpointId writer) {
   const auto lost = status_writers_.extract(writer);
-  if (lost.empty()) return;
-  const auto [actuator, incarnation] = lost.mapped();
-  const MachineIdentity shown{theirs.name.substr(0, kLongestShown), theirs.id};
-  context_.handle(event::Vanished{actuator, incarnation, false,
-                                  "it follows another machine now, " + MachineText(shown), true});
+  if (!lost.empty()) {
+    const auto [actuator, incarnation] = lost.mapped();
+    return context_.handle(event::Vanished{actuator, incarnation, false,
+                                           TakenBy({status.machine, status.machine_id}), true,
+                                           status.pid, status.host.substr(0, kLongestShown)});
+  }
+  const auto found = index_.find(status.name);
+  if (found == index_.end()) return;
+  const auto& taken = machine_.actuators[found->second].process.taken;
+  const bool known = taken && taken->pid == status.pid && taken->host == status.host;
+  if (!known) ReportTaken(found->second);
+}
+
+void ActuatorPeers::ReportTaken(ActuatorIndex actuator) {
+  const ActuatorProcess& process = machine_.actuators[actuator].process;
+  const OtherMachine* status = StatusOfOther(actuator, process.host, process.pid);
+  if (status == nullptr) return;
+  context_.handle(event::Vanished{actuator, status->incarnation, false, TakenBy(status->machine),
+                                  true, status->pid, status->host});
+}
+
+// Null: there is none, or the process publishes as this machine's.
+const ActuatorPeers::OtherMachine* ActuatorPeers::StatusOfOther(ActuatorIndex actuator,
+                                                                const std::string& host,
+                                                                std::int32_t pid) const {
+  const KnownActuator& known = machine_.actuators[actuator];
+  const bool follows =
+      known.presence == Presence::kPresent && known.report.host == host && known.report.pid == pid;
+  if (host.empty() || pid == 0 || follows) return nullptr;
+  const std::string& name = config_.actuators[actuator].name;
+  const auto found = std::ranges::find_if(other_machines_, [&](const auto& one) {
+    const OtherMachine& other = one.second;
+    return other.actuator == name && other.host == host && other.pid == pid;
+  });
+  return found == other_machines_.end() ? nullptr : &found->second;
 }
 
 bool ActuatorPeers::FollowsOther(ActuatorIndex actuator) const {
@@ -373,7 +408,11 @@ void ActuatorPeers::NoteOtherMachine(const msg::ActuatorStatus& status,
   if (status.participant == 0 || (!known && other_machines_.size() >= kMostOfOtherMachines)) return;
   other_machines_[info.writer] = {
       info.participant,
-      {status.machine.substr(0, kLongestShown), status.machine_id.substr(0, kLongestShown)}};
+      {status.machine.substr(0, kLongestShown), status.machine_id.substr(0, kLongestShown)},
+      status.name.substr(0, kLongestShown),
+      status.host.substr(0, kLongestShown),
+      status.pid,
+      Incarnation(status.incarnation)};
 }
 
 const MachineIdentity* ActuatorPeers::OtherMachineOf(transport::ParticipantId participant) const {

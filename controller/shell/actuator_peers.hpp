@@ -80,6 +80,13 @@ class ActuatorPeers {
   const MachineIdentity* OtherMachineOf(transport::ParticipantId participant) const;
   // Whether the process whose report the machine uses follows another machine since.
   bool FollowsOther(ActuatorIndex actuator) const;
+  // Whether that process of another host is another machine's, by its last status.
+  bool IsOfOther(ActuatorIndex actuator, const std::string& host, std::int32_t pid) const {
+    return StatusOfOther(actuator, host, pid) != nullptr;
+  }
+  // Reports the process that this controller has started on another host, or found there, as taken
+  // if it is another machine's.
+  void ReportTaken(ActuatorIndex actuator);
   // The machine has begun: the kept events are handled.
   void Begin();
 
@@ -114,7 +121,7 @@ class ActuatorPeers {
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   void OnLinkEvent(const Event& event);
   void OnWriterLost(transport::EndpointId writer);
-  void LoseToOther(const MachineIdentity& theirs, transport::EndpointId writer);
+  void LoseToOther(const msg::ActuatorStatus& status, transport::EndpointId writer);
   void CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarnation);
 
   // The sender.
@@ -150,10 +157,17 @@ class ActuatorPeers {
     Incarnation incarnation = 0;
   };
   std::unordered_map<transport::EndpointId, StatusWriter> status_writers_;
+  // The last status of an actuator of another machine.
   struct OtherMachine {
     transport::ParticipantId participant = 0;
     MachineIdentity machine;
+    std::string actuator;
+    std::string host;
+    std::int32_t pid = 0;
+    Incarnation incarnation = 0;
   };
+  const OtherMachine* StatusOfOther(ActuatorIndex actuator, const std::string& host,
+                                    std::int32_t pid) const;
   std::unordered_map<transport::EndpointId, OtherMachine> other_machines_;  // by status writer
   PerActuator<Peer> peers_;
   // The last status of each actuator and host, in the order of receipt.

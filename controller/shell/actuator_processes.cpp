@@ -68,12 +68,19 @@ bool ActuatorProcesses::RunsOnHost(ActuatorIndex i) const {
   return IsOnHost(i) && !context_.machine.actuators[i].process.host.empty();
 }
 
+// Whether the process that runs on another host for this controller follows another machine now.
+bool ActuatorProcesses::IsOfOther(ActuatorIndex i, pid_t pid) const {
+  return peers_.IsOfOther(i, context_.machine.actuators[i].process.host, pid);
+}
+
 void ActuatorProcesses::OpenHosts() {
   if (dependencies_.hosts == nullptr) return;
   HostProcesses::Hooks hooks;
   hooks.on_started = [this](const std::string& actuator, pid_t pid, const std::string& host,
                             bool found) {
-    context_.handle(event::ProcessStarted{*config_.IndexOf(actuator), pid, host, found});
+    const ActuatorIndex i = *config_.IndexOf(actuator);
+    context_.handle(event::ProcessStarted{i, pid, host, found});
+    peers_.ReportTaken(i);
   };
   hooks.on_not_started = [this](const std::string& actuator, const std::string& why, bool waits) {
     context_.handle(event::ProcessNotStarted{*config_.IndexOf(actuator), why, waits});
@@ -92,7 +99,9 @@ void ActuatorProcesses::OpenHosts() {
   };
   hooks.still_ends = [this](const std::string& actuator, pid_t pid) {
     const Machine& machine = context_.machine;
-    const auto& termination = machine.actuators[*config_.IndexOf(actuator)].process.termination;
+    const ActuatorIndex i = *config_.IndexOf(actuator);
+    if (IsOfOther(i, pid)) return false;
+    const auto& termination = machine.actuators[i].process.termination;
     return machine.phase == Phase::kStopping || machine.phase == Phase::kStopped ||
            (termination && termination->pid == pid);
   };
@@ -199,7 +208,7 @@ void ActuatorProcesses::Do(const action::FindProcesses&) {
     for (const HostProcesses::Found& one : there) {
       const ActuatorIndex i = *config_.IndexOf(one.actuator);
       // One that is found now and follows another machine is not ended with this one.
-      found.processes[i] = peers_.FollowsOther(i) ? 0 : one.pid;
+      found.processes[i] = peers_.IsOfOther(i, one.host, one.pid) ? 0 : one.pid;
       found.hosts[i] = one.host;
       found.unreached[i] = one.unreached;
     }
@@ -210,6 +219,8 @@ void ActuatorProcesses::Do(const action::FindProcesses&) {
 void ActuatorProcesses::Do(const action::SignalProcess& a) {
   const int signal = a.kill ? SIGKILL : SIGTERM;
   if (RunsOnHost(a.actuator)) {
+    // It may have been found just now: the decision learns of that first, then of who leads it.
+    if (IsOfOther(a.actuator, a.pid)) return;
     return dependencies_.hosts->Signal(config_.actuators[a.actuator].name, a.pid, signal);
   }
   // A process that has exited meanwhile needs no signal.

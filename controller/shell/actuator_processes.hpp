@@ -48,6 +48,7 @@ class ActuatorProcesses {
   bool IsOnHost(ActuatorIndex actuator) const;
   // Whether the process that the controller has started for the actuator runs on another host.
   bool RunsOnHost(ActuatorIndex actuator) const;
+  bool IsOfOther(ActuatorIndex actuator, pid_t pid) const;
   // Finds the processes of this host, and watches them from then on.
   event::ProcessesFound FindHere();
   ProcessSpec SpecOf(ActuatorIndex actuator) const;

@@ -172,6 +172,17 @@ std::string ProcessesFileIn(const std::string& dir) {
   return dir + "/processes";
 }
 
+// What a person has released at the other computer, which the folder was copied from, was not
+// released here: a panel that stops both may still publish it. What is engaged there holds here,
+// too, which is the safe side.
+void ForgetReleasesIn(const std::string& dir) {
+  StoredStops stops = StateStore::EmergencyStopsIn(dir);
+  if (stops.released.empty()) return;
+  stops.released.clear();
+  stops.replaced.clear();
+  static_cast<void>(SlotFile(StateStore::EmergencyStopFileIn(dir)).Write(StopsText(stops)));
+}
+
 Error Foreign(const std::string& dir, const MachineOrigin& recorded, const MachineOrigin& machine,
               pid_t led_by) {
   std::string what = dir + " belongs to another machine, " + recorded.Text();
@@ -217,6 +228,7 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
     kept.id = recorded->id;
     if (!kept.id.empty() && !IsOfThisBoot(ReadSmall(lock.get())) &&
         IsOtherComputer(recorded->computer, machine.computer)) {
+      ForgetReleasesIn(dir);
       copied_from = std::exchange(kept.id, NewMachineId());
     } else {
       kept.computer = ComputerToStore(recorded->computer, machine.computer);

@@ -61,7 +61,8 @@ class StateStore {
   void SetMachineId(std::string id) { machine_.id = std::move(id); }
   Result<> SaveMachineId();
   // The id that the folder had on another computer, if it was copied from there, as with an image.
-  // The machine has a new id then. nullopt: the folder was not copied.
+  // The machine has a new id then, and no released emergency stop. nullopt: the folder was not
+  // copied.
   const std::optional<std::string>& copied_from() const { return copied_from_; }
 
   // The functions …In(dir) read a folder without its lock: one that cannot be opened for writing,

@@ -70,6 +70,15 @@ enum class Launch {
   kAwaitsHost,    // its host is out of reach; it is started there once that is reached
 };
 
+// A process that follows the controller of another machine on its host, by its status.
+struct TakenProcess {
+  std::int32_t pid = 0;
+  std::string host;  // its HostId()
+  std::string how;   // "it follows another machine now, …"
+
+  friend bool operator==(const TakenProcess&, const TakenProcess&) = default;
+};
+
 // What is known about the process of an actuator.
 struct ActuatorProcess {
   std::int32_t pid = 0;  // of the process that we started, while it runs; 0: none
@@ -82,6 +91,7 @@ struct ActuatorProcess {
   // status may arrive late. 0: none.
   std::int32_t ended_pid = 0;
   std::string ended_host;
+  std::optional<TakenProcess> taken;  // the last one; see MachineView::IsTaken()
 
   friend bool operator==(const ActuatorProcess&, const ActuatorProcess&) = default;
 };
@@ -212,6 +222,13 @@ inline constexpr std::tuple kFields<ActuatorFault> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<TakenProcess> = {
+    Field{"pid", &TakenProcess::pid},
+    Field{"host", &TakenProcess::host},
+    Field{"how", &TakenProcess::how},
+};
+
+template <>
 inline constexpr std::tuple kFields<ActuatorProcess> = {
     Field{"pid", &ActuatorProcess::pid},
     Field{"process_host", &ActuatorProcess::host},
@@ -220,6 +237,7 @@ inline constexpr std::tuple kFields<ActuatorProcess> = {
     Field{"termination", &ActuatorProcess::termination},
     Field{"ended_pid", &ActuatorProcess::ended_pid},
     Field{"ended_host", &ActuatorProcess::ended_host},
+    Field{"taken", &ActuatorProcess::taken},
 };
 
 template <>

@@ -223,6 +223,12 @@ RecordText ProcessLeftBehind(std::int32_t pid, const std::optional<std::string>&
                   {{"pid", Known(pid)}, {"successor", successor.value_or("")}, {"host", host}});
 }
 
+RecordText LeftToOther(std::int32_t pid, const std::string& host, const std::string& how) {
+  return MakeText(EventName::kProcessLeftBehind,
+                  "{how}: its process {pid} on host {host} is left to that machine",
+                  {{"pid", pid}, {"host", host}, {"how", how}});
+}
+
 RecordText HostUnreached(const std::string& host, const std::string& why) {
   return MakeText(EventName::kMayStillRun,
                   "host {host} is out of reach, so it may still run there: {why}",

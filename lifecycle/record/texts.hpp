@@ -72,6 +72,8 @@ RecordText ProcessSignalled(const std::string& actuator, std::int32_t pid, bool 
 // `host`: that runs the process, if it is not the controller's.
 RecordText ProcessLeftBehind(std::int32_t pid, const std::optional<std::string>& successor,
                              const std::string& host = {});
+// `how`: of event::Vanished.
+RecordText LeftToOther(std::int32_t pid, const std::string& host, const std::string& how);
 RecordText HostUnreached(const std::string& host, const std::string& why);
 RecordText MayStillRun(const std::optional<State>& state);  // none: not known
 RecordText MayStillRunOn(const std::string& host);

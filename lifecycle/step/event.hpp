@@ -64,6 +64,9 @@ struct Vanished {
   bool for_good = false;  // its process has exited; otherwise it may connect again
   std::string how;        // "its process 4711 ended", kOutOfReach
   bool taken = false;     // it runs on, and follows the controller of another machine on its host
+  // Of a process that is taken, by its status there: no status of it may have arrived before.
+  std::int32_t pid = 0;
+  std::string host{};
   friend bool operator==(const Vanished&, const Vanished&) = default;
 };
 struct ProcessStarted {
@@ -273,6 +276,8 @@ inline constexpr std::tuple kFields<event::Vanished> = {
     Field{"for_good", &event::Vanished::for_good},
     Field{"how", &event::Vanished::how},
     Field{"taken", &event::Vanished::taken},
+    Field{"pid", &event::Vanished::pid},
+    Field{"host", &event::Vanished::host},
 };
 
 template <>

@@ -23,9 +23,16 @@ bool MachineView::MayRestart(ActuatorIndex i) const {
   return !ConfigOf(i).command.empty() && ConfigOf(i).restart.policy != RestartPolicy::kNo;
 }
 
+bool MachineView::IsTaken(ActuatorIndex i) const {
+  const ActuatorProcess& process = Of(i).process;
+  const auto& taken = process.taken;
+  return taken && process.pid != 0 && taken->pid == process.pid && !process.host.empty() &&
+         taken->host == process.host;
+}
+
 std::int32_t MachineView::ProcessOf(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
-  if (known.process.pid != 0) return known.process.pid;
+  if (known.process.pid != 0) return IsTaken(i) ? 0 : known.process.pid;
   const ActuatorReport& report = known.report;
   const bool here = !report.host.empty() && report.host == view_.host;
   return here && report.incarnation != known.process.dead ? report.pid : 0;

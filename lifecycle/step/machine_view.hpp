@@ -22,8 +22,11 @@ class MachineView {
   // Whether the controller may send it a command of its own.
   bool IsFree(ActuatorIndex i) const;
   bool MayRestart(ActuatorIndex i) const;
-  // The process that can be signalled: it was started by us, or it publishes as the actuator from
-  // this host. 0: none.
+  // Whether the process on another host that the controller has started, or found there, follows
+  // another machine now, whose controller also ends it.
+  bool IsTaken(ActuatorIndex i) const;
+  // The process that can be signalled: it was started by us and is not taken, or it publishes as
+  // the actuator from this host. 0: none.
   std::int32_t ProcessOf(ActuatorIndex i) const;
   // The process that has to exit with the machine: this controller, or an earlier one, has started
   // it. Processes started by other parties are not ended. 0: none.

@@ -98,9 +98,11 @@ void Processes::Kill(ActuatorIndex i) {
 }
 
 void Processes::ForgetProcess(ActuatorIndex i) {
-  Of(i).process.pid = 0;
-  Of(i).process.host.clear();
-  Of(i).exit_by.reset();
+  KnownActuator& known = Of(i);
+  known.process.pid = 0;
+  known.process.host.clear();
+  known.process.taken.reset();
+  known.exit_by.reset();
 }
 
 void Processes::ForgetEnd(ActuatorIndex i) {

@@ -66,9 +66,10 @@ void Recovery::Silent(ActuatorIndex i, const RecordText& how, Duration patience)
     return;
   }
   // It alone: its process is frozen, or its connection is bad for a moment.
-  const bool known_there = !known.process.host.empty() && IsReportOf(i, known.process.pid);
+  const std::int32_t pid = ProcessOf(i);
+  const bool known_there = !known.process.host.empty() && pid != 0 && IsReportOf(i, pid);
   if (!known_there || !MayRestart(i) || termination) return;
-  processes_.Terminate(i, known.process.pid, patience);
+  processes_.Terminate(i, pid, patience);
   termination->for_silence = true;
 }
 

@@ -9,6 +9,11 @@ bool IsOfOneProcess(const ActuatorReport& one, const ActuatorReport& other) {
   return one.host == other.host && one.incarnation == other.incarnation;
 }
 
+bool IsOfTaken(const KnownActuator& known, const ActuatorReport& report) {
+  const auto& taken = known.process.taken;
+  return taken && taken->pid == report.pid && taken->host == report.host;
+}
+
 }  // namespace
 
 void Arrivals::On(const event::StatusSeen& seen) {
@@ -64,6 +69,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
     known.control.rival_until.reset();
   }
   known.writer_lost = false;
+  if (IsOfTaken(known, report)) known.process.taken.reset();  // it is this machine's again
   commands_.Accept(seen.actuator, report);
   known.presence = Presence::kStarting;
   known.exit_by.reset();
@@ -219,17 +225,14 @@ void Arrivals::On(const event::Replied& replied) {
 void Arrivals::On(const event::Vanished& vanished) {
   KnownActuator& known = Of(vanished.actuator);
   if (known.other && known.other->incarnation == vanished.incarnation) known.other.reset();
+  if (vanished.taken) return LoseToOther(vanished);
   if (known.report.incarnation != vanished.incarnation) return;
   known.writer_lost = true;
   if (known.process.dead == vanished.incarnation) return;  // its successor may be starting already
   const bool was_there =
       known.presence == Presence::kPresent || known.presence == Presence::kStarting;
   if (!vanished.for_good) {
-    if (was_there) {
-      commands_.LoseConnection(vanished.actuator, texts::Disconnected(vanished.how));
-      // Its process runs on and is well: no exit and no hang will be seen of it.
-      if (vanished.taken) FallBack(vanished.actuator);
-    }
+    if (was_there) commands_.LoseConnection(vanished.actuator, texts::Disconnected(vanished.how));
     return;
   }
   known.process.dead = vanished.incarnation;
@@ -241,6 +244,31 @@ void Arrivals::On(const event::Vanished& vanished) {
   if (known.process.pid != 0)
     return processes_.Terminate(vanished.actuator, known.process.pid, kEndTime);
   processes_.Recover(vanished.actuator);
+}
+
+// The process runs on and is well: no exit and no hang will be seen of it. It may have been taken
+// before a status of it arrived here, as at the start of this controller.
+void Arrivals::LoseToOther(const event::Vanished& lost) {
+  const ActuatorIndex i = lost.actuator;
+  KnownActuator& known = Of(i);
+  const bool is_known = IsTaken(i);
+  if (lost.pid != 0) known.process.taken = TakenProcess{lost.pid, lost.host, lost.how};
+  const bool reported = known.report.incarnation == lost.incarnation;
+  if (reported) known.writer_lost = true;
+  const bool in_use = reported || (IsTaken(i) && !AnotherProcessIsPresent(i, lost.pid));
+  if (!in_use || known.process.dead == lost.incarnation) return;
+  if (IsTaken(i)) processes_.ForgetEnd(i);  // as for a restart
+  const bool was_there =
+      known.presence == Presence::kPresent || known.presence == Presence::kStarting;
+  if (was_there) {
+    commands_.LoseConnection(i, texts::Disconnected(lost.how));
+  } else if (is_known) {
+    return;
+  }
+  const bool stops = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
+  if (!stops) Degrade(i, kCodeNetError, texts::Disconnected(lost.how), known.cause);
+  // Where nothing restarts it, the loss of its connection has led the machine down already.
+  if (was_there || MayRestart(i)) FallBack(i);
 }
 
 void Arrivals::CheckDeadlines() {

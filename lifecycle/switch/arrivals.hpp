@@ -34,6 +34,7 @@ class Arrivals : StepPart {
   bool IsImpostor(ActuatorIndex i, const ActuatorReport& report);
   void NoteOther(ActuatorIndex i, const ActuatorReport& other, std::int32_t used);
   void RecordDuplicate(ActuatorIndex i, const ActuatorReport& other, std::int32_t used);
+  void LoseToOther(const event::Vanished& lost);
   void EvaluateFoundBusy(ActuatorIndex i);
 
   Saver& saver_;

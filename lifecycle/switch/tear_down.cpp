@@ -158,16 +158,29 @@ void TearDown::Advance() {
   if (!stopping.result) return;
   if (!out_of_time && (ProcessesLeft() || !HasSearched())) return;
   if (stopping.look == Shutdown::Look::kUnderWay) NameSilentHosts();
-  const SwitchResult result = Conclude(kCodeTimeout, std::nullopt);
+  SwitchResult result = Conclude(kCodeTimeout, std::nullopt);
   machine_.phase = Phase::kStopped;
   if (stopping.after == AfterTearDown::kMayStart)
     saver_.Save(Stored::kStopIntent);  // there is none now
   RecordMachine(result.code,
                 texts::MachineStopped(now_ - stopping.begun,
                                       result.done() ? std::nullopt : std::optional(result.reason)));
+  NameUnsavedIntent(result);
   switches_.Answer(stopping.requests, result);
   if (machine_.policy.power) power_.Command(true);
   Do(action::Stopped{});
+}
+
+// The machine is down all the same.
+void TearDown::NameUnsavedIntent(SwitchResult& result) const {
+  if (machine_.stopping->after != AfterTearDown::kStaysDown) return;
+  const auto& unsaved = machine_.saves.unsaved;
+  const auto intent = std::ranges::find(unsaved, Stored::kStopIntent, &Unsaved::what);
+  if (intent == unsaved.end()) return;
+  result.reason += (result.reason.empty() ? "" : "; ") + std::string("not on disk: ") +
+                   std::string(StoredName(Stored::kStopIntent)) +
+                   (intent->why.empty() ? "" : " (" + intent->why + ")") +
+                   "; a supervisor that starts the controller again brings the machine up";
 }
 
 // The budget is used up while an actuator has not answered TearDown.
@@ -240,6 +253,9 @@ void TearDown::ListSurvivors() {
 // or its process is ended with the machine.
 std::optional<RecordText> TearDown::WhyMayRun(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
+  if (IsTaken(i)) {
+    return texts::LeftToOther(known.process.pid, ConfigOf(i).host, known.process.taken->how);
+  }
   const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
   // Found by its name when this controller started, and no status has arrived from it yet.
   const bool found = known.process.launch == Launch::kFoundRunning &&
@@ -290,7 +306,7 @@ void TearDown::NameSilentHosts() {
     const ActuatorProcess& process = Of(i).process;
     const bool exited =
         process.ended_pid != 0 || (process.dead != 0 && process.dead == Of(i).report.incarnation);
-    if (ConfigOf(i).host.empty() || exited || IsOutOfReach(i)) continue;
+    if (ConfigOf(i).host.empty() || exited || IsOutOfReach(i) || IsTaken(i)) continue;
     const std::string why =
         "the search for its process was not answered within the shutdown budget";
     Degrade(i, kCodeNetError, texts::HostUnreached(ConfigOf(i).host, why), Of(i).cause);
@@ -313,7 +329,7 @@ void TearDown::On(const event::ProcessesFound& found) {
   }
   for (const ActuatorIndex i : found.processes.Indices()) {
     const std::int32_t pid = found.processes[i];
-    if (pid == 0 || ConfigOf(i).command.empty() || OwnProcess(i) != 0) continue;
+    if (pid == 0 || ConfigOf(i).command.empty() || OwnProcess(i) != 0 || IsTaken(i)) continue;
     Of(i).process.pid = pid;
     if (found.hosts.size() == found.processes.size()) Of(i).process.host = found.hosts[i];
     RecordProcess(i, kCodeOk, texts::ProcessFound(pid, ConfigOf(i).name), Of(i).cause);

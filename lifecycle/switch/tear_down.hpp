@@ -17,7 +17,11 @@
 // An actuator that was lost without a known exit may still run in its last state, also when only an
 // earlier controller of this host has received its status: it is listed as degraded, and the
 // outcome is done-degraded. So is one of another host that has not answered the last search for
-// processes within the budget.
+// processes within the budget, and one that the controller of another machine has taken on its
+// host: it is that one's to end.
+//
+// The intent that is not on disk at the end is named by the answer: nothing else says to a person
+// that a supervisor would start the machine again.
 
 #include <cstdint>
 #include <optional>
@@ -81,6 +85,7 @@ class TearDown : StepPart {
   void ForgetElsewhere(ActuatorIndex i);
   void SignalProcesses(bool kill);
   void EndUnfinished();
+  void NameUnsavedIntent(SwitchResult& result) const;
 
   Saver& saver_;
   PolicyMemory& memory_;

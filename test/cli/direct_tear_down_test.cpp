@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "musher/base/host.hpp"
+#include "musher/cli/render/text.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -202,6 +203,66 @@ TEST(ADirectTearDown, AwaitsTheStatusOfTheProcessThatItHasFoundHere) {
   network.RunFor(std::chrono::seconds(5));
   EXPECT_EQ(commands, 0);
   EXPECT_FALSE(ending->Outcomes().front().torn_down);
+}
+
+// The other one runs on, where a person believed that all was off.
+TEST(ADirectTearDown, NamesTheProcessOfAnActuatorOnAnotherHostThatItDoesNotEnd) {
+  transport::sim::Network network(1);
+  const auto desk = network.MakeNode("desk");
+  struct Board {
+    std::unique_ptr<transport::Node> node;
+    std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> statuses;
+    std::unique_ptr<transport::Server<msg::ActuatorCommand>> server;
+    msg::ActuatorStatus legs;
+  };
+  std::map<std::int32_t, Board> boards;  // by the pid of their legs
+  std::vector<std::int32_t> commanded;
+  for (const std::int32_t pid : {7, 8}) {
+    Board& board = boards[pid];
+    board.node = network.MakeNode("board " + std::to_string(pid));
+    board.statuses = transport::MakePublisher<msg::ActuatorStatus>(
+                         *board.node, transport::ActuatorStatusTopic("direct_tear_down_test"),
+                         transport::kLatchedQos)
+                         .value();
+    board.server = transport::MakeServer<msg::ActuatorCommand>(
+                       *board.node, transport::CommandService("direct_tear_down_test", "legs"),
+                       [&board, &commanded](const msg::ActuatorCommand::Request&, auto reply) {
+                         commanded.push_back(board.legs.pid);
+                         board.legs.state = "TearDown";
+                         static_cast<void>(board.statuses->Publish(board.legs));
+                         reply(msg::ActuatorCommand::Response{});
+                       })
+                       .value();
+    board.legs.name = "legs";
+    board.legs.machine = "dog";
+    board.legs.host = "boot " + std::to_string(pid) + "/1";
+    board.legs.state = "Active";
+    board.legs.incarnation = 100;  // hosts do not agree on them
+    board.legs.pid = pid;
+    static_cast<void>(board.statuses->Publish(board.legs));
+  }
+  const auto running = RunningActuators::Begin(*desk, "direct_tear_down_test", false).value();
+  network.RunFor(std::chrono::seconds(1));
+  running->OnlyOf({"dog", ""});
+  const auto ending =
+      DirectTearDown::Begin(*desk, "direct_tear_down_test", *running, std::chrono::seconds(5))
+          .value();
+  network.RunFor(std::chrono::seconds(2));
+  ASSERT_EQ(commanded.size(), 1U);
+  const auto others = ending->Others();
+  ASSERT_EQ(others.size(), 1U);
+  EXPECT_EQ(others.front().name, "legs");
+  EXPECT_EQ(others.front().pid, commanded.front() == 7 ? 8 : 7);
+  EXPECT_NE(others.front().host, "");
+}
+
+TEST(ADirectTearDown, SaysHowTheProcessesThatItDoesNotEndAreEnded) {
+  EXPECT_EQ(OthersText({{"legs", 8, "dock"}}),
+            "legs (pid 8 of host dock) still runs, beside what was ended; `musher down "
+            "--without-controller` ends it, too, when it is repeated");
+  EXPECT_EQ(OthersText({{"legs", 8, "dock"}, {"arm", 9, "dock"}}),
+            "legs (pid 8 of host dock), arm (pid 9 of host dock) still run, beside what was ended; "
+            "`musher down --without-controller` ends them, too, when it is repeated");
 }
 
 }  // namespace musher::cli::direct_tear_down_test

@@ -195,6 +195,38 @@ TEST_F(CopiedFolder, IsNoneWhereItsOnlyNetworkCardWasReplaced) {
   EXPECT_TRUE(OpenOn({"disk:2", "mac:third"}).copied_from());
 }
 
+// A panel that stops a fleet publishes its stop for as long as it is pressed. Released by a person
+// at one robot, it was over at the one with a copy of its disk, too.
+TEST_F(CopiedFolder, HasNoReleaseOfTheOtherComputerAndKeepsItsStops) {
+  const StopId released(5);
+  const StopId replaced(6);
+  const StopId engaged(7);
+  {
+    StateStore first = OpenOn(kRobot);
+    first.SetMachineId("5982c7ee-4f4e");
+    ASSERT_TRUE(first.SaveMachineId());
+    StoredStops stops;
+    stops.engaged = {{engaged, "panel", "smoke"}};
+    stops.released = {released, replaced};
+    stops.replaced = {replaced};
+    stops.awaits_request = true;
+    ASSERT_TRUE(first.SaveEmergencyStops(stops));
+  }
+  EXPECT_EQ(OpenOn(kRobot).LoadEmergencyStops().released, (std::vector{released, replaced}))
+      << "on the same computer they hold";
+  const Parts second{"mac:second", "uuid:b"};
+  for (int start = 0; start < 2; ++start) {
+    const StateStore copy = OpenOn(second);
+    ASSERT_EQ(copy.copied_from().has_value(), start == 0);
+    const StoredStops stops = copy.LoadEmergencyStops();
+    EXPECT_THAT(stops.released, IsEmpty());
+    EXPECT_THAT(stops.replaced, IsEmpty());
+    ASSERT_EQ(stops.engaged.size(), 1U);
+    EXPECT_EQ(stops.engaged.front().id, engaged);
+    EXPECT_TRUE(stops.awaits_request);
+  }
+}
+
 TEST_F(CopiedFolder, KeepsTheIdOfItsOwnAtTheNextStart) {
   {
     StateStore first = OpenOn(kRobot);

@@ -5,6 +5,7 @@
 
 #include "musher/controller/link/musher_link.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/simulation/simulated_systemds.hpp"
 #include "musher/test/controller/two_controllers.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -24,33 +25,49 @@ simulation::Layout WithABoard() {
   return layout;
 }
 
-// Actuator b runs on the board, where it was started by hand.
+// Who has started actuator b on the board.
+enum class Started : std::uint8_t { kByHand, kByTheRobot };
+
 class TakenByOtherMachine : public ::testing::Test {
  protected:
-  TakenByOtherMachine() : config_(Robot()), hosts_(network_, layout_.hosts) {
+  explicit TakenByOtherMachine(Started started = Started::kByHand)
+      : config_(Robot(started)), hosts_(network_, layout_.hosts) {
     processes_.make_module = [](const std::string&) { return std::make_unique<Free>(); };
     processes_.on_end = [this](std::size_t host, std::int32_t pid, const ProcessExit& exit) {
       for (const auto& controller : {robot_.get(), other_.get()}) {
         if (controller != nullptr) controller->OnEnd(host, pid, exit);
       }
+      systemds_.OnEnd(host, pid, exit);
     };
     processes_.leads_on = [this](std::size_t host, std::int32_t pid) {
       return other_ && other_->host() == host && other_->pid() == pid;
     };
-    processes_.Launch("b");
-    robot_ = Open("robot", 0, layout_.machine_id, robot_disk_);
-    robot_->Begin(true);
-    EXPECT_TRUE(RunUntil([this] { return machine().phase == Phase::kRunning; }));
+    if (started == Started::kByHand) processes_.Launch("b");
+    BringUpTheRobot();
     EXPECT_EQ(machine().state, kActive);
+    EXPECT_EQ(Ours().Of("b").presence, Presence::kPresent);
   }
   ~TakenByOtherMachine() override { processes_.on_end = {}; }
 
   std::unique_ptr<simulation::SimulatedController> Open(const std::string& endpoint,
                                                         std::size_t host, const std::string& id,
                                                         simulation::Disk& disk) {
+    simulation::SimulatedController::Hooks hooks;
+    if (host != kBoard) {
+      hooks.connect = [this, host](transport::EventLoop& loop) {
+        return systemds_.From(host, loop);
+      };
+    }
     return std::make_unique<simulation::SimulatedController>(
-        network_, endpoint, host, hosts_, config_, id, processes_, disk,
-        simulation::SimulatedController::Hooks{});
+        network_, endpoint, host, hosts_, config_, id, processes_, disk, std::move(hooks));
+  }
+  // Also again, after its controller has been killed.
+  void BringUpTheRobot() {
+    robot_.reset();
+    robot_ = Open("robot", 0, layout_.machine_id, robot_disk_);
+    network_.RunFor(std::chrono::seconds(1));  // as it listens for others
+    robot_->Begin(true);
+    EXPECT_TRUE(RunUntil([this] { return machine().phase == Phase::kRunning; }));
   }
   // A person starts the same config on the board, where no state folder knows the machine's id.
   void TheBoardBeginsAMachineOfItsOwn() {
@@ -86,6 +103,7 @@ class TakenByOtherMachine : public ::testing::Test {
   const simulation::Layout layout_ = WithABoard();
   simulation::Hosts hosts_;
   simulation::SimulatedProcesses processes_{network_, config_, hosts_, layout_};
+  simulation::SimulatedSystemds systemds_{network_, config_, hosts_, processes_};
   simulation::Disk robot_disk_;
   simulation::Disk other_disk_;
   std::unique_ptr<simulation::SimulatedController> robot_;
@@ -96,10 +114,19 @@ class TakenByOtherMachine : public ::testing::Test {
    public:
     simulation::Act Run(const State&) override { return {Milliseconds(5), {kCodeOk, ""}}; }
   };
-  static MachineConfig Robot() {
+  static MachineConfig Robot(Started started) {
     MachineConfig config = MachineOf(2);
     config.transport = TransportProfile::kLan;
     config.actuators[0].command = {"run", "a"};
+    if (started == Started::kByHand) return config;
+    HostConfig& board = config.hosts.emplace_back();
+    board.name = "board";
+    board.address = "10.0.0.2";
+    ActuatorConfig& b = config.actuators[1];
+    b.host = "board";
+    b.command = {"run", "b"};
+    b.restart.policy = RestartPolicy::kOnFailure;
+    b.times.assign(b.times.size(), std::chrono::seconds(5));
     return config;
   }
 };
@@ -145,6 +172,66 @@ TEST_F(TakenByOtherMachine, LeavesTheOthersToTheirController) {
   EXPECT_EQ(machine().phase, Phase::kStopped);
   EXPECT_FALSE(processes_.IsAlive("a", 0));
   EXPECT_TRUE(processes_.IsAlive("b", kBoard)) << "it is the other machine's";
+}
+
+// The controller of the robot has started b, by the systemd of the board.
+class ProcessTakenByOtherMachine : public TakenByOtherMachine {
+ protected:
+  ProcessTakenByOtherMachine() : TakenByOtherMachine(Started::kByTheRobot) {
+    TheBoardBeginsAMachineOfItsOwn();
+    EXPECT_TRUE(RunUntil([this] { return Ours().Of("b").presence == Presence::kLost; }));
+  }
+  void ExpectLeftAloneByTearDown() {
+    const std::int32_t pid = processes_.PidOf("b", kBoard);
+    const Time begun = network_.now();
+    const SwitchResult down = Set(kTearDown);
+    EXPECT_LT(network_.now() - begun, config_.shutdown_budget / 2) << "nothing is to be awaited";
+    EXPECT_EQ(down.outcome, SwitchOutcome::kDoneDegraded);
+    EXPECT_THAT(down.reason, HasSubstr("b: it follows another machine now, test (id 22222222)"));
+    EXPECT_THAT(down.reason, HasSubstr("its process " + std::to_string(pid) + " on host board"));
+    network_.RunFor(std::chrono::seconds(30));
+    ASSERT_TRUE(processes_.IsAlive("b", kBoard));
+    EXPECT_EQ(processes_.PidOf("b", kBoard), pid);
+    EXPECT_EQ(Other().Of("b").presence, Presence::kPresent) << "it is the other machine's";
+  }
+};
+
+// The actuator of another robot was ended by SIGTERM, without TearDown.
+TEST_F(ProcessTakenByOtherMachine, IsLeftAloneByTearDown) {
+  ExpectLeftAloneByTearDown();
+}
+
+TEST_F(ProcessTakenByOtherMachine, IsLeftAloneByARestartThatAPersonRequests) {
+  const std::int32_t pid = processes_.PidOf("b", kBoard);
+  std::optional<Result<>> restarted;
+  robot_->shell().Restart("b", "alice", [&](const Result<>& result) { restarted = result; });
+  ASSERT_TRUE(RunUntil([&] { return restarted.has_value(); }));
+  ASSERT_FALSE(*restarted);
+  EXPECT_THAT(restarted->error().message, HasSubstr("it follows another machine now, test"));
+  EXPECT_EQ(processes_.PidOf("b", kBoard), pid);
+  ExpectLeftAloneByTearDown();
+}
+
+// The next controller of the robot finds the process by its unit, and has never had a status of it.
+TEST_F(ProcessTakenByOtherMachine, IsLeftAloneByTheNextController) {
+  BringUpTheRobot();
+  ASSERT_TRUE(RunUntil([this] { return Ours().Of("b").fault.has_value(); }));
+  EXPECT_EQ(Ours().Of("b").presence, Presence::kLost);
+  EXPECT_THAT(Ours().Of("b").fault->message, HasSubstr("it follows another machine now, test"));
+  ExpectLeftAloneByTearDown();
+}
+
+// The unit is found while the machine is torn down already.
+TEST_F(ProcessTakenByOtherMachine, IsLeftAloneByANextControllerThatFinishesATearDown) {
+  const std::int32_t pid = processes_.PidOf("b", kBoard);
+  robot_.reset();
+  robot_disk_.stop_intent = true;
+  robot_ = Open("robot", 0, layout_.machine_id, robot_disk_);
+  network_.RunFor(std::chrono::seconds(1));
+  robot_->Begin(true, simulation::Starter::kSupervisor);
+  ASSERT_TRUE(RunUntil([this] { return machine().phase == Phase::kStopped; }));
+  network_.RunFor(std::chrono::seconds(30));
+  EXPECT_EQ(processes_.PidOf("b", kBoard), pid);
 }
 
 // A status that is lost on its way is sent again after the reply: the epoch of the reply alone must

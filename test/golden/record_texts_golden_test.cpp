@@ -71,6 +71,7 @@ Examples OfTheMachine() {
       {"ProcessLeftBehind", ProcessLeftBehind(12, std::nullopt)},
       {"ProcessLeftBehind", ProcessLeftBehind(0, "process 77 of host here")},
       {"ProcessLeftBehind", ProcessLeftBehind(12, std::nullopt, "vision")},
+      {"LeftToOther", LeftToOther(12, "vision", "it follows another machine now, cat")},
       {"HostUnreached", HostUnreached("vision", "no answer within 5 s")},
       {"MayStillRun", MayStillRun("Active")},
       {"MayStillRun", MayStillRun(std::nullopt)},

@@ -12,6 +12,7 @@
 namespace musher::testing::stop_intent_test {
 
 using ::testing::ElementsAre;
+using ::testing::StartsWith;
 
 using StopIntent = Switching;
 
@@ -39,6 +40,38 @@ TEST_F(StopIntent, IsAwaitedForHalfASecondAndForATenthOfTheBudgetAtMost) {
     ASSERT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
     EXPECT_EQ(ToMilliseconds(t.now() - begun), wait);
   }
+}
+
+// It was in the history only: a supervisor started the robot up that a person had taken down.
+TEST_F(StopIntent, ThatIsNotOnDiskIsNamedByTheAnswer) {
+  Harness& t = In("Active", Ours(1));
+  t.disk_fails = "read-only file system";
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDone) << "the machine is down";
+  EXPECT_EQ(result.code, kCodeOk);
+  EXPECT_EQ(result.reason,
+            "not on disk: intent to stop (read-only file system); a supervisor that starts the "
+            "controller again brings the machine up");
+}
+
+TEST_F(StopIntent, ThatADiskHasNotAnsweredIsNamedByTheAnswer) {
+  Harness& t = In("Active", Ours(1));
+  t.disk_takes.reset();
+  EXPECT_THAT(t.Set("TearDown").reason, StartsWith("not on disk: intent to stop; a supervisor"));
+}
+
+TEST_F(StopIntent, ThatIsOnDiskIsNotNamed) {
+  EXPECT_EQ(In("Active", Ours(1)).Set("TearDown").reason, "");
+}
+
+// The supervisor that sends it decides about the next start.
+TEST_F(StopIntent, OfASignalIsNotNamed) {
+  Harness& t = In("Active", Ours(1));
+  t.disk_fails = "read-only file system";
+  constexpr RequestId kSignal = 1000;
+  t.Feed(event::SetStateRequested{kSignal, "TearDown", {}, AfterTearDown::kMayStart});
+  ASSERT_TRUE(t.RunUntil([&] { return t.answers.contains(kSignal); }));
+  EXPECT_EQ(t.answers.at(kSignal).reason, "");
 }
 
 TEST(FinishingATearDown, WaitsThreeSecondsForAnActuatorThatRunsAndIsSilent) {
