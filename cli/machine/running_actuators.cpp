@@ -119,7 +119,11 @@ std::map<std::string, RunningActuators::Actuator> RunningActuators::Now() const 
     if (actuator.status.state != kTearDown) running[name] = actuator;
   }
   const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
-  const auto has_status = [&](const std::string& name) { return received.contains(name); };
+  // A status from another host says nothing of the process that holds the name here.
+  const auto has_status = [&](const std::string& name) {
+    const auto found = received.find(name);
+    return found != received.end() && IsOfThisBoot(found->second.status.host);
+  };
   const bool all = std::ranges::all_of(NameLock::HeldBelow(prefix), has_status);
   const auto holders =
       all ? std::map<std::string, NameLock::Holder>() : NameLock::HoldersBelow(prefix);

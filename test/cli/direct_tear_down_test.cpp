@@ -205,6 +205,35 @@ TEST(ADirectTearDown, AwaitsTheStatusOfTheProcessThatItHasFoundHere) {
   EXPECT_FALSE(ending->Outcomes().front().torn_down);
 }
 
+// The second process of the actuator, on another host, was torn down: that of this host counted as
+// torn down, and was ended with all that it had switched on.
+TEST(ADirectTearDown, DoesNotTakeATearDownOnAnotherHostForThatOfTheProcessHere) {
+  const std::string name_space = "torn_" + std::to_string(getpid());
+  transport::sim::Network network(1);
+  const auto desk = network.MakeNode("desk");
+  const auto board = network.MakeNode("board");
+  const int domain = transport::DomainId({}).value();
+  const auto held = NameLock::Acquire(NameLock::NameOf(domain, name_space, "legs"));
+  ASSERT_TRUE(held);
+  const auto statuses =
+      transport::MakePublisher<msg::ActuatorStatus>(
+          *board, transport::ActuatorStatusTopic(name_space), transport::kLatchedQos)
+          .value();
+  msg::ActuatorStatus legs;
+  legs.name = "legs";
+  legs.machine = "dog";
+  legs.host = "another boot/1";
+  legs.state = "TearDown";
+  legs.pid = 7;
+  static_cast<void>(statuses->Publish(legs));
+  const auto running = RunningActuators::Begin(*desk, name_space, false).value();
+  network.RunFor(std::chrono::seconds(1));
+  running->OnlyOf({"dog", ""});
+  ASSERT_EQ(running->Now().count("legs"), 1U);
+  EXPECT_EQ(running->Now().at("legs").status.pid, getpid());
+  EXPECT_FALSE(running->Now().at("legs").has_status);
+}
+
 // The other one runs on, where a person believed that all was off.
 TEST(ADirectTearDown, NamesTheProcessOfAnActuatorOnAnotherHostThatItDoesNotEnd) {
   transport::sim::Network network(1);
