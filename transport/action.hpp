@@ -196,6 +196,9 @@ class ActionClient {
   // The goals of this client that have not ended.
   std::size_t goals() const { return raw_->goals(); }
 
+  // The id of the goal that SendGoal() sends next, so that it can be noted before: goals go on when
+  // this process is killed, and its successor can cancel those whose ids it knows.
+  GoalId NextGoalId() const { return raw_->NextGoalId(); }
   // Sends a goal at once if a server is matched, else as soon as one is. Without a reply, a status
   // or feedback of it in time the goal is lost; should the server accept it all the same, the
   // client cancels it there. Dropping the client drops the callbacks; its goals go on.

@@ -69,6 +69,7 @@ class RawActionClient {
   // The id for encoding the next request of send_goal; it is the goal's id, too, because it is
   // unique in the domain.
   msg::RequestId NextId() { return send_goal_->NextId(); }
+  GoalId NextGoalId() const { return GoalIdOf(send_goal_->PeekId()); }
   static GoalId GoalIdOf(const msg::RequestId& id);
   // How a goal in `state` has ended: kLost, unless `state` is terminal.
   static GoalEnd EndOf(GoalState state);

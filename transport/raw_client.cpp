@@ -40,8 +40,14 @@ std::vector<ParticipantId> RawClient::Servers() const {
 }
 
 msg::RequestId RawClient::NextId() {
+  const msg::RequestId id = PeekId();
+  ++next_sequence_;
+  return id;
+}
+
+msg::RequestId RawClient::PeekId() const {
   loop_.CheckThread();
-  return {requests_->UniqueId(), next_sequence_++};
+  return {requests_->UniqueId(), next_sequence_};
 }
 
 void RawClient::Call(const msg::RequestId& id, msg::Bytes request, Duration timeout,

@@ -44,6 +44,8 @@ class RawClient {
 
   // The id for encoding the next request.
   msg::RequestId NextId();
+  // The id that NextId() will return.
+  msg::RequestId PeekId() const;
 
   // Takes the encoded request with `id`; see Client::Call() for how it ends, and for `server`.
   void Call(const msg::RequestId& id, msg::Bytes request, Duration timeout, OnReply on_reply,

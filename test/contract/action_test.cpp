@@ -50,6 +50,17 @@ TEST_P(Action, RunsAGoalToItsResultWithFeedback) {
   EXPECT_EQ(client->goals(), 0U);
 }
 
+TEST_P(Action, KnowsTheIdOfAGoalBeforeItIsSent) {
+  const auto client = MakeClient(*here_);
+  std::list<SeenGoal> goals(2);
+  for (SeenGoal& seen : goals) {
+    const GoalId next = client->NextGoalId();
+    EXPECT_EQ(client->NextGoalId(), next);
+    Start(*client, seen);
+    EXPECT_EQ(seen.id, next);
+  }
+}
+
 TEST_P(Action, DeliversTheFirstFeedbackOfAGoalThatIsSentBeforeTheServerExists) {
   const auto client = Must(MakeActionClient<Fibonacci>(*here_, name_ + "_later"));
   SeenGoal seen;

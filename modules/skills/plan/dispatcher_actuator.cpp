@@ -23,7 +23,8 @@ Result<> DispatcherActuator::SetUp() {
   return OpenEndpoints([this](transport::Endpoints& endpoints) {
     const auto server = std::make_shared<PlanServer>(
         endpoints.node(), name(), machine_config().name_space, config_,
-        [this](LogLevel level, const std::string& line) { Log(level, line); });
+        [this](LogLevel level, const std::string& line) { Log(level, line); },
+        machine_config().state_dir + "/" + name() + "_goals.toml");
     server->Open(endpoints);
     endpoints.Keep(server);
     server_ = server;

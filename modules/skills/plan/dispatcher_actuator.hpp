@@ -1,6 +1,7 @@
 #pragma once
 // The actuator `plan_dispatcher`. See ../README.md.
 //
+//   SetUp        the goals that a killed process has left to its robots are cancelled
 //   Active       plans are executed
 //   all others   the present plan is cancelled, new ones are refused
 //   its process could not run for more than a minute: the present plan is cancelled; after more

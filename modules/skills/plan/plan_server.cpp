@@ -31,6 +31,38 @@ void PlanServer::Open(transport::Endpoints& endpoints) {
     Advance();
   };
   endpoints.ServeAction<msg::PlanExecution>(config_.action, std::move(handlers));
+  CancelGoalsOfProcessBefore();
+}
+
+void PlanServer::CancelGoalsOfProcessBefore() {
+  const auto left = saved_.Found();
+  if (!left) {
+    return log_(LogLevel::kWarning,
+                "what a process before has left to its robots is not known; cancel what they still "
+                "do by musher skill cancel: " +
+                    left.error().message);
+  }
+  for (const auto& [id, robot] : left.value()) {
+    const std::string what = robot + ": a skill that a process before has left to it";
+    if (const Result<> made = MakeClient(robot); !made) {
+      log_(LogLevel::kWarning, what + " is not cancelled: " + made.error().message);
+      continue;
+    }
+    log_(LogLevel::kWarning, what + " is cancelled (goal " + transport::GoalIdText(id) + ")");
+    CancelUntilReply(robot, id);
+  }
+}
+
+// Those that may still run: of the present step, and those whose cancellation has no reply.
+void PlanServer::SaveGoals() {
+  SavedGoals::Goals goals = cancelling_;
+  if (execution_) {
+    for (const auto& [robot, id] : execution_->sent) {
+      goals[id] = execution_->run.present().robots[robot].robot_id;
+    }
+  }
+  const Result<> saved = saved_.Save(goals);
+  if (!saved) log_(LogLevel::kWarning, saved.error().message);
 }
 
 void PlanServer::Permit(bool permitted, const std::string& why) {
@@ -69,16 +101,17 @@ Result<> PlanServer::Admit(const msg::SkillPlan& plan) {
   for (const auto& [id, robot] : cancelling_) robots.insert(robot);
   std::erase_if(clients_, [&](const auto& client) { return !robots.contains(client.first); });
   for (const std::string& robot : robots) {
-    std::unique_ptr<Client>& client = clients_[robot];
-    if (client) continue;
-    auto made = transport::MakeActionClient<msg::SkillExecution>(
-        node_, transport::ResolveName(name_space_, robot + "/" + config_.robot_action));
-    if (!made) {
-      clients_.erase(robot);
-      return made.error();
-    }
-    client = std::move(made).value();
+    if (Result<> made = MakeClient(robot); !made) return made;
   }
+  return Ok();
+}
+
+Result<> PlanServer::MakeClient(const std::string& robot) {
+  if (clients_.contains(robot)) return Ok();
+  auto made = transport::MakeActionClient<msg::SkillExecution>(
+      node_, transport::ResolveName(name_space_, robot + "/" + config_.robot_action));
+  if (!made) return made.error();
+  clients_[robot] = std::move(made).value();
   return Ok();
 }
 
@@ -112,10 +145,22 @@ void PlanServer::Advance() {
     execution_->sent.clear();
     execution_->cancelled.clear();
   }
-  for (const std::size_t robot : actions.send) Send(robot);
+  SendAll(actions.send);
   for (const std::size_t robot : actions.cancel) CancelGoal(robot);
   if (actions.feedback) execution_->goal.PublishFeedback(execution_->run.Feedback());
   if (actions.end) End(*actions.end);
+  SaveGoals();
+}
+
+// Saved before they are sent: this process may be killed in between.
+void PlanServer::SendAll(const std::vector<std::size_t>& robots) {
+  if (robots.empty()) return;
+  for (const std::size_t robot : robots) {
+    const std::string& name = execution_->run.present().robots[robot].robot_id;
+    execution_->sent[robot] = clients_.at(name)->NextGoalId();
+  }
+  SaveGoals();
+  for (const std::size_t robot : robots) Send(robot);
 }
 
 void PlanServer::Send(std::size_t robot) {
@@ -178,6 +223,7 @@ void PlanServer::CancelUntilReply(const std::string& robot, const transport::Goa
   clients_.at(robot)->Cancel(id, kCancelTime, [this, robot, id](const auto& reply) {
     if (!reply) return CancelUntilReply(robot, id);
     cancelling_.erase(id);
+    SaveGoals();
   });
 }
 

@@ -6,7 +6,8 @@
 // one is executed, a machine that is not Active, and one that may have waited while this process
 // could not run (base/break_watch.hpp). A plan ends after a break of more than a minute: its robots
 // may have finished their step long ago, and do not see that the next one is late. When it is
-// destroyed it cancels the goals of the present step.
+// destroyed it cancels the goals of the present step. Those of a process that was killed are in a
+// file (saved_goals.hpp): Open() of the next one cancels them.
 //
 // Threads: the loop's.
 
@@ -21,6 +22,7 @@
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/modules/skills/plan/dispatcher_config.hpp"
 #include "musher/modules/skills/plan/plan_run.hpp"
+#include "musher/modules/skills/plan/saved_goals.hpp"
 #include "musher/transport/endpoints.hpp"
 #include "musher/transport/loop_breaks.hpp"
 
@@ -30,20 +32,23 @@ class PlanServer {
  public:
   using LogLine = std::function<void(LogLevel level, const std::string& line)>;
 
-  // The node must outlive it. `actuator`: its name, for people.
+  // The node must outlive it. `actuator`: its name, for people. `goals_file`: for saved_goals.hpp;
+  // empty: none.
   PlanServer(transport::Node& node, std::string actuator, std::string name_space,
-             DispatcherConfig config, LogLine log)
+             DispatcherConfig config, LogLine log, std::string goals_file = "")
       : node_(node),
         actuator_(std::move(actuator)),
         name_space_(std::move(name_space)),
         config_(std::move(config)),
         log_(std::move(log)),
+        saved_(std::move(goals_file)),
         breaks_(node.loop()) {}
   ~PlanServer();
   PlanServer(const PlanServer&) = delete;
   PlanServer& operator=(const PlanServer&) = delete;
 
   // Serves the action, for as long as these endpoints exist; it must be destroyed before them.
+  // Cancels what the process before has left to its robots.
   void Open(transport::Endpoints& endpoints);
   // Whether plans are executed. False cancels the present one; `why` is for people.
   void Permit(bool permitted, const std::string& why);
@@ -61,13 +66,17 @@ class PlanServer {
 
   void Start(const Goal& goal);
   Result<> Admit(const msg::SkillPlan& plan);
+  Result<> MakeClient(const std::string& robot);
   Result<> CheckNotLate();
   void CancelAfterBreak();
   void Advance();
+  void SendAll(const std::vector<std::size_t>& robots);
   void Send(std::size_t robot);
   void CancelGoal(std::size_t robot);
   // Also after the end of its plan: a robot that was out of reach may go on with it.
   void CancelUntilReply(const std::string& robot, const transport::GoalId& id);
+  void CancelGoalsOfProcessBefore();
+  void SaveGoals();
   void End(const PlanEnd& end);
   // The events of a goal that was sent, as long as its step is executed.
   transport::GoalEvents<msg::SkillExecution> EventsOf(std::size_t robot);
@@ -77,11 +86,12 @@ class PlanServer {
   const std::string name_space_;
   const DispatcherConfig config_;
   const LogLine log_;
+  SavedGoals saved_;
   transport::LoopBreaks breaks_;
   bool permitted_ = false;
   std::string not_permitted_ = "it is not in Active";
   std::map<std::string, std::unique_ptr<Client>> clients_;  // by robot
-  std::map<transport::GoalId, std::string> cancelling_;     // without a reply; its robot
+  SavedGoals::Goals cancelling_;                            // without a reply
   std::shared_ptr<Execution> execution_;                    // null: no plan is executed
   transport::LoopHandlePtr ticks_;                          // during an execution
 };

@@ -10,6 +10,7 @@ namespace {
 
 constexpr Duration kAnswerTime = std::chrono::seconds(3);  // of a server, to a goal
 constexpr Duration kCancelTime = std::chrono::seconds(1);  // then the cancellation is repeated
+constexpr int kStatusWithinS = 3;  // of the connection: the latched status of a controller
 
 using transport::GoalEnd;
 
@@ -55,11 +56,6 @@ struct Navigator::Request {
   bool ended = false;
 };
 
-struct Navigator::EarlierDrives {
-  std::optional<msg::Stamp> until;  // nullopt: the controller has replied
-  bool waits_for_reply = false;
-};
-
 struct Navigator::DriveGoal {
   Navigator* navigator = nullptr;  // null: nothing is left to do, or the navigator is destroyed
   transport::GoalId id{};
@@ -88,13 +84,13 @@ class Navigator::GoalDrive : public Drive {
   const std::shared_ptr<DriveGoal> goal_;
 };
 
-Navigator::Navigator(Planner* planner, Controller* controller, std::function<msg::Stamp()> stamp,
-                     PlaceOfFrame in_map)
+Navigator::Navigator(transport::EventLoop& loop, Planner* planner, Controller* controller,
+                     std::function<msg::Stamp()> stamp, PlaceOfFrame in_map)
     : planner_(planner),
       controller_(controller),
       stamp_(std::move(stamp)),
       in_map_(std::move(in_map)),
-      earlier_(std::make_shared<EarlierDrives>()) {}
+      repeats_(loop.Every(kCancelTime, [this] { RepeatCancellations(); })) {}
 
 skill::Future<navigation::Path> Navigator::ComputePath(
     const navigation::Pose& goal, const std::optional<navigation::Pose>& start) {
@@ -186,7 +182,6 @@ void Navigator::Update() {
   for (const auto& goal : drives_) {
     if (goal->cancelled) CancelGoal(goal);
   }
-  RequestCancelOfEarlier();
 }
 
 bool Navigator::Drives() const {
@@ -194,21 +189,56 @@ bool Navigator::Drives() const {
                      [](const auto& goal) { return goal->navigator != nullptr && !goal->ended; });
 }
 
-void Navigator::CancelEarlierDrives() {
-  constexpr msg::Stamp kFirst{0, 1};  // a stamp of 0 would be all goals, also later ones
-  const msg::Stamp now = stamp_();
-  earlier_->until = now == msg::Stamp{} ? kFirst : now;
-  RequestCancelOfEarlier();
+bool Navigator::ControllerDrives() const {
+  return std::ranges::any_of(active_, [](const auto& of) { return !of.second.empty(); });
 }
 
-void Navigator::RequestCancelOfEarlier() {
-  if (!earlier_->until || earlier_->waits_for_reply || !HasController()) return;
-  earlier_->waits_for_reply = true;
-  controller_->CancelUntil(*earlier_->until, kCancelTime,
-                           [earlier = earlier_, until = *earlier_->until](const auto& reply) {
-                             earlier->waits_for_reply = false;
-                             if (reply && earlier->until == until) earlier->until.reset();
-                           });
+void Navigator::CancelEarlierDrives() {
+  for (const auto& goal : drives_) CancelGoal(goal);
+  awaits_status_ = reached_s_ < kStatusWithinS;
+  for (const auto& [controller, active] : active_) CancelEarlier(active);
+}
+
+void Navigator::TakeStatus(const msg::GoalStatusArray& goals, transport::EndpointId controller) {
+  const auto [known, first] = active_.try_emplace(controller);
+  GoalIds& active = known->second;
+  active.clear();
+  for (const msg::GoalStatus& goal : goals.status_list) {
+    const bool is_active = goal.status == msg::GoalStatus::kStatusAccepted ||
+                           goal.status == msg::GoalStatus::kStatusExecuting ||
+                           goal.status == msg::GoalStatus::kStatusCanceling;
+    const transport::GoalId& id = goal.goal_info.goal_id.uuid;
+    if (is_active) {
+      active.insert(id);
+    } else {
+      earlier_.erase(id);
+    }
+  }
+  if (first && awaits_status_) CancelEarlier(active);
+}
+
+void Navigator::CancelEarlier(const GoalIds& active) {
+  for (const transport::GoalId& id : active) {
+    const bool own = std::ranges::any_of(drives_, [&](const auto& goal) { return goal->id == id; });
+    if (!own && earlier_.insert(id).second) RequestCancel(id);
+  }
+}
+
+// What the reply says is in the status as well, and the status also says what comes of it.
+void Navigator::RequestCancel(const transport::GoalId& id) {
+  if (controller_ != nullptr) controller_->Cancel(id, kCancelTime, [](const auto& /*reply*/) {});
+}
+
+// Once a second. The drives of a controller that is lost are not active, and stay in earlier_: they
+// are cancelled when its status comes again.
+void Navigator::RepeatCancellations() {
+  reached_s_ = HasController() ? std::min(reached_s_ + 1, kStatusWithinS) : 0;
+  if (reached_s_ == kStatusWithinS) awaits_status_ = false;
+  for (const auto& [controller, active] : active_) {
+    for (const transport::GoalId& id : active) {
+      if (earlier_.contains(id)) RequestCancel(id);
+    }
+  }
 }
 
 void Navigator::CancelAll() {

@@ -135,9 +135,9 @@ class Robot {
   virtual bool HasController() const = 0;
   // Whether the controller drives the base, for this client or for another one.
   virtual bool Drives() const = 0;
-  // Cancels the drives that the controller has begun until now, by its clock, as those that a
-  // process before this one, which has crashed, has left behind. It is done once the controller can
-  // be reached; drives that begin later go on.
+  // Cancels the drives that have begun until now, of every client, also those that a process before
+  // this one, which has crashed, has left behind. It is done once the controller can be reached:
+  // what it drives for another client then counts as begun before. Drives that begin later go on.
   virtual void CancelEarlierDrives() {}
   // A path from `start`, or from where the robot is. Fails with the planner's reason; with
   // kCodeStateInvalid when the planner rejects the request, kCodeNetError when it is lost.

@@ -49,7 +49,7 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
       navigation::GuardRules{.speed_m_s = config.speed_m_s, .yaw_rad_s = config.yaw_rad_s},
       config.flies);
   navigator = std::make_unique<Navigator>(
-      endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
+      node.loop(), endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
       endpoints.OpenActionClient<msg::FollowPath>(names.controller),
       [this] { return clock.Stamp(); }, [this](const std::string& frame) { return InMap(frame); });
   traffic = std::make_unique<Traffic>(
@@ -141,18 +141,9 @@ void RosRobot::Wire::SubscribeDrives(transport::Endpoints& endpoints) {
   endpoints.SubscribeEach<msg::GoalStatusArray>(
       transport::StatusTopic(config.names.controller),
       [this](const msg::GoalStatusArray& goals, transport::EndpointId controller) {
-        const bool drives = std::ranges::any_of(goals.status_list, [](const auto& goal) {
-          return goal.status == msg::GoalStatus::kStatusAccepted ||
-                 goal.status == msg::GoalStatus::kStatusExecuting ||
-                 goal.status == msg::GoalStatus::kStatusCanceling;
-        });
-        if (drives) {
-          driving_.insert(controller);
-        } else {
-          driving_.erase(controller);
-        }
+        navigator->TakeStatus(goals, controller);
       },
-      [this](transport::EndpointId controller) { driving_.erase(controller); },
+      [this](transport::EndpointId controller) { navigator->ForgetStatus(controller); },
       transport::kLatchedQos);
 }
 
@@ -170,7 +161,7 @@ void RosRobot::Wire::SubscribeCommandsOfOthers(transport::Endpoints& endpoints) 
 }
 
 bool RosRobot::Wire::Drives() const {
-  return navigator->Drives() || !driving_.empty();
+  return navigator->Drives() || navigator->ControllerDrives();
 }
 
 std::vector<navigation::Point> RosRobot::Wire::Seen() const {

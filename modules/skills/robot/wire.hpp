@@ -6,11 +6,9 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "musher/messages/action_msgs/goal_status.hpp"
 #include "musher/messages/musher_msgs/manipulation.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
@@ -162,10 +160,7 @@ struct RosRobot::Wire {
   bool battery_doubted_ = false;               // that it is not present; logged once
   BatteryPresence presence_;
   Duration odometry_stamp_{};
-  Duration line_stamp_{};  // of the last picture
-  // Controllers with a goal that has not ended, by the last status of each. One that starts again
-  // after a crash publishes none before its first goal.
-  std::set<transport::EndpointId> driving_;
+  Duration line_stamp_{};           // of the last picture
   transport::LoopHandlePtr holds_;  // last: it uses the rest
 };
 

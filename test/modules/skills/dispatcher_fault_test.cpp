@@ -1,11 +1,14 @@
 // The plan dispatcher under injected faults: a robot executes a step of a plan in Active only; in
-// all other states and during an emergency stop its goal is cancelled.
+// all other states, during an emergency stop and after a kill of the process its goal is cancelled.
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <vector>
 
 #include "musher/modules/skills/plan/dispatcher_actuator.hpp"
 #include "musher/test/modules/module_fault_test.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::skills::dispatcher_fault_test {
 
@@ -29,10 +32,6 @@ class RobotAndClient {
   }
 
   std::size_t running() const { return running_.size(); }
-  // What a process had begun that was killed.
-  void EndAll() {
-    for (auto& goal : std::exchange(running_, {})) goal.Succeed({true, "completed"});
-  }
 
  private:
   void Send() {
@@ -50,13 +49,18 @@ class RobotAndClient {
 };
 
 TEST(ThePlanDispatcher, ExecutesPlansInActiveOnlyAndNeverInAnEmergencyUnderInjectedFaults) {
+  const TempFolder states;  // of the machine; a scenario begins without a file
+  setenv("XDG_STATE_HOME", states.path().c_str(), 1);
   testing::ModuleFaultTest<DispatcherActuator, RobotAndClient> test;
+  test.before_scenario = [&states, begin = test.before_scenario] {
+    std::filesystem::remove_all(states / "musher");
+    begin();
+  };
   test.make = [] {
     return std::make_unique<DispatcherActuator>("plan_dispatcher", DispatcherConfig{});
   };
   int executed = 0;
   test.always = [&](const DispatcherActuator&, const ActuatorReport& report) {
-    if (report.state == kSetUp) test.peers->EndAll();
     test.Pass(Milliseconds(600));
     const bool executes = test.peers->running() > 0;
     if (executes) ++executed;

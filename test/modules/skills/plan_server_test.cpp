@@ -5,15 +5,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "musher/test/support/refusals.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/transport/suspended_node.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::skills::plan_server_test {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Pair;
 using ::testing::SizeIs;
 using transport::GoalEnd;
+using transport::GoalState;
 
 // The action of a robot, whose goals the test ends.
 struct FakeSkills {
@@ -40,15 +46,21 @@ struct FakeSkills {
 class APlanServer : public ::testing::Test {
  protected:
   APlanServer() {
-    endpoints_ = std::make_unique<transport::Endpoints>(*node_, "");
-    auto server = std::make_shared<PlanServer>(*node_, "plan_dispatcher", "", DispatcherConfig{},
-                                               [](LogLevel, const std::string&) {});
-    server->Open(*endpoints_);
-    endpoints_->Keep(server);
-    server_ = server;
-    server->Permit(true, "");
+    endpoints_ = Serve(*node_);
     client_ = transport::MakeActionClient<msg::PlanExecution>(*desk_, "plan_execution").value();
     Run(500);
+  }
+  // A dispatcher in this process.
+  std::unique_ptr<transport::Endpoints> Serve(transport::Node& node) {
+    auto endpoints = std::make_unique<transport::Endpoints>(node, "");
+    const auto server = std::make_shared<PlanServer>(
+        node, "plan_dispatcher", "", DispatcherConfig{}, [](LogLevel, const std::string&) {},
+        goals_file_);
+    server->Open(*endpoints);
+    endpoints->Keep(server);
+    server_ = server;
+    server->Permit(true, "");
+    return endpoints;
   }
   void Run(std::int64_t ms) { network_.RunFor(Milliseconds(ms)); }
 
@@ -85,6 +97,8 @@ class APlanServer : public ::testing::Test {
            sent.outcome->result.message;
   }
 
+  const TempFolder folder_;
+  const std::string goals_file_ = folder_ / "state/plan_dispatcher_goals.toml";
   transport::sim::Network network_{1};
   std::unique_ptr<musher::testing::SuspendedNode> node_ =
       std::make_unique<musher::testing::SuspendedNode>(network_.MakeNode("robot"));
@@ -270,6 +284,71 @@ TEST_F(APlanServer, CancelsTheGoalsOfItsRobotsWhenItsProcessEnds) {
   Run(500);
   EXPECT_EQ(a_.cancels, 1);
   EXPECT_EQ(b_.cancels, 1);
+}
+
+// The robots went on, and refused the next plan: their skills ran already.
+TEST_F(APlanServer, CancelsTheSkillsThatAKilledProcessHasLeftAndNoOthers) {
+  static_cast<void>(Send(PlanOf({{"a", "b"}})));
+  const auto other =
+      transport::MakeActionClient<msg::SkillExecution>(*desk_, "a/skill_execution").value();
+  other->SendGoal({}, std::chrono::seconds(1), {});
+  Run(500);
+  ASSERT_THAT(a_.goals, SizeIs(2));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  network_.Crash(node_->simulated());
+  Run(1000);
+  EXPECT_EQ(a_.cancels + b_.cancels, 0);
+  const std::unique_ptr<transport::Node> node = network_.MakeNode("robot");
+  const auto next = Serve(*node);
+  Run(500);
+  EXPECT_EQ(a_.goals[0].state(), GoalState::kCanceled);
+  EXPECT_EQ(a_.goals[1].state(), GoalState::kExecuting) << "of another client";
+  EXPECT_EQ(b_.goals[0].state(), GoalState::kCanceled);
+  static_cast<void>(Send(PlanOf({{"b"}})));
+  Run(5000);
+  ASSERT_THAT(b_.goals, SizeIs(2));
+  EXPECT_EQ(b_.goals[1].state(), GoalState::kExecuting);
+}
+
+TEST_F(APlanServer, CancelsWhatAKilledProcessHasLeftOnceTheRobotIsBackAlsoWhenItIsKilledAgain) {
+  static_cast<void>(Send(PlanOf({{"a", "b"}})));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  network_.Partition("robot", "b");
+  network_.Crash(node_->simulated());
+  const std::unique_ptr<transport::Node> node = network_.MakeNode("robot");
+  const auto next = Serve(*node);
+  Run(5000);
+  EXPECT_EQ(a_.cancels, 1);
+  network_.Crash(*node);
+  const std::unique_ptr<transport::Node> last_node = network_.MakeNode("robot");
+  const auto last = Serve(*last_node);
+  Run(5000);
+  EXPECT_EQ(b_.cancels, 0);
+  network_.Heal("robot", "b");
+  Run(5000);
+  EXPECT_EQ(b_.cancels, 1);
+  EXPECT_FALSE(std::filesystem::exists(goals_file_));
+}
+
+TEST_F(APlanServer, SavesTheGoalsOfAStepBeforeItSendsThem) {
+  std::vector<bool> saved;
+  network_.on_write = [&](transport::ParticipantId, const std::string& topic, const msg::Bytes&) {
+    if (topic.find("/skill_execution/_action/send_goalRequest") == std::string::npos) return;
+    saved.push_back(std::filesystem::exists(goals_file_));
+  };
+  static_cast<void>(Send(PlanOf({{"a"}, {"b"}})));
+  network_.on_write = nullptr;
+  EXPECT_THAT(saved, ElementsAre(true));
+  ASSERT_THAT(a_.goals, SizeIs(1));
+  const auto found = [this] { return SavedGoals(goals_file_).Found().value(); };
+  EXPECT_THAT(found(), ElementsAre(Pair(a_.goals[0].id(), "a")));
+  a_.goals[0].Succeed({true, "completed"});
+  Run(200);
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  EXPECT_THAT(found(), ElementsAre(Pair(b_.goals[0].id(), "b")));
+  b_.goals[0].Succeed({true, "completed"});
+  Run(200);
+  EXPECT_FALSE(std::filesystem::exists(goals_file_));
 }
 
 }  // namespace musher::skills::plan_server_test

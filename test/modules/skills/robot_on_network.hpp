@@ -15,6 +15,7 @@
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/skills/robot/conversions.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
@@ -66,11 +67,20 @@ class Peers {
       goal.Execute();
       drives.push_back(goal);
     };
+    drive.may_cancel = [this](const DriveGoal&) {
+      const bool refused = refuses_cancels > 0;
+      if (refused) --refuses_cancels;
+      return !refused;
+    };
     drive.cancel = [this](DriveGoal goal) {
       ++cancels;
       goal.Canceled({});
     };
-    endpoints.ServeAction<msg::FollowPath>("r/follow_path", std::move(drive));
+    transport::ActionServerOptions options;
+    options.stamp = [this] {
+      return msg::ToStamp(msg::FromStamp(endpoints.clock().Stamp()) + clock_ahead);
+    };
+    endpoints.ServeAction<msg::FollowPath>("r/follow_path", std::move(drive), std::move(options));
     for (const char* memory : {"r/clear_planner_memory", "r/clear_controller_memory"}) {
       endpoints.Serve<msg::Trigger>(memory, [this, memory](const auto&, auto reply) {
         cleared.emplace_back(memory);
@@ -96,6 +106,8 @@ class Peers {
   std::vector<PlanGoal> plans;
   std::vector<DriveGoal> drives;
   int cancels = 0;
+  int refuses_cancels = 0;           // so many of the next ones
+  Duration clock_ahead{};            // of the controller's time of day
   std::vector<std::string> cleared;  // memories
   bool clears = true;
   std::string hand_object;

@@ -807,7 +807,9 @@ TEST_F(ARosFlyer, IsNotHeldUpByAPersonWhileItLandsWithALowBattery) {
   EXPECT_LT(peers_->commands.back().linear.z, -0.1);
 }
 
+// Whatever the time of day is where the controller runs.
 TEST_F(ARosFlyer, CancelsADriveOfAnotherClientAndLandsWhenItsBatteryIsLow) {
+  peers_->clock_ahead = std::chrono::minutes(1);
   const auto client =
       Must(transport::MakeActionClient<msg::FollowPath>(*world_, "dog/r/follow_path"));
   Run(500);
@@ -939,6 +941,77 @@ TEST_F(ARosRobot, CancelsTheDriveThatACrashedProcessHasLeft) {
   next.CancelEarlierDrives();
   Run(100);
   EXPECT_EQ(peers_->cancels, 1);
+}
+
+// Where the time of day is set back in a drive, it is a drive of the future.
+TEST_F(ARosRobot, CancelsTheDriveThatACrashedProcessHasLeftAlsoWhereTheControllersClockIsAhead) {
+  peers_->clock_ahead = std::chrono::minutes(1);
+  const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  Run(100);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  network_.Crash(*body_);
+  const std::unique_ptr<transport::Node> node = network_.MakeNode("robot");
+  transport::Endpoints endpoints(*node, "dog");
+  RosRobot next(ConfigOfR());
+  next.Open(endpoints, "dog");
+  Run(500);
+  next.CancelEarlierDrives();
+  Run(100);
+  EXPECT_EQ(peers_->cancels, 1);
+  EXPECT_FALSE(next.Drives());
+}
+
+// Also while no skill is stepped, as in SelfCheck.
+TEST_F(ARosRobot, CancelsAnEarlierDriveAgainUntilItHasEnded) {
+  const auto client =
+      Must(transport::MakeActionClient<msg::FollowPath>(*world_, "dog/r/follow_path"));
+  Run(500);
+  client->SendGoal({}, Milliseconds(1000), {});
+  Run(300);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  peers_->refuses_cancels = 2;
+  robot_.CancelEarlierDrives();
+  network_.RunFor(Milliseconds(100));
+  EXPECT_TRUE(robot_.Drives()) << "the reply says that it is not cancelled";
+  network_.RunFor(Milliseconds(3000));
+  EXPECT_EQ(peers_->cancels, 1);
+  EXPECT_EQ(peers_->drives[0].state(), transport::GoalState::kCanceled);
+  EXPECT_FALSE(robot_.Drives());
+}
+
+TEST_F(ARosRobot, CancelsTheDriveOfAControllerThatIsOutOfReachOnceItIsBackAndNoLaterOne) {
+  const std::unique_ptr<transport::Node> desk = network_.MakeNode("desk");
+  const auto client =
+      Must(transport::MakeActionClient<msg::FollowPath>(*desk, "dog/r/follow_path"));
+  Run(500);
+  client->SendGoal({}, Milliseconds(1000), {});
+  Run(300);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  network_.Partition("robot", "world");
+  Run(30'000);
+  ASSERT_FALSE(robot_.HasController());
+  robot_.CancelEarlierDrives();
+  Run(30'000);
+  network_.Heal("robot", "world");
+  Run(5000);
+  EXPECT_EQ(peers_->drives[0].state(), transport::GoalState::kCanceled);
+  client->SendGoal({}, Milliseconds(1000), {});
+  Run(5000);
+  ASSERT_THAT(peers_->drives, SizeIs(2));
+  EXPECT_EQ(peers_->drives[1].state(), transport::GoalState::kExecuting);
+  EXPECT_EQ(peers_->cancels, 1);
+}
+
+// The controller has published no status before.
+TEST_F(ARosRobot, CancelsNoDriveThatAnotherClientBeginsLater) {
+  const auto client =
+      Must(transport::MakeActionClient<msg::FollowPath>(*world_, "dog/r/follow_path"));
+  Run(5000);
+  robot_.CancelEarlierDrives();
+  client->SendGoal({}, Milliseconds(1000), {});
+  Run(5000);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  EXPECT_EQ(peers_->drives[0].state(), transport::GoalState::kExecuting);
 }
 
 TEST_F(ARosRobot, CancelsAnEarlierDriveOnceItReachesTheControllerAndNoLaterOne) {

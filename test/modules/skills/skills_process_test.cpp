@@ -193,7 +193,7 @@ TEST_F(DispatcherProcess, ExitsWithCode2AndTheErrorsOfItsConfig) {
   ExpectRefused("server_wait = 3\n", "did you mean \"server_wait_ms\"?");
 }
 
-TEST_F(DispatcherProcess, ThatIsKilledInAPlanSendsNoGoalUntilTheNextPlan) {
+TEST_F(DispatcherProcess, ThatIsKilledInAPlanCancelsItsGoalAndSendsNoneUntilTheNextPlan) {
   int goals = 0;
   std::vector<transport::ServerGoal<msg::SkillExecution>> kept;  // that never end
   transport::ActionHandlers<msg::SkillExecution> handlers;
@@ -230,7 +230,10 @@ TEST_F(DispatcherProcess, ThatIsKilledInAPlanSendsNoGoalUntilTheNextPlan) {
   peer_.Signal(SIGKILL);
   ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
   ASSERT_TRUE(peer_.Until([&] { return ended; })) << "its client knows that it is lost";
+  EXPECT_EQ(kept[0].state(), transport::GoalState::kAccepted);
   ASSERT_NO_FATAL_FAILURE(begin());
+  EXPECT_TRUE(peer_.Until([&] { return kept[0].state() == transport::GoalState::kCanceled; }))
+      << peer_.Output();
   int looks = 0;
   const auto look = peer_.node().loop().Every(Milliseconds(50), [&looks] { ++looks; });
   ASSERT_TRUE(peer_.Until([&looks] { return looks == 20; }));
