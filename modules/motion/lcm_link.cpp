@@ -131,6 +131,8 @@ void LcmLink::Begin(const BodyCommand& command, Time now, LinkOutput& output, in
   begun_at_ = now;
   unconfirmed_ = now;
   ambiguous_ = body_.report.mode == command.mode && body_.report.gait == command.gait;
+  bar_ = body_.report.bar;
+  begun_ = false;
   was_changing_ = IsStatus(body_.report, SwitchStatus::kTransitioning);
   frame_ = command;
   Renew(now, output, copies);
@@ -324,6 +326,7 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
   body_.report.motor_temperature = temperatures;
   received_at_ = now - sender.age;
   if (looking_ && !look_end_) look_end_ = now + kLookTime;
+  NoteBegun();
   NoteTaken();
   if (returns && frame_) {  // only heartbeats follow: they are no command to a board that restarted
     unconfirmed_.reset();
@@ -369,6 +372,16 @@ bool LcmLink::WaitsForStop() const {
   return frame_ && unconfirmed_ && !own_ && Stops(*frame_);
 }
 
+// The body was in the mode and gait of the frame already. The end of a transition that began before
+// the frame says nothing: it may begin the motion before.
+void LcmLink::NoteBegun() {
+  if (!ambiguous_ || received_at_ - begun_at_ < kControlPeriod) return;
+  const BodyReport& report = body_.report;
+  const bool changing = IsStatus(report, SwitchStatus::kTransitioning);
+  if (!was_changing_ && (changing || report.bar < bar_)) begun_ = true;
+  bar_ = report.bar;
+}
+
 // The board does not say which command it has taken: its motion shows it. A transition that began
 // before the command belongs to another one. A stop is sent on until the body has stopped.
 void LcmLink::NoteTaken() {
@@ -389,6 +402,8 @@ void LcmLink::NoteTaken() {
 void LcmLink::HandOn(Time now, LinkOutput& output) {
   body_.report.life_count = taken_;
   body_.report.motors_taken = motors_taken_;
+  const bool may_begin = frame_ && !own_ && !begun_ && received_at_ - begun_at_ < kBegunWithin;
+  body_.report.ambiguous = ambiguous_ && may_begin;
   output.body = body_;
   output.body->report.switch_status = StatusWithFaults(body_.report);
   output.body->age = now - received_at_;

@@ -19,8 +19,9 @@
 //   - Once the board has taken a command, heartbeats follow: frames of the same count and mode -1,
 //     which is no command. The command itself would be new to a board that has restarted, and to
 //     one whose last frame was another program's. Where no report can show that it is taken,
-//     because the body was in the same mode and gait before, it is repeated for 200 ms. Stops are
-//     repeated as they are.
+//     because the body was in the same mode and gait before, it is repeated for 200 ms. Reports are
+//     handed on as ambiguous then: for 250 ms, or until a transition or less progress than before
+//     shows that the command has begun. Stops are repeated as they are.
 //   - A stop gets the next count with each frame until the board shows it. The same for the hold of
 //     a body that walks, until the odometry shows that it is still, for 500 ms at most.
 //   - After 500 ms in which this process hung, or its computer was suspended, the link looks again.
@@ -79,9 +80,11 @@ namespace musher::motion {
 inline constexpr Duration kHeartbeatPeriod = Milliseconds(50);  // between two frames: 20 Hz
 inline constexpr Duration kUntilTaken = Milliseconds(20);       // the same, while it is not taken
 inline constexpr Duration kRepeatTime = Milliseconds(200);  // of a command that reports cannot show
-inline constexpr Duration kHoldTime = Milliseconds(500);    // of a walk, at most
-inline constexpr Duration kLookTime = Milliseconds(100);    // from the first response
-inline constexpr Duration kNoResponse = Milliseconds(500);  // then the board is silent
+// Such a command has begun by then: the board reports every 20 ms.
+inline constexpr Duration kBegunWithin = kRepeatTime + Milliseconds(50);
+inline constexpr Duration kHoldTime = Milliseconds(500);      // of a walk, at most
+inline constexpr Duration kLookTime = Milliseconds(100);      // from the first response
+inline constexpr Duration kNoResponse = Milliseconds(500);    // then the board is silent
 inline constexpr Duration kNoRepetition = Milliseconds(500);  // of a walk: it is stopped then
 // After the last frame of another program it has ended: a board takes frames from 2 Hz on.
 inline constexpr Duration kOtherSender = Milliseconds(600);
@@ -223,6 +226,7 @@ class LcmLink {
   bool KeepsBodyUp(Time now) const;
   BodyCommand Heartbeat() const;
   Duration Period(Time now) const;
+  void NoteBegun();
   void NoteTaken();
   void HandOn(Time now, LinkOutput& output);
   void WatchRate(Time now, LinkOutput& output);
@@ -242,6 +246,8 @@ class LcmLink {
   Time begun_at_{};                  // frame_
   std::optional<Time> unconfirmed_;  // since when frame_ waits to be taken
   bool ambiguous_ = false;           // reports do not show it: the body was in that motion before
+  std::int8_t bar_ = 0;              // of the last report that may be of the motion before
+  bool begun_ = false;               // shown by a report, although ambiguous_
   bool was_changing_ = false;        // the body was in a transition when frame_ began, and still is
   Time tick_at_;                     // of the next frame
   bool stopped_ = false;             // emergency stop: only recovery stand follows

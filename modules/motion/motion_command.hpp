@@ -67,6 +67,8 @@ struct BodyReport {
   std::array<std::int32_t, 12> motor_error{};
   std::array<float, 12> motor_temperature{};  // degrees Celsius
   std::int8_t life_count = 0;                 // of the last command taken
+  // The motion before that command had its mode and gait, and may be the reported one.
+  bool ambiguous = false;
   // By another program, directly: whatever its mode, the board ignores commands and stops.
   bool motors_taken = false;
 

@@ -977,7 +977,7 @@ bool Decision::AdvanceWait(bool time_passed) {
   const std::int32_t code = CodeOfStatus(core_.body->switch_status);
   if (code != kCodeOk && command.id != kEmergencyStop) return fail(code);
   if (job.wait == Job::Wait::kTransition) {
-    if (!IsTransitioning(*core_.body)) {
+    if (!IsTransitioning(*core_.body) && !core_.body->ambiguous) {
       return go_on(Job::Wait::kExecution, job.todo.front().time);
     }
     return over && fail(MotionCode(Key::kTransitionTimeout));

@@ -40,7 +40,7 @@ class LcmChain : public ::testing::Test {
 
   void Handle(const LinkOutput& output) {
     for (const BodyCommand& frame : output.frames) {
-      if (!Lost(loss_)) board_.Take(frame, now_);
+      if (!Lost(loss_ + loss_of_commands_)) board_.Take(frame, now_);
     }
     for (const LinkFault& fault : output.faults) {
       Do(motion_event::BoardFault{fault.code, fault.text});
@@ -89,6 +89,7 @@ class LcmChain : public ::testing::Test {
   std::mt19937 random_{7};
   double loss_ = 0;
   double loss_of_responses_ = 0;  // beside that of all
+  double loss_of_commands_ = 0;   // the same
   bool hangs_ = false;
   std::uint32_t sequence_ = 0;
   RequestToken token_ = 0;
@@ -107,6 +108,29 @@ TEST_F(LcmChain, ExecutesAMotionOnceAndKeepsTheBodyStanding) {
   RunFor(std::chrono::seconds(30));
   EXPECT_EQ(board_.taken.size(), 1U);
   EXPECT_FALSE(board_.lay_down) << "frames are sent between commands";
+}
+
+// Both have one mode and gait, so the board reports the end of the first one meanwhile.
+TEST_F(LcmChain, AnswersTheSecondOfTwoPosesOnceTheBodyHasTakenIt) {
+  RunFor(Milliseconds(500));
+  MotionArguments left;
+  left.rpy_des = {0, 0, 0.3F};
+  left.duration_ms = 300;
+  MotionArguments right = left;
+  right.rpy_des = {0, 0, -0.3F};
+  constexpr std::int32_t kPose = 212;
+  Do(motion_event::PlayArrived{++token_, 0, {{kPose, left}, {kPose, right}}});
+  RunFor(Milliseconds(400));
+  loss_of_commands_ = 1;
+  for (int i = 0; i < 300 && core_.job->todo.size() == 2; ++i) RunFor(Milliseconds(1));
+  ASSERT_EQ(core_.job->todo.size(), 1U) << "the second one is sent";
+  RunFor(Milliseconds(100));
+  EXPECT_EQ(answers_.count(token_), 0U) << "it has not begun";
+  loss_of_commands_ = 0;
+  EXPECT_EQ(AnswerOf(token_).code, kCodeOk);
+  EXPECT_FLOAT_EQ(board_.taken.back().rpy[2], -0.3F);
+  EXPECT_GT(board_.Report(now_).bar, kDoneBar);
+  EXPECT_FALSE(board_.lay_down);
 }
 
 TEST_F(LcmChain, LetsTheBodyLieDownWhenTheManagerHangs) {

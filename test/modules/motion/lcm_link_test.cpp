@@ -222,6 +222,54 @@ TEST_F(LcmLinkTest, RepeatsACommandFor200msThatTheReportOfTheBoardCannotConfirm)
   EXPECT_EQ(FramesOfMode(-1), 0);
 }
 
+TEST_F(LcmLinkTest, ReportsAmbiguouslyUntilAPoseAfterAPoseHasBegun) {
+  const auto reported = [&](std::int8_t bar, SwitchStatus status = SwitchStatus::kNormal) {
+    BodyReport report;
+    report.mode = 21;
+    report.bar = bar;
+    report.switch_status = static_cast<std::int8_t>(status);
+    now_ += Milliseconds(20);
+    Respond(report);
+    return bodies_.back().report;
+  };
+  Stand();
+  Command(21, 0);
+  EXPECT_FALSE(reported(0).ambiguous) << "it stood before";
+  reported(100);
+  Command(21, 0);
+  EXPECT_TRUE(reported(100).ambiguous);
+  EXPECT_EQ(bodies_.back().report.life_count, life_);
+  EXPECT_FALSE(reported(3).ambiguous) << "less progress than before";
+  EXPECT_FALSE(reported(100).ambiguous);
+  Command(21, 0);
+  EXPECT_TRUE(reported(100).ambiguous);
+  EXPECT_FALSE(reported(100, SwitchStatus::kTransitioning).ambiguous);
+  EXPECT_FALSE(reported(100).ambiguous);
+}
+
+TEST_F(LcmLinkTest, ReportsAmbiguouslyNoLongerThanACommandMayTake) {
+  Stand();
+  Command(21, 0);
+  RunFor(Milliseconds(400), 21, 0);
+  Command(21, 0);
+  RunFor(kRepeatTime, 21, 0);
+  EXPECT_TRUE(bodies_.back().report.ambiguous);
+  RunFor(Milliseconds(100), 21, 0);
+  EXPECT_FALSE(bodies_.back().report.ambiguous);
+}
+
+TEST_F(LcmLinkTest, TakesTheEndOfATransitionForNoBeginOfAPoseThatCameDuringIt) {
+  Stand();
+  Command(21, 0);
+  RunFor(Milliseconds(100), 21, 0, static_cast<std::int8_t>(SwitchStatus::kTransitioning));
+  Command(21, 0);
+  BodyReport report;
+  report.mode = 21;
+  now_ += Milliseconds(20);
+  Respond(report);
+  EXPECT_TRUE(bodies_.back().report.ambiguous) << "less progress: the first one begins";
+}
+
 TEST_F(LcmLinkTest, HoldsTheBodyAsItFindsItAfterItHasHung) {
   Stand();
   Command(12, 0);
