@@ -3,8 +3,10 @@
 // and updates on the machine's clock while there is work. Runs on any transport.
 //
 //   - A goal is rejected, with a line in the log, when it is malformed, when the actuator is not in
-//     Active, when it may have waited while this process could not run (transport/loop_breaks.hpp),
-//     or when another goal runs (a server that preempts ends the present one instead).
+//     Active, when a process of another machine has sent it (wire/other_machines.hpp), or one whose
+//     status has not arrived yet, when it may have waited while this process could not run
+//     (transport/loop_breaks.hpp), or when another goal runs (a server that preempts ends the
+//     present one instead).
 //   - A goal that cannot be done, and one that is interrupted, is aborted with the reason in its
 //     result.
 //
@@ -20,6 +22,7 @@
 #include "musher/base/rate_limited_log.hpp"
 #include "musher/transport/endpoints.hpp"
 #include "musher/transport/loop_breaks.hpp"
+#include "musher/wire/other_machines.hpp"
 
 namespace musher::meilin::servers {
 
@@ -28,6 +31,7 @@ struct Dependencies {
   transport::Clock& clock;
   std::string name_space;
   std::function<void(LogLevel level, const std::string& line)> log;
+  const transport::OtherMachines* others = nullptr;  // outlives the server; null: with keys
 };
 
 // The interface of a server for its actuator.
@@ -86,8 +90,8 @@ class OneGoalServer : public Server {
 
   void Serve(const std::string& action) {
     transport::ActionHandlers<A> handlers;
-    handlers.accept = [this](const typename A::Goal& goal, transport::ParticipantId) {
-      const std::string why = WhyRejected(goal);
+    handlers.accept = [this](const typename A::Goal& goal, transport::ParticipantId caller) {
+      const std::string why = WhyRejected(goal, caller);
       if (!why.empty()) Warn("rejected", "a goal is rejected: " + why);
       return why.empty();
     };
@@ -132,7 +136,20 @@ class OneGoalServer : public Server {
  private:
   static constexpr Duration kQuiet = std::chrono::seconds(2);  // between warnings of one kind
 
-  std::string WhyRejected(const typename A::Goal& goal) {
+  // A goal names no machine: each robot of the namespace in reach receives it.
+  std::string WhyNotMeant(transport::ParticipantId caller) const {
+    if (dependencies_.others == nullptr) return "";
+    if (dependencies_.others->IsAwaited(caller)) {
+      return "the status of its sender has not arrived, which may be of another robot; send it "
+             "again";
+    }
+    const MachineIdentity* other = dependencies_.others->Of(caller);
+    if (other == nullptr) return "";
+    return "it is of another machine, " + MachineText(*other) +
+           ", with the same namespace and domain; give each machine its namespace";
+  }
+  std::string WhyRejected(const typename A::Goal& goal, transport::ParticipantId caller) {
+    if (const std::string why = WhyNotMeant(caller); !why.empty()) return why;
     if (!permitted_) return not_permitted_;
     if (const auto could_not_run = breaks_.Recent()) {
       const Error late = Refused<ApplicationRefusal::kMayBeLate>(

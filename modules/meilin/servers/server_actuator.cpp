@@ -20,6 +20,7 @@ ServerActuator::~ServerActuator() {
   node_->RunOnLoop([this] {
     signal_watch_.reset();
     server_.reset();
+    others_.reset();
     clock_.reset();
   });
 }
@@ -70,9 +71,15 @@ Result<> ServerActuator::Open() {
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
+  const std::string& name_space = machine_config().name_space;
+  if (machine_config().keys.empty()) {
+    auto others = transport::OtherMachines::Make(node_->node(), name_space);
+    if (!others) return others.error();
+    others_ = std::move(others).value();
+  }
   const Dependencies dependencies{
-      node_->node(), *clock_, machine_config().name_space,
-      [this](LogLevel level, const std::string& line) { Log(level, line); }};
+      node_->node(), *clock_, name_space,
+      [this](LogLevel level, const std::string& line) { Log(level, line); }, others_.get()};
   auto server = make_ ? make_(dependencies) : Make(dependencies, config_);
   if (!server) return server.error();
   server_ = std::move(server).value();

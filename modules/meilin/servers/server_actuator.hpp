@@ -48,6 +48,7 @@ class ServerActuator : public MachineActuator {
   bool permitted_ = false;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
+  std::unique_ptr<transport::OtherMachines> others_;  // null: with keys
   std::unique_ptr<Server> server_;
   transport::LoopHandlePtr signal_watch_;
 };

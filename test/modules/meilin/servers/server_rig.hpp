@@ -40,9 +40,10 @@ class ServerRig : public ::testing::Test {
     const Parsed<ServerConfig> reading = ReadServerText(file, "server.toml");
     ASSERT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.at(0));
     config_ = *reading.config;
-    server_ = Must(Make(
-        {*node_, *clock_, "", [this](LogLevel, const std::string& line) { log_.push_back(line); }},
-        config_));
+    server_ = Must(
+        Make({*node_, *clock_, "",
+              [this](LogLevel, const std::string& line) { log_.push_back(line); }, others_.get()},
+             config_));
     client_ = Must(transport::MakeActionClient<A>(*peer_, action_));
     Run(1000);  // discovery
     server_->Permit(true, "");
@@ -94,6 +95,7 @@ class ServerRig : public ::testing::Test {
   std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(node_->loop());
   std::vector<std::string> log_;
   ServerConfig config_;
+  std::unique_ptr<transport::OtherMachines> others_;  // null: it is not checked who sends a goal
   std::unique_ptr<Server> server_;
   std::unique_ptr<transport::ActionClient<A>> client_;
   std::vector<std::optional<Outcome>> ends_;

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <limits>
 
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/test/modules/meilin/servers/server_rig.hpp"
 #include "musher/test/support/refusals.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::meilin::servers::tool_server_test {
 
@@ -181,6 +183,58 @@ TEST_F(ArmServerTest, NamesASilentHardware) {
   report_out_.reset();
   Start(kFile);
   EXPECT_EQ(server_->Missing(), "no publisher of r0x0203");
+}
+
+// Another robot of the same image is in reach: `peer_` may be a program of it.
+class ArmBesideAnotherRobot : public ArmServerTest {
+ protected:
+  using Statuses = std::unique_ptr<transport::Publisher<msg::ActuatorStatus>>;
+
+  ArmBesideAnotherRobot() {
+    others_ = Must(transport::OtherMachines::Make(*node_, ""));
+    own_ = Advertise(*node_);
+    PublishStatus(own_, *node_, "r2");
+  }
+
+  Statuses Advertise(transport::Node& node) {
+    return Must(transport::MakePublisher<msg::ActuatorStatus>(
+        node, transport::ActuatorStatusTopic(""), transport::kLatchedQos));
+  }
+  void PublishStatus(const Statuses& statuses, transport::Node& node, const std::string& machine) {
+    msg::ActuatorStatus status;
+    status.name = "mission";
+    status.state = "Active";
+    status.machine = machine;
+    status.host = &node == node_.get() ? "boot of r2" : "boot of another computer";
+    status.participant = node.participant().value();
+    ASSERT_TRUE(statuses->Publish(status));
+    Run(200);
+  }
+
+  Statuses own_;
+  Statuses theirs_;
+};
+
+TEST_F(ArmBesideAnotherRobot, CarriesOutNoGoalOfItsMission) {
+  theirs_ = Advertise(*peer_);
+  PublishStatus(theirs_, *peer_, "another r2");
+  Start(kFile);
+  ExpectRejected({1, true, 0}, "it is of another machine, another r2");
+  EXPECT_TRUE(commands_.empty());
+}
+
+TEST_F(ArmBesideAnotherRobot, CarriesOutNoGoalBeforeItIsKnownWhoseMissionItIs) {
+  theirs_ = Advertise(*peer_);
+  Start(kFile);
+  ExpectRejected({1, true, 0}, "the status of its sender has not arrived");
+  EXPECT_TRUE(commands_.empty());
+  PublishStatus(theirs_, *peer_, "r2");
+  ExpectEnd(Send({1, true, 0}), GoalEnd::kSucceeded, "Arm command 1 done");
+}
+
+TEST_F(ArmBesideAnotherRobot, CarriesOutTheGoalOfAProgramWithoutAStatus) {
+  Start(kFile);
+  ExpectEnd(Send({1, true, 0}), GoalEnd::kSucceeded, "Arm command 1 done");
 }
 
 TEST_F(SpearServerTest, CarriesOutEachCommand) {
