@@ -256,12 +256,12 @@ void Race::OnCharger(bool on, Time now) {
   }
 }
 
-void Race::OnTwoPublishers(Index detector, Time now) {
-  if (detector >= course_.detectors.size() || !under_way() || resting_) return;
+void Race::OnTwoPublishers(std::string_view topic, Time now) {
+  if (!under_way() || resting_) return;
   now_ = now;
-  Record(input::kTwoPublishers, {std::to_string(detector)});
-  runner_.OnFault("two publishers of " + course_.detectors[detector].topic +
-                  ": both are believed in turn; end one of them");
+  Record(input::kTwoPublishers, {std::string(topic)});
+  runner_.OnFault("two publishers of " + Printable(topic, kMostText) +
+                  ": both are believed in turn; end one of them, or give each robot its namespace");
 }
 
 void Race::OnServoReply(bool accepted, std::int32_t code, Time now) {

@@ -64,8 +64,8 @@ class Race : private fsm::Listener, private fsm::InputListener {
   void OnBody(int switch_status, int motion_id, Time now);
   // Whether it is on a charger: the battery's message.
   void OnCharger(bool on, Time now);
-  // Samples of two publishers of a detector are received alternately.
-  void OnTwoPublishers(Index detector, Time now);
+  // Samples of two publishers of a topic are received alternately.
+  void OnTwoPublishers(std::string_view topic, Time now);
   // motion_servo_response.
   void OnServoReply(bool accepted, std::int32_t code, Time now);
 

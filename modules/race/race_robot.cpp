@@ -81,14 +81,28 @@ void RaceRobot::OpenWalkers(transport::Endpoints& topics, Wire& wire) {
   }
 }
 
+// The reports of another robot's body would hide that this one has fallen.
+template <msg::Message M>
+void RaceRobot::SubscribeToBody(transport::Endpoints& topics, const std::string& topic,
+                                std::function<void(const M&)> handler, const transport::Qos& qos) {
+  topics.SubscribeEach<M>(
+      topic,
+      [this, topic, handler = std::move(handler), publishers = transport::PublisherTurns()](
+          const M& sample, transport::EndpointId publisher) mutable {
+        if (publishers.Note(publisher)) race_.OnTwoPublishers(topic, Now());
+        handler(sample);
+      },
+      [](transport::EndpointId) {}, qos);
+}
+
 void RaceRobot::Subscribe(transport::Endpoints& topics) {
   topics.Subscribe<msg::String>(topic::kCommand, [this](const auto& text) {
     race_.OnCommand(text.data, Now(), CheckNotLate());
   });
-  topics.Subscribe<msg::MotionStatus>(topic::kBody, [this](const auto& body) {
+  SubscribeToBody<msg::MotionStatus>(topics, topic::kBody, [this](const auto& body) {
     race_.OnBody(body.switch_status, body.motion_id, Now());
   });
-  topics.Subscribe<msg::MotionServoResponse>(topic::kServoReply, [this](const auto& reply) {
+  SubscribeToBody<msg::MotionServoResponse>(topics, topic::kServoReply, [this](const auto& reply) {
     race_.OnServoReply(reply.result, reply.code, Now());
   });
   topics.Subscribe<msg::BmsStatus>(
@@ -102,8 +116,8 @@ void RaceRobot::Subscribe(transport::Endpoints& topics) {
       transport::kSensorDataQos);
   const OdometryRules& odometry = race_.course().odometry;
   if (!odometry.used()) return;
-  topics.Subscribe<msg::Odometry>(
-      odometry.topic, [this](const msg::Odometry& sample) { OnOdometry(sample); },
+  SubscribeToBody<msg::Odometry>(
+      topics, odometry.topic, [this](const msg::Odometry& sample) { OnOdometry(sample); },
       transport::kSensorDataQos);
 }
 
@@ -133,7 +147,10 @@ Detectors::Handlers RaceRobot::DetectorHandlers() {
               },
           .on_text = [this](Index detector,
                             const std::string& text) { race_.OnText(detector, text, Now()); },
-          .on_two_publishers = [this](Index detector) { race_.OnTwoPublishers(detector, Now()); },
+          .on_two_publishers =
+              [this](Index detector) {
+                race_.OnTwoPublishers(race_.course().detectors[detector].topic, Now());
+              },
           .log = [this](const std::string& line) { Log(line); }};
 }
 

@@ -7,6 +7,7 @@
 //
 // Threads: those of FsmActuator.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@
 #include "musher/modules/race/self_check.hpp"
 #include "musher/transport/endpoints.hpp"
 #include "musher/transport/loop_breaks.hpp"
+#include "musher/transport/publisher_turns.hpp"
 
 namespace musher::race {
 
@@ -60,6 +62,10 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
   void CheckBreak();
   Result<> Record(fsm::Machine& machine);
   void Subscribe(transport::Endpoints& topics);
+  template <msg::Message M>
+  void SubscribeToBody(transport::Endpoints& topics, const std::string& topic,
+                       std::function<void(const M&)> handler,
+                       const transport::Qos& qos = transport::kDefaultQos);
   void OnOdometry(const msg::Odometry& sample);
   void OpenWalkers(transport::Endpoints& topics, Wire& wire);
   Detectors::Handlers DetectorHandlers();

@@ -27,11 +27,12 @@ inline constexpr std::string_view kSpoken = "spoken";           // number, code,
 // stamp in ns, when it was taken in ns, x and y in m, yaw in rad: only during a walk. A recording
 // of an earlier version has none, and is replayed by time, as it was recorded.
 inline constexpr std::string_view kOdometry = "odometry";
-inline constexpr std::string_view kBody = "body";                     // switch_status, motion_id
-inline constexpr std::string_view kServo = "servo";                   // accepted 0 or 1, code
-inline constexpr std::string_view kCharger = "charger";               // on it 0 or 1: at a change
-inline constexpr std::string_view kTwoPublishers = "two_publishers";  // detector
-inline constexpr std::string_view kCommand = "command";               // its text
+inline constexpr std::string_view kBody = "body";        // switch_status, motion_id
+inline constexpr std::string_view kServo = "servo";      // accepted 0 or 1, code
+inline constexpr std::string_view kCharger = "charger";  // on it 0 or 1: at a change
+// topic (a recording of an earlier version has the number of a detector)
+inline constexpr std::string_view kTwoPublishers = "two_publishers";
+inline constexpr std::string_view kCommand = "command";  // its text
 inline constexpr std::string_view kRest = "rest";
 inline constexpr std::string_view kResume = "resume";
 inline constexpr std::string_view kBreak = "break";  // its length in ns

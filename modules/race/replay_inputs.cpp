@@ -112,7 +112,10 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
   } else if (input == input::kCharger) {
     OnCharger(numbers.Integer<int>(0) != 0, now);
   } else if (input == input::kTwoPublishers) {
-    OnTwoPublishers(numbers.Integer<Index>(0), now);
+    const auto detector = ReadInteger(words[0]);
+    const auto index = detector ? static_cast<Index>(detector.value()) : course_.detectors.size();
+    const bool is_detector = index < course_.detectors.size();
+    OnTwoPublishers(is_detector ? course_.detectors[index].topic : words[0], now);
   } else if (input == input::kCommand) {
     OnCommand(words[0], now);
   } else if (input == input::kRest) {

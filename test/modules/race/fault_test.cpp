@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/test/modules/race/race_replay.hpp"
 #include "musher/test/modules/race/race_rig.hpp"
 
 namespace musher::race::fault_test {
@@ -103,12 +104,19 @@ TEST(RaceFault, OfASilentCameraLeadsToTheError) {
 TEST(RaceFault, OfTwoPublishersOfADetectorNamesIt) {
   Rig rig;
   const Index qr = FindByName(rig.course_.detectors, "qr").value();
-  rig.race->OnTwoPublishers(qr, rig.now);
+  const std::string topic = rig.course_.detectors[qr].topic;
+  rig.race->OnTwoPublishers(topic, rig.now);
   rig.Command("START:IN_QR_A");
   rig.Run(Milliseconds(500));
   EXPECT_EQ(rig.state(), "IN_QR_A") << "it does not look in START";
-  rig.race->OnTwoPublishers(qr, rig.now);
-  ExpectError(rig, Milliseconds(200), "two publishers of /qr_detector/sighting");
+  rig.race->OnTwoPublishers(topic, rig.now);
+  ExpectError(rig, Milliseconds(200), "two publishers of " + topic);
+  ExpectReplays(rig);
+  // As recorded before topics without a detector counted, too.
+  const std::size_t at = rig.recording.find(topic);
+  ASSERT_NE(at, std::string::npos);
+  rig.recording.replace(at, topic.size(), std::to_string(qr));
+  ExpectReplays(rig);
 }
 
 TEST(RaceFault, OfALostWalkerLeadsToTheError) {

@@ -157,6 +157,23 @@ class RaceProcess : public test::ModuleProcess {
     return static_cast<int>(
         std::ranges::count(frames_, msg::MotionServoCmd::kEnd, &msg::MotionServoCmd::cmd_type));
   }
+  // Where two publishers of the topic take turns.
+  template <msg::Message M>
+  void ExpectErrorOfTwo(const std::string& topic,
+                        const transport::Qos& qos = transport::kDefaultQos) {
+    states_.clear();
+    Command("START:BOARD");
+    ASSERT_TRUE(AwaitState("State:2")) << peer_.Output();
+    const auto one = Publisher<M>(topic, qos), other = Publisher<M>(topic, qos);
+    const auto turns = peer_.node().loop().Every(Milliseconds(50), [&] {
+      static_cast<void>(one->Publish({}));
+      static_cast<void>(other->Publish({}));
+    });
+    ASSERT_TRUE(AwaitState("State:46")) << topic << "\n" << peer_.Output();
+    ASSERT_TRUE(peer_.Until([&] {
+      return infos_.back().find("two publishers of " + topic) != std::string::npos;
+    })) << infos_.back();
+  }
   // Runs the program as a person does.
   int RunTool(std::vector<std::string> words) {
     words.insert(words.begin(), "musher-race");
@@ -353,6 +370,15 @@ TEST_F(RaceProcess, GoesToErrorWhereASecondPublisherOfADetectorAppears) {
   ASSERT_TRUE(peer_.Until([&] {
     return infos_.back().find("two publishers of /qr_detector/sighting") != std::string::npos;
   })) << infos_.back();
+}
+
+// Its reports hid that this body had fallen, or that it was refused to walk.
+TEST_F(RaceProcess, GoesToErrorWhereASecondBodyReports) {
+  reads_ = "C-3";
+  StartActive(kCourse + std::string("[odometry]\ntopic = \"odom_out\"\n"));
+  ExpectErrorOfTwo<msg::MotionStatus>("motion_status");
+  ExpectErrorOfTwo<msg::MotionServoResponse>("motion_servo_response");
+  ExpectErrorOfTwo<msg::Odometry>("odom_out", transport::kSensorDataQos);
 }
 
 TEST_F(RaceProcess, TakesCommandsOfItsTool) {
