@@ -12,11 +12,11 @@ namespace musher::line_walker {
 
 // Names of topics; relative ones are in the machine's namespace.
 struct TopicNames {
-  std::string left = "/yellow_line_detector/left";
-  std::string right = "/yellow_line_detector/right";
-  std::string front = "/yellow_line_detector/front";
-  std::string command = "/yellow_line_walker/command";
-  std::string status = "/yellow_line_walker/status";
+  std::string left = "yellow_line_detector/left";
+  std::string right = "yellow_line_detector/right";
+  std::string front = "yellow_line_detector/front";
+  std::string command = "yellow_line_walker/command";
+  std::string status = "yellow_line_walker/status";
   std::string odometry = "odom_out";
   std::string servo = "motion_servo_cmd";
   std::string servo_response = "motion_servo_response";

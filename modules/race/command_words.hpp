@@ -1,5 +1,5 @@
 #pragma once
-// What a person types on /state_machine/start_command, as the command that it means. Pure.
+// What a person types on state_machine/start_command, as the command that it means. Pure.
 // Threads: any.
 
 #include <string>

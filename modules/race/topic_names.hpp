@@ -1,11 +1,11 @@
 #pragma once
-// Topics and services of the race. Those of the course are in its file. The names with a slash are
-// absolute, as on the robot it models: a machine's namespace does not change them.
+// Topics and services of the race, relative to the machine's namespace. Those of the course are in
+// its file.
 
 namespace musher::race::topic {
 
-inline constexpr const char* kCommand = "/state_machine/start_command";
-inline constexpr const char* kInfo = "/state_machine/state_info";
+inline constexpr const char* kCommand = "state_machine/start_command";
+inline constexpr const char* kInfo = "state_machine/state_info";
 
 inline constexpr const char* kServo = "motion_servo_cmd";
 inline constexpr const char* kServoReply = "motion_servo_response";

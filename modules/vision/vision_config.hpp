@@ -20,7 +20,7 @@ namespace musher::vision {
 struct VisionConfig {
   std::string picture = "image_rgb";  // topics; relative ones are in the machine's namespace
   std::string camera_info;            // empty: camera_info below the picture's
-  std::string publish_under = "/wedding/perception";
+  std::string publish_under = "wedding/perception";
   std::string frame_id = "camera";  // of the target's header
   std::optional<double> hfov_rad;   // of the picture, where no CameraInfo comes
   std::vector<State> look_in = {"Active"};

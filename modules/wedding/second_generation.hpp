@@ -13,13 +13,13 @@
 namespace musher::wedding {
 
 namespace topic {
-inline constexpr const char* kReady = "/wedding/system/ready";
-inline constexpr const char* kSetPose = "/wedding/motion/set_pose";
-inline constexpr const char* kSetMotion = "/wedding/motion/set_motion";
-inline constexpr const char* kSetLookAt = "/wedding/fsm/set_look_at";
-inline constexpr const char* kTargetFaceId = "/wedding/fsm/target_face_id";
-inline constexpr const char* kDebugLog = "/wedding/fsm/debug_log";
-inline constexpr const char* kCameraInfo = "/camera/head/camera_info";
+inline constexpr const char* kReady = "wedding/system/ready";
+inline constexpr const char* kSetPose = "wedding/motion/set_pose";
+inline constexpr const char* kSetMotion = "wedding/motion/set_motion";
+inline constexpr const char* kSetLookAt = "wedding/fsm/set_look_at";
+inline constexpr const char* kTargetFaceId = "wedding/fsm/target_face_id";
+inline constexpr const char* kDebugLog = "wedding/fsm/debug_log";
+inline constexpr const char* kCameraInfo = "camera/head/camera_info";
 }  // namespace topic
 
 class SecondGeneration {
@@ -33,7 +33,7 @@ class SecondGeneration {
   void PublishLine(std::string_view state, const std::string& line) {
     Publish(debug_log_, "[" + std::string(state) + "] " + line);
   }
-  // The last value of /wedding/system/ready; false before the first message.
+  // The last value of wedding/system/ready; false before the first message.
   bool ready() const { return ready_; }
 
  private:

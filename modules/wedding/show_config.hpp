@@ -47,7 +47,7 @@ struct WeddingConfig {
   Need camera = Need::kRequired;
   Need audio = Need::kRequired;
   Need motion = Need::kRequired;
-  Need ready = Need::kNone;        // /wedding/system/ready
+  Need ready = Need::kNone;        // wedding/system/ready
   bool second_generation = false;  // its topics, beside those of the first
   std::string record;              // a file; empty: nothing is recorded
 

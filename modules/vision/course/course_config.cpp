@@ -21,23 +21,28 @@ using config_toml::Value;
 std::string DefaultPublish(CourseKind kind, const std::string& name) {
   switch (kind) {
     case CourseKind::kQr:
-      return "/qr_detector/qr_info";
+      return "qr_detector/qr_info";
     case CourseKind::kAruco:
-      return "/aruco_detector/word";
+      return "aruco_detector/word";
     case CourseKind::kNet:
-      return "/net_detector/label";
+      return "net_detector/label";
     case CourseKind::kArrow:
-      return "/green_arrow_detector/direction";
+      return "green_arrow_detector/direction";
     case CourseKind::kBarrier:
-      return "/red_barrier_detector/distance";
+      return "red_barrier_detector/distance";
     case CourseKind::kMarker:
-      return "/yellow_marker_detector/distance";
+      return "yellow_marker_detector/distance";
     case CourseKind::kLight:
-      return "/yellow_light_detector/distance";
+      return "yellow_light_detector/distance";
     case CourseKind::kLines:
-      return "/yellow_line_detector/" + name;
+      return "yellow_line_detector/" + name;
   }
   return name;
+}
+
+// There an absolute topic and a relative one may be the same.
+std::string InNoNamespace(const std::string& topic) {
+  return topic.substr(topic.starts_with('/') ? 1 : 0);
 }
 
 // In messages a detector is called by its name.
@@ -52,7 +57,7 @@ class EntriesReader {
   EntriesReader(Hall hall, Findings& findings, std::filesystem::path folder,
                 const std::vector<std::string>& taken)
       : hall_(std::move(hall)), findings_(findings), folder_(std::move(folder)) {
-    for (const std::string& topic : taken) publishers_[topic] = "the face detection";
+    for (const std::string& topic : taken) publishers_[InNoNamespace(topic)] = "the face detection";
   }
 
   void Read(const Value& value) {
@@ -140,8 +145,8 @@ class EntriesReader {
 
   void CheckOutputs(TableReader& reader, const CourseEntry& entry) {
     for (const std::string& topic : entry.Outputs().All()) {
-      const auto [first, is_new] =
-          publishers_.emplace(topic, entry.name.empty() ? "another detector" : Quote(entry.name));
+      const auto [first, is_new] = publishers_.emplace(
+          InNoNamespace(topic), entry.name.empty() ? "another detector" : Quote(entry.name));
       if (is_new) continue;
       reader.Fault(reader.At("publish"), "publish",
                    "the topic " + Quote(topic) + " is published by " + first->second + " already");
@@ -153,7 +158,7 @@ class EntriesReader {
   Findings& findings_;
   const std::filesystem::path folder_;
   std::map<std::string, int> name_lines_;
-  std::map<std::string, std::string> publishers_;  // of each topic
+  std::map<std::string, std::string> publishers_;  // of each topic, as in no namespace
   std::vector<CourseEntry> entries_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Where the robot looks. A gaze is what /wedding/motion/look_at carries: 0.5 is straight ahead, x
+// Where the robot looks. A gaze is what wedding/motion/look_at carries: 0.5 is straight ahead, x
 // from 0 (fully to the left) to 1 (fully to the right), y from 0 (up) to 1 (down).
 
 #include <array>

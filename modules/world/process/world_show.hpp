@@ -1,11 +1,11 @@
 #pragma once
 // A humanoid and its guests on the network; the scene names all topics.
 //
-//   /wedding/motion/pose            std_msgs/String, subscribed: the pose to take
-//   /wedding/motion/look_at         geometry_msgs/PointStamped, subscribed: the gaze, 0 to 1
-//   /wedding/motion/joint_states    sensor_msgs/JointState, every step: the joints' angles
-//   /wedding/motion/joint_commands  the same, the angles that the motion adapter commands
-//   /wedding/perception/gesture     std_msgs/String, 10 Hz while a guest makes one, then "none"
+//   wedding/motion/pose            std_msgs/String, subscribed: the pose to take
+//   wedding/motion/look_at         geometry_msgs/PointStamped, subscribed: the gaze, 0 to 1
+//   wedding/motion/joint_states    sensor_msgs/JointState, every step: the joints' angles
+//   wedding/motion/joint_commands  the same, the angles that the motion adapter commands
+//   wedding/perception/gesture     std_msgs/String, 10 Hz while a guest makes one, then "none"
 //
 // Threads: the loop's.
 

@@ -13,7 +13,7 @@
 
 namespace musher::world {
 
-// By the words of /wedding/perception/gesture.
+// By the words of wedding/perception/gesture.
 enum class Gesture { kNone, kHeart, kV, kOk };
 inline constexpr std::array<std::string_view, 4> kGestureNames{"none", "heart", "v", "ok"};
 

@@ -63,10 +63,10 @@ struct HumanoidSpec {
   double pitch_rad = 20 * M_PI / 180;  // the camera's mount; 0: it has none
   std::string poses_file;              // absolute; empty: neutral only
   std::vector<PoseSpec> poses = {{{std::string(kNeutralPose)}, {}, {}, {}}};
-  std::string pose_topic = "/wedding/motion/pose";
-  std::string look_at_topic = "/wedding/motion/look_at";
-  std::string joint_states_topic = "/wedding/motion/joint_states";
-  std::string joint_commands_topic = "/wedding/motion/joint_commands";
+  std::string pose_topic = "wedding/motion/pose";
+  std::string look_at_topic = "wedding/motion/look_at";
+  std::string joint_states_topic = "wedding/motion/joint_states";
+  std::string joint_commands_topic = "wedding/motion/joint_commands";
 };
 
 }  // namespace musher::world

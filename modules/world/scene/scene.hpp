@@ -250,7 +250,7 @@ struct Scene {
   std::optional<HumanoidSpec> humanoid;  // else it has no joints and no head
   std::vector<GuestSpec> guests;
   Duration guests_repeat{};  // period of the timetables; zero: no repetition
-  std::string gesture_topic = "/wedding/perception/gesture";
+  std::string gesture_topic = "wedding/perception/gesture";
   SensorSpecs sensors;
   std::vector<RobotSpec> robots;
   std::vector<ObjectSpec> objects;

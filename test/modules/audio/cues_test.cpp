@@ -234,7 +234,7 @@ TEST(CueTopics, OfTheWeddingRobotHaveEverySoundInBothLanguages) {
   EXPECT_THAT(Texts(reading.diagnostics), IsEmpty());
   ASSERT_THAT(reading.config->cue_topics, SizeIs(1));
   const CueTopic& topic = reading.config->cue_topics[0];
-  EXPECT_EQ(topic.topic, "/wedding/audio/play");
+  EXPECT_EQ(topic.topic, "wedding/audio/play");
   for (const char* id :
        {"greeting", "photo_confirm", "countdown", "shutter", "photo_done", "farewell", "too_close",
         "interview_start", "interview_question_1", "interview_question_2", "interview_question_3",

@@ -187,7 +187,7 @@ TEST_F(WalkerProcess, FailsItsSelfCheckWithoutDetectorsAndMotion) {
   EXPECT_THAT(Failure(kSelfCheck),
               ::testing::AllOf(::testing::StartsWith("4109 "),
                                HasSubstr("no subscriber of motion_servo_cmd, no publisher of "
-                                         "/yellow_line_detector/left")));
+                                         "yellow_line_detector/left")));
 }
 
 }  // namespace musher::line_walker::walker_process_test

@@ -20,14 +20,14 @@ class WalkerTopicsTest : public test::ModuleOnNetwork {
         WalkerTopics::Make({*robot_, *clock_, "dog1",
                             [this](LogLevel, const std::string& line) { log_.push_back(line); }},
                            config_));
-    command_ = Publisher<msg::String>("yellow_line_walker/command");
-    left_ = Publisher<msg::YellowLines>("yellow_line_detector/left");
-    right_ = Publisher<msg::YellowLines>("yellow_line_detector/right");
-    front_ = Publisher<msg::YellowLines>("yellow_line_detector/front");
+    command_ = Publisher<msg::String>("dog1/yellow_line_walker/command");
+    left_ = Publisher<msg::YellowLines>("dog1/yellow_line_detector/left");
+    right_ = Publisher<msg::YellowLines>("dog1/yellow_line_detector/right");
+    front_ = Publisher<msg::YellowLines>("dog1/yellow_line_detector/front");
     odometry_ = Publisher<msg::Odometry>("dog1/odom_out");
     responses_ = Publisher<msg::MotionServoResponse>("dog1/motion_servo_response");
     status_ = test::Must(transport::MakeSubscription<msg::String>(
-        *desk_, "yellow_line_walker/status",
+        *desk_, "dog1/yellow_line_walker/status",
         [this](const msg::String& text, const auto&) { statuses_.push_back(text.data); }));
     frames_in_ = Listen("dog1/motion_servo_cmd", frames_);
     Run(500);  // discovery
@@ -286,23 +286,23 @@ TEST_F(WalkerTopicsTest, EndWhenThePicturesStop) {
 // The vision of a second robot, for which the topic has the same name: it walked by both cameras.
 TEST_F(WalkerTopicsTest, EndTheWalkWhereTwoPublishersOfALineTakeTurns) {
   StartWalking();
-  const auto other = Publisher<msg::YellowLines>("yellow_line_detector/left");
+  const auto other = Publisher<msg::YellowLines>("dog1/yellow_line_detector/left");
   See(5);
   EXPECT_TRUE(topics_->walker().active());
   EXPECT_TRUE(other->Publish({}));
   See(2);
   EXPECT_EQ(Ends(), 1);
   EXPECT_THAT(statuses_.back(), HasSubstr("End:stopped"));
-  EXPECT_THAT(log_.back(), HasSubstr("two publishers of /yellow_line_detector/left take turns"));
+  EXPECT_THAT(log_.back(), HasSubstr("two publishers of yellow_line_detector/left take turns"));
 }
 
 TEST_F(WalkerTopicsTest, CheckThatALineHasOnePublisher) {
-  const auto other = Publisher<msg::YellowLines>("yellow_line_detector/left");
+  const auto other = Publisher<msg::YellowLines>("dog1/yellow_line_detector/left");
   EXPECT_TRUE(topics_->SetChecked(true));
   Run(500);
   const Result<> checked = topics_->Check();
   ASSERT_FALSE(checked);
-  EXPECT_EQ(checked.error().message, "more than one publisher of /yellow_line_detector/left");
+  EXPECT_EQ(checked.error().message, "more than one publisher of yellow_line_detector/left");
 }
 
 TEST_F(WalkerTopicsTest, CheckThatMotionAndTheDetectorsAreThere) {
@@ -317,7 +317,7 @@ TEST_F(WalkerTopicsTest, CheckThatMotionAndTheDetectorsAreThere) {
   ASSERT_FALSE(checked);
   EXPECT_EQ(checked.error().code, 4109);
   EXPECT_EQ(checked.error().message,
-            "no subscriber of motion_servo_cmd, no publisher of /yellow_line_detector/right");
+            "no subscriber of motion_servo_cmd, no publisher of yellow_line_detector/right");
   EXPECT_TRUE(topics_->SetChecked(false));
   Run(300);
   EXPECT_EQ(left_->MatchedReaders(), 0);

@@ -1,8 +1,10 @@
-// Commands on /state_machine/start_command.
+// Commands on state_machine/start_command.
 
 #include <gmock/gmock.h>
 
+#include "musher/modules/race/topic_names.hpp"
 #include "musher/test/modules/race/race_rig.hpp"
+#include "musher/transport/node.hpp"
 
 namespace musher::race::command_test {
 
@@ -19,6 +21,13 @@ TEST(Command, StartBeginsTheRaceOnce) {
   rig.Tick(2);
   EXPECT_TRUE(rig.field.Logged("START is refused in START_TO_QRA: the race is under way"));
   EXPECT_EQ(rig.field.motions.size(), 1U);
+}
+
+// A START for one robot of a DDS domain began the race of each.
+TEST(Command, IsReceivedInTheNamespaceOfTheMachine) {
+  EXPECT_EQ(transport::ResolveName("", topic::kCommand), "state_machine/start_command");
+  EXPECT_EQ(transport::ResolveName("dog1", topic::kCommand), "dog1/state_machine/start_command");
+  EXPECT_EQ(transport::ResolveName("dog1", topic::kInfo), "dog1/state_machine/state_info");
 }
 
 TEST(Command, StartAfterTheEndNeedsAReset) {

@@ -52,6 +52,17 @@ void ExpectGolden(const std::string& name) {
   EXPECT_EQ(found, TextOf(folder + name + ".txt")) << folder << name << ".txt";
 }
 
+TEST(CourseFile, HasNoTopicThatAnotherRobotOfTheDomainHas) {
+  const Course& course = TheCourse();
+  for (const Detector& detector : course.detectors) {
+    EXPECT_NE(detector.topic.front(), '/') << detector.name;
+  }
+  for (const LaneWalk& walk : course.walks) {
+    EXPECT_NE(walk.command.front(), '/') << walk.name;
+    EXPECT_NE(walk.status.front(), '/') << walk.name;
+  }
+}
+
 TEST(CourseFile, HasTheNumbersAndNamesOfAllStates) {
   const Course& course = TheCourse();
   std::map<int, std::string> names;
@@ -213,11 +224,11 @@ TEST(CourseFile, ReportsStatesThatCannotBeTheSame) {
 }
 
 TEST(CourseFile, TakesADetectorOfWordsForAWaitAndForNothingElse) {
-  const std::string sighting = "topic = \"/green_arrow_detector/sighting\"\ntype = \"sighting\"";
-  EXPECT_THAT(Faults(sighting, "topic = \"/green_arrow_detector/direction\"\ntype = \"text\""),
+  const std::string sighting = "topic = \"green_arrow_detector/sighting\"\ntype = \"sighting\"";
+  EXPECT_THAT(Faults(sighting, "topic = \"green_arrow_detector/direction\"\ntype = \"text\""),
               IsEmpty());
-  const std::string barrier = "topic = \"/red_barrier_detector/sighting\"\ntype = \"sighting\"";
-  EXPECT_THAT(Faults(barrier, "topic = \"/red_barrier_detector/distance\"\ntype = \"text\""),
+  const std::string barrier = "topic = \"red_barrier_detector/sighting\"\ntype = \"sighting\"";
+  EXPECT_THAT(Faults(barrier, "topic = \"red_barrier_detector/distance\"\ntype = \"text\""),
               ElementsAre(HasSubstr("barrier is not a detector of type \"sighting\"")));
 }
 

@@ -21,7 +21,7 @@ class DetectorsTest : public test::ModuleOnNetwork {
   }
 
   Sightings MakeDetector() {
-    Sightings sightings = Publisher<msg::Sighting>("qr_detector/sighting");
+    Sightings sightings = Publisher<msg::Sighting>("dog1/qr_detector/sighting");
     Run(Milliseconds(500));  // discovery
     return sightings;
   }

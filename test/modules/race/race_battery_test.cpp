@@ -77,7 +77,8 @@ class EmptyBattery : public MachineFixture {
   void OpenBody() {
     transport::Node& node = node_->node();
     const auto name = [this](const char* topic) { return name_space_ + "/" + topic; };
-    command_ = transport::MakePublisher<msg::String>(node, "state_machine/start_command").value();
+    command_ =
+        transport::MakePublisher<msg::String>(node, name("state_machine/start_command")).value();
     status_ = transport::MakePublisher<msg::MotionStatus>(node, name("motion_status")).value();
     battery_ = transport::MakePublisher<msg::BmsStatus>(node, name("bms_status")).value();
     motion_ = transport::MakeServer<msg::MotionResultCmd>(

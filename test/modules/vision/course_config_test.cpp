@@ -110,13 +110,13 @@ picture = "image_left"
   EXPECT_EQ(board.picture, "image_rgb");
   EXPECT_EQ(board.CameraInfoTopic(), "image_rgb/camera_info");
   EXPECT_EQ(board.limits, DetectorLimits());
-  EXPECT_EQ(board.Outputs().text, "/qr_detector/qr_info");
-  EXPECT_EQ(board.Outputs().sighting, "/qr_detector/sighting");
-  EXPECT_EQ(board.Outputs().debug_image, "/qr_detector/debug_image");
+  EXPECT_EQ(board.Outputs().text, "qr_detector/qr_info");
+  EXPECT_EQ(board.Outputs().sighting, "qr_detector/sighting");
+  EXPECT_EQ(board.Outputs().debug_image, "qr_detector/debug_image");
   const CourseEntry& left = config.detectors[1];
   EXPECT_EQ(left.CameraInfoTopic(), "image_left/camera_info");
-  EXPECT_EQ(left.Outputs().lines, "/yellow_line_detector/left");
-  EXPECT_EQ(left.Outputs().debug_image, "/yellow_line_detector/left/debug_image");
+  EXPECT_EQ(left.Outputs().lines, "yellow_line_detector/left");
+  EXPECT_EQ(left.Outputs().debug_image, "yellow_line_detector/left/debug_image");
   EXPECT_FALSE(left.Outputs().text);
 }
 

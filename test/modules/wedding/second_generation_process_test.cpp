@@ -81,7 +81,7 @@ TEST_F(SecondGenerationProcess, HasTheCameraRecordAnInterview) {
 
 TEST_F(SecondGenerationProcess, IsNotReadyUntilTheBodyReportsIt) {
   Start(File("time_ms = 300\nready = \"required\"\n"));
-  EXPECT_THAT(Failure(kSelfCheck), HasSubstr("/wedding/system/ready is not true"));
+  EXPECT_THAT(Failure(kSelfCheck), HasSubstr("wedding/system/ready is not true"));
   const auto ready = Publisher<msg::Bool>("wedding/system/ready", transport::kLatchedQos);
   ASSERT_TRUE(ready->Publish({true}));
   ASSERT_TRUE(peer_.Until([&] { return ready->MatchedReaders() == 1; }));

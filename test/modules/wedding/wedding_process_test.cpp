@@ -258,9 +258,9 @@ TEST_F(WeddingProcess, FailsItsSelfCheckByNameWithoutCameraAudioOrMotion) {
   subscriptions_.clear();
   ModuleProcess::Start("[check]\ntime_ms = 100\n");
   EXPECT_THAT(Failure(kSelfCheck),
-              ::testing::AllOf(HasSubstr("camera: no publisher of /wedding/perception/target"),
-                               HasSubstr("audio: no subscriber of /wedding/audio/play"),
-                               HasSubstr("motion: no subscriber of /wedding/motion/pose")));
+              ::testing::AllOf(HasSubstr("camera: no publisher of wedding/perception/target"),
+                               HasSubstr("audio: no subscriber of wedding/audio/play"),
+                               HasSubstr("motion: no subscriber of wedding/motion/pose")));
 }
 
 TEST_F(WeddingProcess, RunsWithoutOptionalPartsAndLogsIt) {
@@ -280,7 +280,7 @@ TEST_F(WeddingProcess, FailsItsSelfCheckWithFacesButWithoutTheirPositions) {
   target_.reset();
   ASSERT_TRUE(peer_.Until([&] {
     const auto checked = peer_.Switch("SelfCheck");
-    return checked && checked.value().message.find("no publisher of /wedding/perception/target") !=
+    return checked && checked.value().message.find("no publisher of wedding/perception/target") !=
                           std::string::npos;
   })) << peer_.Output();
 }

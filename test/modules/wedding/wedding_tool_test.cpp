@@ -1,6 +1,8 @@
 // The command-line tools of musher-wedding.
 
 #include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/modules/wedding/second_generation.hpp"
+#include "musher/modules/wedding/topic_names.hpp"
 #include "musher/test/modules/wedding/wedding_process.hpp"
 #include "musher/transport/clock.hpp"
 
@@ -9,6 +11,15 @@ namespace musher::wedding::wedding_tool_test {
 using ::testing::HasSubstr;
 
 class WeddingTool : public WeddingProcess {};
+
+// A command for one robot of a DDS domain reached the show of each.
+TEST(WeddingTopics, AreInTheNamespaceOfTheMachine) {
+  EXPECT_EQ(transport::ResolveName("", topic::kCommand), "wedding/fsm/command");
+  for (const std::string name : {topic::kCommand, topic::kReset, topic::kStop, topic::kTarget,
+                                 topic::kTooClose, topic::kPose, topic::kPlay, topic::kSetPose}) {
+    EXPECT_EQ(transport::ResolveName("bot1", name), "bot1/" + name);
+  }
+}
 
 TEST_F(WeddingTool, PublishesInputsWithoutRos) {
   StartActive();
@@ -31,7 +42,7 @@ TEST_F(WeddingTool, AnInputIsForTheShowAndNotForAnotherReader) {
       [&](const msg::String&, const transport::SampleInfo&) { ++recorded; });
   ASSERT_TRUE(recorder);
   EXPECT_EQ(RunTool({"send", "command", "reset"}), 1);
-  EXPECT_THAT(Said(), HasSubstr("no show subscribes to /wedding/fsm/command"));
+  EXPECT_THAT(Said(), HasSubstr("no show subscribes to wedding/fsm/command"));
   peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
   EXPECT_EQ(recorded, 0);
 }

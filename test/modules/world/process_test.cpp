@@ -302,15 +302,16 @@ TEST_F(MusherWorld, PlaysTheWeddingForAnySubscriber) {
   std::vector<std::string> gestures;
   const auto listening =
       transport::MakeSubscription<msg::JointState>(
-          *node_, "wedding/motion/joint_states",
+          *node_, "dog1/wedding/motion/joint_states",
           [&](const msg::JointState& received, const auto&) { joints = received; })
           .value();
   const auto subscription =
       transport::MakeSubscription<msg::String>(
-          *node_, "wedding/perception/gesture",
+          *node_, "dog1/wedding/perception/gesture",
           [&](const msg::String& received, const auto&) { gestures.push_back(received.data); })
           .value();
-  const auto poses = transport::MakePublisher<msg::String>(*node_, "wedding/motion/pose").value();
+  const auto poses =
+      transport::MakePublisher<msg::String>(*node_, "dog1/wedding/motion/pose").value();
   ASSERT_TRUE(Until([&] { return poses->MatchedReaders() > 0; }));
   ASSERT_TRUE(poses->Publish({"heart"}));
   ASSERT_TRUE(SendWorldCommand(Speed{10}, "dog1", seconds(20)));
