@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, Optional, Type
 from musher import _native
 from musher._errors import Failure
 from musher._message import Action, Message, codec_of, type_name
-from musher._node import Endpoint, _check_type, handling
+from musher._node import Endpoint, _check_handler, _check_type, handling
 
 if TYPE_CHECKING:
     from musher._node import Node
@@ -164,8 +164,7 @@ class ActionServer(Endpoint):
     def __init__(self, node: "Node", name: str, action: Type[Action],
                  handler: Callable[[ServerGoal], Any]) -> None:
         _check_type(action, Action, "an action class")
-        if not callable(handler):
-            raise TypeError(f"the handler of an action is a function, not {handler!r}")
+        _check_handler(handler, "an action")
         super().__init__(node)
         self._action: Any = action
         self._name = name

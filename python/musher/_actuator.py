@@ -78,6 +78,7 @@ class Actuator:
         self.log = Log(chosen)
         self._node: Optional[Node] = None
         self._pause_fault = ""  # of an application
+        self._node_lock = threading.Lock()
         self._handle = _native.ActuatorHandle(chosen, self)
         for state_name, method in self._callbacks().items():
             self._handle.register(state_name, method)
@@ -146,13 +147,14 @@ class Actuator:
     def node(self) -> Node:
         """For topics, services and actions of this actuator, from on_set_up on. In a fault-injection test it has
         no transport: publishing does nothing, and nothing is received."""
-        if self._node is None:
-            native = self._actuator.node()
-            if native is None and not self._actuator.under_test():
-                raise Failure(_STATE_INVALID, f"{self.name} is not started: open its topics in on_set_up")
-            self._node = Node._of(native, self.log)
-            self._node._delivery.watch = self._watch
-        return self._node
+        with self._node_lock:  # one for all threads
+            if self._node is None:
+                native = self._actuator.node()
+                if native is None and not self._actuator.under_test():
+                    raise Failure(_STATE_INVALID, f"{self.name} is not started: open its topics in on_set_up")
+                self._node = Node._of(native, self.log)
+                self._node._delivery.watch = self._watch
+            return self._node
 
     def on_emergency_stop(self) -> None:
         """Stop all motion now. Runs on a thread of its own, also beside a running callback, and again at the

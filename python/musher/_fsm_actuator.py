@@ -245,6 +245,7 @@ class FsmActuator(Actuator):
             machine.pause()  # the first time received from /clock may have any value
         self._ticking = True
         ticks.start(self.rate_hz)
+        self.node._delivery.take_longest_s()  # nothing ran yet that on_resume() could have held up
 
     def _begin_by_start(self) -> None:
         if not self._waits:  # a stop, or another START, came first
@@ -334,10 +335,14 @@ class FsmActuator(Actuator):
             raise Failure(_FAILED, f"{name} raised {where(error)}") from None
 
     def _quietly(self, work: Callable[[], None]) -> None:
-        """A fault is reported by on_fault, and by the state of the machine."""
+        """A fault is reported by on_fault, and by the state of the machine; so is sys.exit() in a state."""
         try:
             work()
         except Failure:
+            pass
+        except (ProcessKilled, Exception):
+            raise
+        except BaseException:
             pass
 
     def _guard_tick(self, name: str, hook: Callable[[], None]) -> bool:

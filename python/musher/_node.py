@@ -7,6 +7,7 @@ Python thread, one at a time. A subscription without a handler is an iterator in
 import atexit
 import collections
 import contextlib
+import inspect
 import os
 import threading
 import time
@@ -123,8 +124,8 @@ class Subscription(Endpoint, Generic[M]):
     def __init__(self, node: "Node", topic: str, message_type: Type[M], handler: Optional[Callable[[M], None]],
                  reliable: bool, latched: bool, depth: int) -> None:
         _check_type(message_type, Message, "a message class")
-        if handler is not None and not callable(handler):
-            raise TypeError(f"the handler of a subscription is a function, not {handler!r}")
+        if handler is not None:
+            _check_handler(handler, "a subscription")
         super().__init__(node)
         self._type = message_type
         self._codec = codec_of(message_type)
@@ -244,8 +245,7 @@ class ServiceClient(Endpoint):
 class ServiceServer(Endpoint):
     def __init__(self, node: "Node", name: str, service: Type[Service], handler: Callable[[Any], Any]) -> None:
         _check_type(service, Service, "a service class")
-        if not callable(handler):
-            raise TypeError(f"the handler of a service is a function, not {handler!r}")
+        _check_handler(handler, "a service")
         super().__init__(node)
         self._name = name
         self._service: Any = service
@@ -444,6 +444,7 @@ class _Delivery:
         self._lock = threading.Lock()
         self._ended = False
         self._longest_s = 0.0
+        self._began_s: Optional[float] = None  # the present handler, or the part of it that does not count yet
         #: Called around each handler, with whether it begins.
         self.watch: Callable[[bool], None] = lambda busy: None
 
@@ -469,8 +470,15 @@ class _Delivery:
 
     def take_longest_s(self) -> float:
         """For how long at most one of its handlers and jobs has run since the last call."""
+        self._count()
         longest_s, self._longest_s = self._longest_s, 0.0
         return longest_s
+
+    def _count(self) -> None:
+        now_s = _since_boot_s()
+        if self._began_s is not None:
+            self._longest_s = max(self._longest_s, now_s - self._began_s)
+            self._began_s = now_s
 
     def run(self) -> None:
         try:
@@ -492,20 +500,33 @@ class _Delivery:
         if handler is None:
             return
         self.watch(True)
-        began_s = time.clock_gettime(time.CLOCK_BOOTTIME)  # which counts a suspension
+        self._began_s = _since_boot_s()
         try:
             with handling(None if item.key == self._JOBS else item):
                 handler(item)
         except BaseException:  # also sys.exit(): without this thread no emergency stop would be handled
             self._log.exception("a handler raised an exception")
         finally:
-            self._longest_s = max(self._longest_s, time.clock_gettime(time.CLOCK_BOOTTIME) - began_s)
+            self._count()
+            self._began_s = None
             self.watch(False)
 
     def _run_job(self, item: _native.Item) -> None:
         with self._lock:
             job = self._jobs.popleft()
         job.run()
+
+
+def _since_boot_s() -> float:
+    """A suspension of the computer counts."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
+def _check_handler(handler: Any, what: str) -> None:
+    if not callable(handler):
+        raise TypeError(f"the handler of {what} is a function, not {handler!r}")
+    if inspect.iscoroutinefunction(handler):
+        raise TypeError(f"the handler of {what} is a function without async, not {handler!r}, which no loop would run")
 
 
 def _check_type(given: Any, base: type, what: str) -> None:

@@ -39,6 +39,7 @@ class SkillActuator(Actuator):
                        are paused: their time stands still
         OTA, Error, TearDown, an emergency stop
                        are cancelled at once; on_pause()
+        its process, or the node's thread, could not run for more than a minute: are cancelled
 
     Interfaces, in the namespace of the machine, as those of musher-skills: the action skill_execution
     (plan_msgs/SkillExecution, `musher skill run`), the topics skills and skill_feedback, the services <name>/get_skill,
@@ -218,7 +219,7 @@ class SkillActuator(Actuator):
         if not self._stepping:
             return
         self._now_s = item.token / 1e9
-        self._end_after_break()
+        self._end_after_break(item.waited_s())
         well = self._guard("before_step", self.before_step)
         for name in self.manager.running() if well else ():
             if not self._stepping:  # an emergency stop was engaged on another thread
@@ -347,10 +348,10 @@ class SkillActuator(Actuator):
             held = ", held by the emergency stop" if self.held_by_stop else ""
             raise SkillError(f"{self.name} runs no skills in {self.current_state}{held}")
 
-    def _end_after_break(self) -> None:
+    def _end_after_break(self, waited_s: float = 0.0) -> None:
         """As after a restart: what ran long ago does not go on by itself."""
-        could_not_run_s = self._ticks.take_break_s() if self._ticks is not None else None
-        if could_not_run_s is not None and could_not_run_s > LONGEST_BREAK_S:
+        could_not_run_s = self._take_break_s(self._ticks, waited_s)
+        if could_not_run_s > LONGEST_BREAK_S:
             self.manager.cancel_all_now(f"it does not go on: its process could not run for {could_not_run_s:.0f} s")
 
     def _check_not_late(self) -> None:

@@ -30,7 +30,7 @@ import math
 import time
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
-from musher._log import call_hook
+from musher._log import call_hook, log
 
 PROCESSING, COMPLETED, FAILED, CANCELLED = "processing", "completed", "failed", "cancelled"
 _STATUSES = (PROCESSING, COMPLETED, FAILED, CANCELLED)
@@ -150,7 +150,7 @@ class SkillManager:
         """`skills`: of those that are registered; none: all."""
         self.robot = robot
         self.skill_errors: Dict[str, str] = {}
-        #: Called with the skill, its state before, and the new one.
+        #: Called with the skill, its state before, and the new one. What it raises is logged.
         self.on_state_changed: Callable[[str, Optional[str], Optional[str]], None] = lambda skill, old, new: None
         #: Called with a skill before its run is removed, by a new start or a reset: its end is not known later.
         self.on_removal: Callable[[str], None] = lambda skill: None
@@ -212,7 +212,8 @@ class SkillManager:
         self._runs[skill] = _Run(found, given, found.timeout_s if timeout is None else timeout, self._last_number)
 
     def step(self, skill: str) -> Feedback:
-        """One step of a run; after its end nothing but its feedback."""
+        """One step of a run; after its end nothing but its feedback. A SystemExit or KeyboardInterrupt of the skill is
+        raised once the run has failed by it."""
         run = self._run(skill)
         if run.feedback["status"] != PROCESSING:
             return run.feedback
@@ -232,6 +233,11 @@ class SkillManager:
             status, message, progress, details = _checked(skill, returned)
         except Exception as error:
             return self._end(run, FAILED, f"{type(error).__name__}: {error}")
+        except BaseException as error:  # of sys.exit(), or Ctrl-C
+            self._end(run, FAILED, f"{type(error).__name__}: {error}")
+            raise
+        if run.feedback["status"] != PROCESSING:  # it has cancelled or reset itself
+            return run.feedback
         run.feedback["details"] = details
         if status != PROCESSING:
             return self._end(run, status, message)
@@ -381,13 +387,15 @@ class SkillManager:
         run.is_neutral = True
         try:
             call_hook("on_pause", run.skill.on_pause, self.robot)
-        except Exception as error:  # the outputs may not be neutral
+        except BaseException as error:  # also sys.exit(): the outputs may not be neutral
             run.pause_why, run.is_neutral = None, False
             self._end(run, FAILED, f"on_pause: {type(error).__name__}: {error}")
             return False
         return True
 
     def _end(self, run: _Run, status: str, message: str) -> Feedback:
+        if run.feedback["status"] != PROCESSING:  # its own step has ended it
+            return run.feedback
         name = run.skill.name
         if status == COMPLETED and run.cancel_why is not None:
             status, message = CANCELLED, run.cancel_why
@@ -398,7 +406,7 @@ class SkillManager:
         if run.skill.on_end is not None and run.pause_why is None:
             try:
                 call_hook("on_end", run.skill.on_end, self.robot, status)
-            except Exception as error:  # the outputs may not be neutral: no success
+            except BaseException as error:  # also sys.exit(): the outputs may not be neutral, no success
                 run.end_fault = f"on_end: {type(error).__name__}: {error}"
                 run.feedback.update(status=FAILED, message=run.end_fault, state=_ENDS[FAILED], progress=progress)
         status = run.feedback["status"]
@@ -411,7 +419,10 @@ class SkillManager:
         if run.state == state:
             return
         old, run.state = run.state, state
-        self.on_state_changed(run.skill.name, old, state)
+        try:
+            self.on_state_changed(run.skill.name, old, state)
+        except BaseException:  # it only watches: what ends at a stop does end
+            log.exception("on_state_changed raised an exception")
 
 
 def text_of(feedback: Feedback) -> str:

@@ -335,6 +335,16 @@ class Ends(unittest.TestCase):
         ended = run_python(ALL + "a = A('a')\na.start()\nprint(a.current_state)", MUSHER_CONFIG=self.robot().file)
         self.assertEqual((ended.returncode, ended.stdout), (0, "SetUp\n"), ended.stderr)
 
+    def test_all_threads_have_the_same_node(self):
+        ended = run_python(
+            "import threading\nfrom concurrent.futures import ThreadPoolExecutor\n" + ALL +
+            "    def on_set_up(self):\n"
+            "        begin = threading.Barrier(8)\n"
+            "        def get(number):\n            begin.wait()\n            return self.node\n"
+            "        with ThreadPoolExecutor(8) as pool: print(len(set(pool.map(get, range(8)))))\n"
+            "a = A('a')\na.start()\n", MUSHER_CONFIG=self.robot().file)
+        self.assertEqual(ended.stdout, "1\n", ended.stderr)
+
     def test_use_before_the_constructor_and_after_the_end_has_a_sentence(self):
         ended = run_python(
             ALL + "a = A('a')\ntry: a.node\nexcept musher.Failure as e: print(e.reason)\n"

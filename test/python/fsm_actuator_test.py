@@ -248,7 +248,33 @@ class Applications(WithRobot):
         self.await_state(states, "GREET")
         self.assertTrue(self.behavior("show")["ticking"])
 
-    # The two tests before replace what the extension finds out. Here it is the real one; a controller would end the
+    # It stood in Active, and neither ticked nor waited for START.
+    def test_begins_at_its_start_after_a_long_break_although_its_state_exits(self):
+        self.show("def open_topics(self):\n"
+                  "    none = musher._native.FsmTicks.take_break_s\n"
+                  "    musher._native.FsmTicks.take_break_s = lambda ticks: none(ticks) or (\n"
+                  "        90.0 if self.machine.state == 'PLAY' else None)\n"
+                  "def leave(scene, tick):\n"
+                  "    if scene.name == 'PLAY': raise SystemExit(3)\n"
+                  "Scene.on_exit = leave")
+        states = self.states_of("show")
+        self.await_state(states, "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_state(states, "PLAY")
+        self.await_state(states, "GREET")
+        self.assertTrue(self.behavior("show")["ticking"])
+
+    # It was ended by its first tick, and resumed, again and again.
+    def test_a_long_on_resume_is_no_break_of_the_machine(self):
+        self.show("def on_resume(self):\n"
+                  "    now = musher._node._since_boot_s\n"
+                  "    musher._node._since_boot_s = lambda: now() + 90.0")
+        states = self.states_of("show")
+        self.await_state(states, "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_state(states, "PLAY")
+
+    # The tests before replace what the extension finds out. Here it is the real one; a controller would end the
     # stopped process and start another one.
     def test_a_process_that_was_stopped_for_long_refuses_a_start_that_waited_and_begins_at_its_start(self):
         self.show("def open_topics(self): musher._fsm_actuator.LONGEST_BREAK_S = 5.0")  # instead of a minute

@@ -178,10 +178,16 @@ class Nodes(unittest.TestCase):
         self.assertEqual(ended.stdout, "no file descriptor for what is received: Too many open files\n", ended.stderr)
 
     def test_wrong_arguments_and_use_after_the_end_are_refused_with_a_sentence(self):
+        async def obey(message):
+            pass
+
         publisher = self.here.publisher("chat", String)
         for call, text in ((lambda: self.here.publisher("chat", str), "a message class is expected"),
                            (lambda: self.here.publisher("", String), "the name of a topic or service"),
                            (lambda: self.here.subscribe("chat", String, 5), "the handler of a subscription"),
+                           (lambda: self.here.subscribe("chat", String, obey), "a subscription is .* without async"),
+                           (lambda: self.here.serve("begin", Trigger, obey), "a service is .* without async"),
+                           (lambda: self.here.serve_action("count", Fibonacci, obey), "an action is .* without async"),
                            (lambda: self.here.subscribe("chat", String, depth=-1), "depth is how many samples"),
                            (lambda: self.here.client("x", String), "a service class is expected"),
                            (lambda: publisher.publish("hello"), "a std_msgs/msg/String is expected, not 'hello'")):

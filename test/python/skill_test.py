@@ -88,6 +88,10 @@ def _stick(*arguments):
     raise OSError("the valve is stuck")
 
 
+def _leave(*arguments, **parameters):
+    raise SystemExit(3)
+
+
 @SkillManager.register(on_end=_stick, on_pause=_stick)
 def grip(robot, skill_manager):
     return skill_manager.form_feedback("processing", "grips")
@@ -328,6 +332,55 @@ class AManager(unittest.TestCase):
                          ["grip: on_end: OSError: the valve is stuck"])
         self.assertEqual(self.skills.cancel_all_now("emergency stop"), [])
 
+    # The others were neither ended nor paused, and moved on once Active was set after the stop.
+    def test_all_are_cancelled_or_paused_although_a_hook_of_one_exits(self):
+        pauses = []
+        grip, take_off = self.skills.skills["grip"], self.skills.skills["take_off"]
+        self.step("grip")
+        self.step(altitude=2.0)
+        with mock.patch.object(grip, "on_pause", _leave), mock.patch.object(take_off, "on_pause", pauses.append):
+            self.skills.pause()
+        self.assertEqual((pauses, self.skills.running()), ([self.drone], ["take_off"]))
+        self.step("grip")
+        with mock.patch.object(grip, "on_end", _leave), mock.patch.object(take_off, "on_end", _leave):
+            self.assertEqual(self.skills.cancel_all_now("emergency stop"),
+                             ["take_off: on_end: SystemExit: 3", "grip: on_end: SystemExit: 3"])
+        self.assertEqual(self.skills.running(), [])
+        self.assertEqual(self.skills.feedback_of("grip")["status"], "failed")
+
+    def test_all_are_cancelled_although_what_watches_their_states_raises(self):
+        self.step("grip")
+        self.step(altitude=2.0)
+        self.skills.on_state_changed = _stick
+        self.skills.cancel_all_now("emergency stop")
+        self.assertEqual(self.skills.running(), [])
+
+    # It was called again in each step, and what had moved moved on.
+    def test_a_skill_that_exits_has_failed_and_is_ended_before(self):
+        ends = []
+        fly = self.skills.skills["fly"]
+        fly.on_end, before = lambda *end: ends.append(end), fly.on_end
+        self.addCleanup(setattr, fly, "on_end", before)
+        with mock.patch.object(fly, "function", _leave), self.assertRaises(SystemExit):
+            self.step("fly")
+        self.assertEqual(ends, [(self.drone, "failed")])
+        self.assertEqual(self.skills.feedback_of("fly")["message"], "SystemExit: 3")
+
+    # It ended twice, the second time as completed.
+    def test_a_skill_that_cancels_all_in_its_step_is_cancelled(self):
+        ends = []
+
+        def abort(robot, skill_manager):
+            skill_manager.cancel_all_now("enough")
+            return skill_manager.form_feedback("completed", "Done")
+
+        fly = self.skills.skills["fly"]
+        fly.on_end, before = lambda *end: ends.append(end), fly.on_end
+        self.addCleanup(setattr, fly, "on_end", before)
+        with mock.patch.object(fly, "function", abort):
+            self.assertEqual(self.step("fly")["status"], "cancelled")
+        self.assertEqual(ends, [(self.drone, "cancelled")])
+
     def test_registers_only_what_is_a_skill(self):
         with self.assertRaises(SkillError):
             SkillManager.register()(lambda: None)
@@ -438,6 +491,8 @@ _native.FsmTicks.take_break_s = lambda ticks: none(ticks) or (
 
 class AnActuatorThatIsBusy(WithArm):
     more = """
+musher._skill_actuator.LONGEST_BREAK_S = 3.0  # instead of a minute
+
 @SkillManager.register()
 def think(robot, pipe="", **kwargs):
     "Holds the thread of the node up until the pipe has a writer"
@@ -493,6 +548,28 @@ def think(robot, pipe="", **kwargs):
             waves.result(DEADLINE_S)
         self.assertRegex(ended.exception.result.message, r"^arm could not run for \d+ s, and the request may be as old")
         self.assertEqual(thinks.result(DEADLINE_S).message[:10], "completed:")
+
+    # It waved on by itself, minutes after its last step.
+    def test_ends_the_skills_that_could_not_run_for_long(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        from musher.plan_msgs.action import SkillExecution
+        from musher.plan_msgs.msg import Parameter, RobotSkill, SkillInfo
+        client = node.action_client("skill_execution", SkillExecution)
+        thought = os.path.join(self.robot.folder, "thought")
+        os.mkfifo(thought)
+        wave = SkillInfo("wave", [Parameter("times", "1000")])
+        waves = client.send(SkillExecution.Goal(RobotSkill("robot_0", [wave])), DEADLINE_S)
+        next(iter(waves))
+        think = SkillInfo("think", [Parameter("pipe", repr(thought))])
+        client.send(SkillExecution.Goal(RobotSkill("robot_0", [think])), DEADLINE_S)
+        self.robot.await_log("arm", "thinks")
+        with self.assertRaises(musher.Failure):
+            waves.result(4.0)
+        self.robot.write("thought", "")  # waits for the reader
+        with self.assertRaises(musher.GoalFailed) as ended:
+            waves.result(DEADLINE_S)
+        self.assertIn("it does not go on: its process could not run for", ended.exception.result.message)
 
 
 class AnActuatorWhoseSkillDoesNotEndWell(WithArm):
