@@ -188,6 +188,8 @@ class MachineActuator::Impl {
     Finish(0);
   }
 
+  void LeaveToParent() { name_lock_.reset(); }
+
   void Checkpoint(Duration allowance) {
     const std::lock_guard lock(mutex_);
     if (checkpoints_ == nullptr) return;  // not started yet, or stopped
@@ -418,6 +420,9 @@ Result<> MachineActuator::Start() {
 }
 bool MachineActuator::started() const {
   return impl_->started();
+}
+void MachineActuator::LeaveToParent() {
+  impl_->LeaveToParent();
 }
 Result<> MachineActuator::CheckCallbacks() const {
   return impl_->CheckCallbacks();

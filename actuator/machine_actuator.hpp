@@ -191,6 +191,10 @@ class MachineActuator {
   // Whether Start() has succeeded and Shutdown() has not been called since.
   bool started() const;
 
+  // In a fork of the process, which has none of its threads: gives up its hold of the name, which
+  // the parent keeps. It must not be used or destroyed there any more.
+  void LeaveToParent();
+
   // An emergency stop is engaged: stop all motion now. Runs on the process's loop thread, possibly
   // beside a running state callback; it must return at once (set a flag, write a zero) and must not
   // block. Exceptions are caught. Until a person releases the stop, this actuator does not switch

@@ -358,3 +358,13 @@ def _end() -> None:
 
 
 __all__ = ["Actuator", "Key", "run", "state"]
+def _leave_to_parent() -> None:
+    """In a fork, which has none of the threads: the parent keeps the actuators, and their names."""
+    for actuator in list(_started):
+        actuator._actuator.leave_to_parent()
+    _started.clear()
+
+
+os.register_at_fork(after_in_child=_leave_to_parent)
+
+

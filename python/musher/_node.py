@@ -480,9 +480,16 @@ class _Delivery:
             self._longest_s = max(self._longest_s, now_s - self._began_s)
             self._began_s = now_s
 
+    def leave_to_parent(self) -> None:
+        """In a fork, where no thread handles anything; also not one that has forked in a handler."""
+        self._lock = threading.Lock()  # another thread may have had it
+        self._ended = True
+        self._jobs.clear()
+        self.watch = lambda busy: None
+
     def run(self) -> None:
         try:
-            while True:
+            while not self._ended:
                 try:
                     item = self._mailbox.pop(None)
                 except StopIteration:
@@ -544,6 +551,14 @@ def _checked_depth(depth: int) -> int:
 
 
 _nodes: "weakref.WeakSet[Node]" = weakref.WeakSet()
+
+
+def _leave_to_parent() -> None:
+    for node in list(_nodes):
+        node._delivery.leave_to_parent()
+
+
+os.register_at_fork(after_in_child=_leave_to_parent)
 
 
 @atexit.register

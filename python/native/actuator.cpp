@@ -126,6 +126,11 @@ void AddActuator(py::module_& native) {
              PyActuator& actuator = h.Get();
              WithoutGil([&] { actuator.End(); });
            })
+      .def("leave_to_parent",
+           [](ActuatorHandle& h) {
+             h.Get().LeaveToParent();
+             h.left_to_parent = true;
+           })
       .def("give_up", [](ActuatorHandle& h, std::int32_t code,
                          const std::string& why) { h.Get().GiveUp(CheckedError(code, why)); })
       .def("stop_requested", &StopRequested)

@@ -84,7 +84,13 @@ class Mailbox {
     items_.push_front(std::move(item));
     Wake();
   }
+  // A fork shares the descriptor, and would wake, or be woken by, the process that has made it.
+  bool InThisProcess() const { return getpid() == process; }
+  const pid_t process = getpid();
+
+  // Does nothing in a fork.
   void Close() {
+    if (!InThisProcess()) return;
     const std::lock_guard lock(mutex_);
     closed_ = true;
     Wake();

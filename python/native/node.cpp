@@ -33,6 +33,7 @@ MailboxPtr MakeMailbox() {
 // The next item; None at the end of the time. Raises StopIteration when the mailbox is closed.
 // Signals are handled meanwhile.
 std::optional<Item> Pop(Mailbox& mailbox, std::optional<double> timeout_s) {
+  if (!mailbox.InThisProcess()) RaiseInFork(mailbox.process);
   const auto end = std::chrono::steady_clock::now() + Seconds(timeout_s.value_or(0));
   while (true) {
     Item item;

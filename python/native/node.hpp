@@ -18,6 +18,13 @@
 
 namespace musher::python {
 
+// A fork has none of the threads of the process that has made a node or a mailbox. With the GIL.
+[[noreturn]] inline void RaiseInFork(pid_t process) {
+  Raise("Failure", {kCodeStateInvalid, "process " + std::to_string(process) +
+                                           " has made this node, and this is a fork of it: make "
+                                           "a node or a Machine of its own here"});
+}
+
 struct PyNode {
   std::shared_ptr<transport::NodeThread> thread;
   std::string name_space;
@@ -47,10 +54,7 @@ struct PyNode {
   bool InThisProcess() const { return getpid() == process; }
   // Raises musher.Failure in a fork. With the GIL.
   void CheckProcess() const {
-    if (InThisProcess()) return;
-    Raise("Failure", {kCodeStateInvalid, "process " + std::to_string(process) +
-                                             " has made this node, and this is a fork of it: make "
-                                             "a node or a Machine of its own here"});
+    if (!InThisProcess()) RaiseInFork(process);
   }
 
   std::string Resolve(const std::string& name) const {

@@ -21,11 +21,16 @@ PyActuator& ActuatorHandle::Get() const {
     Raise("Failure",
           {kCodeStateInvalid, "this actuator has ended: its process was killed by the test"});
   }
+  if (left_to_parent) {
+    Raise("Failure", {kCodeStateInvalid,
+                      actuator->name() + " runs in the process that this one is a fork of: make "
+                                         "a node or a Machine of its own here"});
+  }
   return *actuator;
 }
 
 ActuatorHandle::~ActuatorHandle() {
-  if (owned)
+  if (owned && !left_to_parent)  // its end waits for threads that a fork does not have
     delete actuator;  // NOLINT(cppcoreguidelines-owning-memory): pybind11's holder is the handle
 }
 

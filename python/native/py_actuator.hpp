@@ -28,8 +28,9 @@ struct ActuatorHandle {
   ~ActuatorHandle();
   PyActuator* actuator = nullptr;
   bool owned = true;
+  bool left_to_parent = false;  // this process is a fork of the one that runs it
 
-  // Raises musher.Failure if the actuator's process has ended.
+  // Raises musher.Failure if the actuator's process has ended, and in a fork of it.
   PyActuator& Get() const;
 };
 
@@ -46,6 +47,7 @@ class PyActuator final : public MachineActuator {
   // stop, must not wait for the GIL.
   Result<> StartWithStopThread();
   void End();  // idempotent; without the GIL
+  using MachineActuator::LeaveToParent;
 
   // Passes the ownership of this object to the caller.
   std::unique_ptr<PyActuator> Release();

@@ -335,6 +335,32 @@ class Ends(unittest.TestCase):
         ended = run_python(ALL + "a = A('a')\na.start()\nprint(a.current_state)", MUSHER_CONFIG=self.robot().file)
         self.assertEqual((ended.returncode, ended.stdout), (0, "SetUp\n"), ended.stderr)
 
+    # It held the name as long as it ran, and its calls waited for threads that it does not have.
+    def test_a_fork_neither_holds_the_name_of_its_actuator_nor_calls_it(self):
+        ended = run_python(
+            "import os\n" + ALL + "a = A('a')\na.start()\n"
+            "(goes_on, go_on), (done, tell) = os.pipe(), os.pipe()\n"
+            "child = os.fork()\n"
+            "if child == 0:\n"
+            "    __import__('signal').alarm(30)\n"
+            "    os.close(go_on)\n"
+            "    for call in (a.checkpoint, lambda: a.emergency_stopped, lambda: a.give_up(6101, ''), a.shutdown):\n"
+            "        try: print('called', call(), flush=True)\n"
+            "        except musher.Failure as failure: print(failure.reason, flush=True)\n"
+            "    os.write(tell, b'1')\n"
+            "    os.read(goes_on, 1)\n"
+            "    raise SystemExit(5)\n"
+            "os.close(tell)\n"
+            "os.read(done, 1)\n"
+            "a.shutdown()\n"
+            "again = A('a')\n"
+            "try: print(again.start())\n"
+            "except musher.Failure as failure: print(failure.reason)\n"
+            "os.close(go_on)\n"
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))\n", MUSHER_CONFIG=self.robot().file)
+        refused = "a runs in the process that this one is a fork of: make a node or a Machine of its own here"
+        self.assertEqual(ended.stdout.splitlines(), [refused] * 4 + ["None", "5"], ended.stderr)
+
     def test_all_threads_have_the_same_node(self):
         ended = run_python(
             "import threading\nfrom concurrent.futures import ThreadPoolExecutor\n" + ALL +

@@ -223,5 +223,48 @@ class Nodes(unittest.TestCase):
         self.assertEqual((ended.returncode, ended.stdout), (0, "ends\n"), ended.stderr)
 
 
+class Forks(unittest.TestCase):
+    # Its end woke the node's thread of the parent, which then polled for ever.
+    def test_the_end_of_a_fork_does_not_wake_the_parent(self):
+        ended = run_python(
+            "import os\nfrom musher.std_msgs.msg import String\n"
+            "def read(name):\n"
+            "    with open(f'/proc/self/fdinfo/{name}') as file: return file.read().split()\n"
+            "def quiet(names):\n"
+            "    infos = {name: read(name) for name in names if os.path.exists(f'/proc/self/fdinfo/{name}')}\n"
+            "    return [name for name, info in infos.items() if 'eventfd-count:' in info\n"
+            "            and int(info[info.index('eventfd-count:') + 1], 16) == 0]\n"
+            "node = musher.Node()\nnode.subscribe('chat', String, print)\n"
+            "taken = node.subscribe('talk', String)\n"
+            "before = quiet(os.listdir('/proc/self/fdinfo'))\n"
+            "child = os.fork()\n"
+            "if child == 0:\n"
+            "    try: taken.take(0.1)\n"
+            "    except musher.Failure as failure: print(failure.reason, flush=True)\n"
+            "    raise SystemExit(5)\n"
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))\n"
+            "print(len(before), before == quiet(before))")
+        reason, *others = ended.stdout.splitlines()
+        self.assertRegex(reason, r"^process \d+ has made this node, and this is a fork of it: make a node or a Machine")
+        self.assertEqual(others, ["5", "2 True"], ended.stderr)  # those of the node and of the subscription
+
+    # It handled the requests that waited for the parent.
+    def test_a_fork_in_a_handler_handles_nothing_more(self):
+        ended = run_python(
+            "import os, threading\nfrom musher.std_msgs.msg import String\n"
+            "node, ended = musher.Node(), threading.Event()\n"
+            "def fork(message):\n"
+            "    print(message.data, flush=True)\n"
+            "    child = os.fork()\n"
+            "    if child == 0: return __import__('signal').alarm(10)\n"
+            "    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\n"
+            "    if message.data == 'b': ended.set()\n"
+            "chat = node.publisher('chat', String, latched=True)\n"
+            "for word in 'ab': chat.publish(String(word))\n"
+            "node.subscribe('chat', String, fork, latched=True)\n"
+            "ended.wait()")
+        self.assertEqual(ended.stdout.splitlines(), ["a", "0", "b", "0"], ended.stderr)
+
+
 if __name__ == "__main__":
     unittest.main()
