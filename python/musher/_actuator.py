@@ -18,6 +18,7 @@ from musher._node import Node, request_here
 
 _FAILED = 101  # Robot (100) + FAILED
 _STATE_INVALID = 103
+_LONGEST_END_S = 2.0  # of callbacks and threads that still run
 LONGEST_BREAK_S = 60.0  # of a process, after which what ran goes on; as in base/break_watch.hpp
 
 #: The methods that are callbacks of the built-in states.
@@ -77,8 +78,8 @@ class Actuator:
         self.name = chosen
         self.log = Log(chosen)
         self._node: Optional[Node] = None
-        self._pause_fault = ""  # of an application
         self._node_lock = threading.Lock()
+        self._pause_fault = ""  # of an application
         self._handle = _native.ActuatorHandle(chosen, self)
         for state_name, method in self._callbacks().items():
             self._handle.register(state_name, method)
@@ -298,7 +299,8 @@ def run(actuator: Union[Type[Actuator], Actuator, Callable[[], Actuator]], confi
 
     Exit codes: 0 after TearDown; 1 if SetUp fails, it cannot start, or it gave up; 2 if the config is invalid
     or does not fit the class, after which a controller does not restart it. SIGTERM and SIGINT end the
-    process at once, as they do a C++ module, unless the program has handlers of its own.
+    process at once, as they do a C++ module, unless the program has handlers of its own. Threads of the program
+    that are no daemons are waited for at most 2 s, then the functions of atexit run, and the process exits.
     """
     made = actuator() if callable(actuator) else actuator
     if not isinstance(made, Actuator):
@@ -309,7 +311,46 @@ def run(actuator: Union[Type[Actuator], Actuator, Callable[[], Actuator]], confi
     for stream in (sys.stdout, sys.stderr):  # the controller reads its lines
         with contextlib.suppress(AttributeError):
             getattr(stream, "reconfigure")(line_buffering=True)
-    sys.exit(_run(made, config))
+    code = _run(made, config)
+    if threading.current_thread() is threading.main_thread():
+        _limit_end(code, made.log)
+    sys.exit(code)
+
+
+def _limit_end(code: int, log: Log) -> None:
+    """Once the main thread has ended, the interpreter waits for the tasks of concurrent.futures, and for all threads
+    that are no daemons, if need be for ever."""
+    main_has_ended, all_have_ended = threading.Event(), threading.Event()
+    at_main_end: Callable[[Callable[[], None]], None] = getattr(threading, "_register_atexit", lambda call: call())
+    at_main_end(main_has_ended.set)
+    atexit.register(all_have_ended.set)
+
+    def limit() -> None:
+        main_has_ended.wait()
+        if all_have_ended.wait(_LONGEST_END_S):
+            return
+        others = [thread for thread in threading.enumerate() if not thread.name.startswith("Dummy-")  # of no Thread
+                  and thread not in (threading.main_thread(), threading.current_thread())]
+        names = ", ".join(thread.name for thread in [one for one in others if not one.daemon] or others)
+        log.warning(f"the process exits while threads of its program still run, {_LONGEST_END_S:.0f} s after its end: "
+                    f"{names}; end them in on_tear_down(), or make them daemon threads")
+        last = threading.Thread(target=_call_at_exit, daemon=True)
+        last.start()
+        last.join(_LONGEST_END_S)
+        os._exit(code)
+
+    threading.Thread(target=limit, daemon=True, name="musher end").start()
+
+
+def _call_at_exit() -> None:
+    atexit._run_exitfuncs()
+    _flush()
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(AttributeError, OSError, ValueError):  # none, or closed
+            stream.flush()
 
 
 def _run(actuator: Actuator, config: str) -> int:
@@ -348,16 +389,14 @@ def _end() -> None:
     for ender in enders:
         ender.start()
     for ender in enders:
-        ender.join(2.0)
+        ender.join(_LONGEST_END_S)
     if any(ender.is_alive() for ender in enders):
         for actuator in list(_started):
             actuator.log.error("the program ends while a callback is still running")
-        sys.stdout.flush()
-        sys.stderr.flush()
+        _flush()
         os._exit(1)
 
 
-__all__ = ["Actuator", "Key", "run", "state"]
 def _leave_to_parent() -> None:
     """In a fork, which has none of the threads: the parent keeps the actuators, and their names."""
     for actuator in list(_started):
@@ -368,3 +407,4 @@ def _leave_to_parent() -> None:
 os.register_at_fork(after_in_child=_leave_to_parent)
 
 
+__all__ = ["Actuator", "Key", "run", "state"]

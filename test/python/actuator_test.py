@@ -335,6 +335,39 @@ class Ends(unittest.TestCase):
         ended = run_python(ALL + "a = A('a')\na.start()\nprint(a.current_state)", MUSHER_CONFIG=self.robot().file)
         self.assertEqual((ended.returncode, ended.stdout), (0, "SetUp\n"), ended.stderr)
 
+    # It hung for ever.
+    def test_a_program_exits_while_threads_of_its_own_run_on(self):
+        begins = {"a thread": "threading.Thread(target=threading.Event().wait, name='reader').start()",
+                  "a timer that begins the next": "again()",
+                  "a pool": "pool.submit(threading.Event().wait)",
+                  "a pool of a callback": "A.on_set_up = lambda a: pool.submit(threading.Event().wait) and give_up(a)"}
+        for what, begin in begins.items():
+            with self.subTest(what):
+                ended = run_python(
+                    "import atexit, threading\nfrom concurrent.futures import ThreadPoolExecutor\n"
+                    "pool = ThreadPoolExecutor(thread_name_prefix='reader')\n"
+                    "def again():\n    timer = threading.Timer(0.1, again)\n    timer.name = 'reader'\n"
+                    "    timer.start()\n"
+                    + ALL + "    def on_set_up(self): give_up(self)\n"
+                    "def give_up(a): a.give_up(6101, 'the arm is gone')\n"
+                    f"{begin}\n"
+                    "atexit.register(print, 'at exit', end='')\n"
+                    "try: musher.run(A)\nfinally: print('finally')\n",
+                    MUSHER_CONFIG=self.robot().file, MUSHER_ACTUATOR="a")
+                self.assertEqual((ended.returncode, ended.stdout), (1, "finally\nat exit"), ended.stderr)
+                self.assertRegex(ended.stderr, r"the process exits while threads of its program still run, 2 s after "
+                                               r"its end: reader.*; end them in on_tear_down\(\)")
+
+    def test_a_program_waits_for_threads_of_its_own_that_end(self):
+        ended = run_python(
+            "import threading\nfrom concurrent.futures import ThreadPoolExecutor\npool = ThreadPoolExecutor()\n"
+            "def last():\n    threading.main_thread().join()\n    print('last')\n"
+            + ALL + "    def on_set_up(self): self.give_up(6101, 'the arm is gone')\n"
+            "pool.submit(print, 'first').result()\nthreading.Thread(target=last).start()\n" + RUN,
+            MUSHER_CONFIG=self.robot().file, MUSHER_ACTUATOR="a")
+        self.assertEqual((ended.returncode, ended.stdout), (1, "first\nlast\n"), ended.stderr)
+        self.assertNotIn("still run", ended.stderr)
+
     # It held the name as long as it ran, and its calls waited for threads that it does not have.
     def test_a_fork_neither_holds_the_name_of_its_actuator_nor_calls_it(self):
         ended = run_python(
