@@ -59,13 +59,6 @@ bool MachineView::RunsElsewhere(ActuatorIndex i) const {
          report.incarnation != known.process.dead && !report.host.empty() && report.host != host;
 }
 
-bool MachineView::MayRunOn(ActuatorIndex i) const {
-  const KnownActuator& known = Of(i);
-  const ActuatorReport& report = known.report;
-  return known.presence == Presence::kLost && !known.writer_lost && report.incarnation != 0 &&
-         report.incarnation != known.process.dead && report.state != kTearDown;
-}
-
 bool MachineView::IsReportOf(ActuatorIndex i, std::int32_t pid) const {
   const ActuatorReport& report = Of(i).report;
   return report.pid == pid && (report.host.empty() || report.host == HostOf(i));

@@ -37,9 +37,6 @@ class MachineView {
   // Whether the process in use runs on another host than the controller starts it on. A second
   // process there would run in parallel, or waits already for the loss of the process in use.
   bool RunsElsewhere(ActuatorIndex i) const;
-  // Whether the process in use is lost and may run on, out of reach for a moment: as long as its
-  // writer is not lost, its latched status does not come again.
-  bool MayRunOn(ActuatorIndex i) const;
   // Whether the last report of the actuator is of process `pid` of HostOf(): a process of another
   // host may have the same pid.
   bool IsReportOf(ActuatorIndex i, std::int32_t pid) const;

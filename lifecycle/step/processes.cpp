@@ -71,9 +71,6 @@ void Processes::EvaluateArrival(ActuatorIndex i) {
 void Processes::StartAgain(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.restart.at.reset();
-  // Of its own host the systemd starts no second one.
-  const bool here = known.report.host.empty() || known.report.host == machine_.host;
-  if (!here && ConfigOf(i).host.empty() && MayRunOn(i)) known.other = known.report;
   known.process.ended_pid = 0;
   known.process.ended_host.clear();
   known.report.state = config_.default_state;  // the old process does not count any more

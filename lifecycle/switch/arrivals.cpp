@@ -129,14 +129,18 @@ void Arrivals::SetUpFailed(ActuatorIndex i, const ActuatorReport& report) {
   if (keeps_running) FallBack(i);
 }
 
-// Whether the process in use before `report` may run on, on another host: two processes may also
-// publish in turn before one of them is attached.
+// Whether the process in use before `report` may run on, on another host. Two processes may publish
+// in turn before one of them is attached; and one that does not answer may only be out of reach for
+// a moment: as long as its writer is not lost, its latched status does not come again.
 bool Arrivals::MayRunBeside(ActuatorIndex i, const ActuatorReport& report) const {
   const KnownActuator& known = Of(i);
   const ActuatorReport& before = known.report;
   if (before.host.empty() || before.host == report.host) return false;
   const bool attaching = known.presence == Presence::kStarting && known.control.again;
-  return attaching || MayRunOn(i);
+  const bool out_of_reach = known.presence == Presence::kLost && !known.writer_lost &&
+                            before.incarnation != 0 && before.incarnation != known.process.dead &&
+                            before.state != kTearDown;
+  return attaching || out_of_reach;
 }
 
 // A process on another host publishes as this actuator while the known process still answers.

@@ -269,7 +269,7 @@ TEST_F(Monitor, WhatWasTheFirstToBeSilentOfItsHostIsPartitionedWithTheOthers) {
   Found();
   heartbeats_[1] = false;
   RunFor(std::chrono::seconds(2));
-  EXPECT_THAT(Found(), ElementsAre("probe b", "b partitioned, silent", "a partitioned, silent"));
+  EXPECT_THAT(Found(), ElementsAre("probe b", "a partitioned, silent", "b partitioned, silent"));
 }
 
 TEST_F(Monitor, APartitionThatEndsIsReported) {

@@ -110,30 +110,6 @@ TEST_F(SecondProcess, IsAlsoTheOneInUseBeforeThatWasOutOfReachForAMoment) {
   EXPECT_FALSE(Of(0).other);
 }
 
-// It was restarted by hand while the board was out of reach for a moment.
-TEST_F(SecondProcess, IsAlsoTheOneOutOfReachInWhosePlaceAProcessIsStartedHere) {
-  config_.actuators[0].command = {"run", "a"};
-  Say(0, Second(kActive));
-  Do(event::Vanished{0, kFirst, true, "its process 700 ended"});
-  ActuatorReport board = Second(kActive);
-  board.epoch = machine_.epoch;
-  board.number = Of(0).report.number;
-  Do(event::Replied{0, board.number, true, Verdict::kDone, kCodeOk, "", board});
-  ASSERT_EQ(Of(0).report.host, "dock");
-  Do(event::HealthChanged{0, board.incarnation, Health::kPartitioned, false, "no heartbeat"});
-  Do(event::RestartRequested{2, "a"});
-  Pass(Milliseconds(1));
-  ASSERT_THAT(Did<action::StartProcess>(), ElementsAre(action::StartProcess{0}));
-  ActuatorReport here = Report(0, kSetUp);
-  here.incarnation += 300;
-  here.pid += 300;
-  Say(0, here);
-  EXPECT_EQ(Of(0).report.host, "here");
-  ASSERT_TRUE(Of(0).other);
-  EXPECT_EQ(Of(0).other->host, "dock");
-  EXPECT_EQ(Of(0).other->state, kActive);
-}
-
 TEST_F(SecondProcess, IsTheOneInUseWhereThatIsLostForGood) {
   Say(0, Second(kActive));
   Do(event::Vanished{0, kFirst, true, "its process 700 ended"});
