@@ -16,7 +16,6 @@ constexpr double kMovedM = 0.05;                     // it moves
 constexpr double kMovedRad = 0.1;
 constexpr double kCommandedM = 0.3;  // enough to see whether it moves
 constexpr double kCommandedRad = 0.6;
-constexpr double kFrozenS = 1;  // with a pose that does not change by anything
 constexpr Duration kOdometryStale = Milliseconds(500);
 constexpr double kRestsAfterS = 1.5;
 constexpr double kPushedM = 0.3;
@@ -96,7 +95,8 @@ std::optional<Error> MotionGuard::Stuck(double seconds, Time now) {
   if (seen_.empty() || now - seen_.back().at > kOdometryStale) return std::nullopt;
   since_anchor_.Add(sent_, seconds);
   since_change_.Add(sent_, seconds);
-  const bool stands = since_change_.IsEnough() && since_change_.driven_s >= kFrozenS;
+  const bool stands =
+      since_change_.IsEnough() && since_change_.driven_s >= ToSeconds(rules_.frozen);
   const bool stuck = since_anchor_.IsEnough() && since_anchor_.driven_s >= ToSeconds(rules_.stuck);
   if (!stands && !stuck) return std::nullopt;
   const Commanded& commanded = stands ? since_change_ : since_anchor_;

@@ -24,8 +24,9 @@ struct GuardRules {
   double yaw_rad_s = 1.0;
   double jump_m = 0.5;  // more than it can have moved is a jump
   double jump_rad = 0.8;
-  Duration stuck = std::chrono::seconds(3);  // commanded without moving
-  bool drifts = false;                       // moves without a command: a flyer in the wind
+  Duration stuck = std::chrono::seconds(3);   // commanded without moving
+  Duration frozen = std::chrono::seconds(1);  // commanded, and its pose does not change at all
+  bool drifts = false;                        // moves without a command: a flyer in the wind
 };
 
 class MotionGuard {
@@ -34,6 +35,10 @@ class MotionGuard {
 
   // At the begin of a drive.
   void Restart();
+  void Restart(const GuardRules& rules) {
+    rules_ = rules;
+    Restart();
+  }
   // Poses of before are not compared: the time was set.
   void Forget();
 
@@ -63,7 +68,7 @@ class MotionGuard {
   std::optional<Error> Stuck(double seconds, Time now);
   std::optional<Error> Pushed(Time now);
 
-  const GuardRules rules_;
+  GuardRules rules_;
   std::deque<Seen> seen_;       // of the last half second
   std::optional<Pose> anchor_;  // where it has last moved on from
   Commanded since_anchor_;

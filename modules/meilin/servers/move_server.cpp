@@ -40,6 +40,7 @@ Result<> MoveServer::Open() {
       config_.climb_state, [this](const msg::Int32& state) { core_.OnClimbing(state.data != 0); },
       transport::kDefaultQos);
   Serve(config_.action);
+  if (endpoints().opened()) StandStill();
   return endpoints().opened();
 }
 
@@ -56,12 +57,17 @@ void MoveServer::OnPose(const msg::PoseStamped& pose) {
   const Duration stamp = msg::FromStamp(pose.header.stamp);
   const Duration last = std::exchange(pose_stamp_, stamp);
   if (stamp == last && stamp != Duration{}) return;  // published again: not where the body is now
-  core_.OnPose({pose.pose.position.x, pose.pose.position.y, YawOf(q)}, Now());
+  core_.OnPose({pose.pose.position.x, pose.pose.position.y, YawOf(q)}, Now(), stamp);
 }
 
-// Also without a goal: a process before this one may have left the body driving.
-void MoveServer::OnPermit(bool permitted) {
-  if (!permitted) Send({});
+void MoveServer::OnPermit(bool /*permitted*/) {
+  if (!busy()) StandStill();
+}
+
+void MoveServer::StandStill() {
+  core_.Stop(Now());
+  Send({});
+  Arm();
 }
 
 std::string MoveServer::WhyMalformed(const msg::MoveToPose::Goal& goal) const {
@@ -81,6 +87,7 @@ msg::MoveToPose::Result MoveServer::StopWork() {
 }
 
 bool MoveServer::Tick() {
+  if (!busy() && command_->MatchedReaders() == 0) core_.Stop(Now());
   const MoveToPose::Step step = core_.Update(Now());
   if (step.command) Send(*step.command);
   const bool braking = core_.phase() == MovePhase::kBrake;

@@ -1,6 +1,8 @@
 #pragma once
 // move_to_pose on the network: the pose in, velocities out, an action
-// action_of_motion_interfaces/MoveToPose. A newer goal ends the present one.
+// action_of_motion_interfaces/MoveToPose. A newer goal ends the present one. Without a goal it
+// sends zero velocities for a while from its start on, and at each Permit(): a process before this
+// one may have left the body driving. They count from when the velocity has a subscriber.
 //
 // Threads: the loop's. Runs on any transport.
 
@@ -46,6 +48,7 @@ class MoveServer final : public OneGoalServer<msg::MoveToPose> {
   MoveServer(const Dependencies& dependencies, MoveConfig config);
   Result<> Open();
   void OnPose(const msg::PoseStamped& pose);
+  void StandStill();
   void Send(const BodyVelocity& velocity);
   void Report();
 

@@ -12,6 +12,8 @@ namespace musher::meilin::servers {
 namespace {
 
 constexpr Duration kBrakePeriod = Milliseconds(20);
+// In a climb the body waits at the step until its wheels have reached their heights.
+constexpr Duration kClimbStuck = std::chrono::seconds(10);
 
 double Radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -20,6 +22,16 @@ double Radians(double degrees) {
 // `value` with a size of at least `least` and at most `most`.
 double Within(double value, double least, double most) {
   return std::copysign(std::clamp(std::abs(value), std::min(least, most), most), value);
+}
+
+navigation::GuardRules GuardOf(const MoveSettings& settings, bool climbing) {
+  navigation::GuardRules rules;
+  rules.speed_m_s = settings.max_m_s;
+  rules.yaw_rad_s = std::max(settings.max_yaw_rad_s, settings.max_xy_yaw_rad_s);
+  // On a platform of 1.2 m: as soon as without a pose.
+  rules.frozen = std::min(rules.frozen, settings.pose_stale);
+  if (climbing) rules.stuck = rules.frozen = kClimbStuck;
+  return rules;
 }
 
 }  // namespace
@@ -46,6 +58,7 @@ const char* MovePhaseName(MovePhase phase) {
 
 MoveToPose::MoveToPose(const MoveSettings& settings)
     : settings_(settings),
+      guard_(GuardOf(settings, false)),
       yaw_(settings.yaw, settings.integral_limit),
       xy_yaw_(settings.xy_yaw, settings.integral_limit),
       x_(settings.x, settings.integral_limit),
@@ -62,18 +75,40 @@ void MoveToPose::Begin(const FieldPose& target, Time now) {
   target_ = {target.x_m, target.y_m, WrappedYaw(target.yaw_rad)};
   reached_ = false;
   feedback_ = {};
+  fastest_.reset();
+  late_ = {};
+  guard_.Restart();
+  fault_.clear();
   Enter(MovePhase::kWaiting, now);
 }
 
-void MoveToPose::OnPose(const FieldPose& pose, Time now) {
+void MoveToPose::OnPose(const FieldPose& pose, Time now, Duration stamp) {
   if (!std::isfinite(pose.x_m + pose.y_m + pose.yaw_rad)) return;
   pose_ = pose;
   pose_at_ = now;
+  if (stamp != Duration{}) {
+    const Duration offset = now.time_since_epoch() - stamp;
+    fastest_ = std::min(fastest_.value_or(offset), offset);
+    late_ = offset - *fastest_;
+  }
+  const auto fault = guard_.OnPose({{pose.x_m, pose.y_m}, pose.yaw_rad}, stamp, now);
+  if (fault && Drives() && fault_.empty()) fault_ = fault->message;
+}
+
+void MoveToPose::OnClimbing(bool climbing) {
+  if (climbing == climbing_) return;
+  climbing_ = climbing;
+  guard_.Restart(GuardOf(settings_, climbing));
+}
+
+void MoveToPose::ForgetPose() {
+  pose_.reset();
+  guard_.Forget();
 }
 
 void MoveToPose::Stop(Time now) {
   reached_ = false;
-  if (phase_ != MovePhase::kIdle) Enter(MovePhase::kBrake, now);
+  Enter(MovePhase::kBrake, now);
 }
 
 std::string MoveToPose::CancelText() const {
@@ -124,19 +159,35 @@ MoveToPose::Step MoveToPose::Fail(const std::string& why, Time now) {
   return step;
 }
 
+// Why its pose is not where the body is now; empty: it is.
+std::string MoveToPose::WhyNotTrue(Time now) const {
+  if (const std::string blind = Blind(now); !blind.empty()) return "Pose lost: " + blind;
+  if (late_ <= settings_.pose_stale) return fault_;
+  return fmt::format("Pose lost: it comes {:.1f} s late", ToSeconds(late_));
+}
+
+MoveToPose::Step MoveToPose::Guarded(const Step& step, Time now) {
+  if (step.end || !Drives()) return step;
+  const BodyVelocity& sent = *step.command;
+  const auto fault = guard_.OnCommand({sent.x_m_s, sent.y_m_s, 0, sent.yaw_rad_s}, now);
+  // Where no pose comes it is lost, and soon named so.
+  const bool comes = now - pose_at_ <= settings_.pose_stale / 2;
+  return fault && comes ? Fail(fault->message, now) : step;
+}
+
 MoveToPose::Step MoveToPose::Update(Time now) {
   Measure();
   switch (phase_) {
     case MovePhase::kIdle:
       return {std::nullopt, std::nullopt, true};
     case MovePhase::kWaiting:
-      return Wait(now);
+      return Guarded(Wait(now), now);
     case MovePhase::kBrake:
       break;
     default: {
-      const std::string blind = Blind(now);
-      if (!blind.empty()) return Fail("Pose lost: " + blind, now);
-      return phase_ == MovePhase::kYaw ? Turn(now) : Drive(now);
+      const std::string why = WhyNotTrue(now);
+      if (!why.empty()) return Fail(why, now);
+      return Guarded(phase_ == MovePhase::kYaw ? Turn(now) : Drive(now), now);
     }
   }
   Step step = Send({});

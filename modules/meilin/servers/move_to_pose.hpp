@@ -3,13 +3,16 @@
 // and the time are arguments.
 //
 //   idle ──Begin()──▶ waiting for a pose ──▶ yaw ──▶ xy ──▶ brake ──▶ idle, "Goal reached"
-//                              │              │       │
-//                              └──────────────┴───────┴─▶ brake ──▶ idle, with the reason
+//    │                         │              │       │
+//    └──Stop()──▶ brake        └──────────────┴───────┴─▶ brake ──▶ idle, with the reason
 //
 // - xy ends when the distance and the yaw are within their tolerances, both.
 // - A failure and Stop() give their result at once, and zero velocities follow; a success gives it
 //   after the zero velocities.
-// - A pose counts until `pose_stale`; with an older one the drive fails.
+// - A pose counts until `pose_stale`; with an older one the drive fails, and so it does where poses
+//   come later by more than that than the fastest one of the drive.
+// - A drive fails where its poses cannot be true beside its velocities (motion_guard.hpp): they
+//   stand while it drives, for `pose_stale`, or they jump. In a climb the body waits at the step.
 //
 // Metres, radians, seconds; poses in the map, velocities in the frame of the body. One thread. The
 // defaults are those of the robot's own file.
@@ -19,6 +22,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/modules/meilin/servers/pid.hpp"
+#include "musher/navigation/gate/motion_guard.hpp"
 
 namespace musher::meilin::servers {
 
@@ -84,13 +88,13 @@ class MoveToPose {
 
   // Drives to `target`, also in the middle of another drive, whose result the caller has given.
   void Begin(const FieldPose& target, Time now);
-  // A pose with a number that is not finite is ignored.
-  void OnPose(const FieldPose& pose, Time now);
-  void OnClimbing(bool climbing) { climbing_ = climbing; }
+  // A pose with a number that is not finite is ignored. `stamp`: of the message; 0: it has none.
+  void OnPose(const FieldPose& pose, Time now, Duration stamp = {});
+  void OnClimbing(bool climbing);
   // Poses of before do not count, as after a restart of the world.
-  void ForgetPose() { pose_.reset(); }
+  void ForgetPose();
 
-  // The drive ends: zero velocities follow.
+  // The drive ends, if there is one: zero velocities follow.
   void Stop(Time now);
   // The text of a cancelled drive, by its phase.
   std::string CancelText() const;
@@ -114,6 +118,9 @@ class MoveToPose {
   Step Turn(Time now);
   Step Drive(Time now);
   Step Fail(const std::string& why, Time now);
+  Step Guarded(const Step& step, Time now);
+  std::string WhyNotTrue(Time now) const;
+  bool Drives() const { return phase_ == MovePhase::kYaw || phase_ == MovePhase::kXy; }
   Step Send(const BodyVelocity& command);
   void Enter(MovePhase phase, Time now);
   void Measure();
@@ -126,6 +133,10 @@ class MoveToPose {
   std::optional<Time> last_;
   std::optional<FieldPose> pose_;
   Time pose_at_;
+  std::optional<Duration> fastest_;  // from a stamp to our time, in this drive
+  Duration late_{};                  // the last pose, beyond that
+  navigation::MotionGuard guard_;
+  std::string fault_;  // that it has found in a pose; empty: none
   FieldPose target_;
   bool climbing_ = false;
   bool reached_ = false;  // the result follows after the brake

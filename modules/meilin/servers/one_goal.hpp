@@ -121,6 +121,11 @@ class OneGoalServer : public Server {
     result.message = why;
     Conclude(std::move(result));
   }
+  // Updates from now on, until there is no work left.
+  void Arm() {
+    armed_ = Period();
+    ticks_ = dependencies_.clock.Every(armed_, [this] { OnTick(); });
+  }
   void Feedback(const typename A::Feedback& feedback) {
     if (goal_) goal_->PublishFeedback(feedback);
   }
@@ -191,10 +196,6 @@ class OneGoalServer : public Server {
     goal_.reset();
     goal.Canceled(result);
     Log(LogLevel::kInfo, text);
-  }
-  void Arm() {
-    armed_ = Period();
-    ticks_ = dependencies_.clock.Every(armed_, [this] { OnTick(); });
   }
   void OnTick() {
     EndAfterBreak();

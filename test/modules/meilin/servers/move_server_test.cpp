@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/test/modules/meilin/servers/server_rig.hpp"
 #include "musher/test/support/refusals.hpp"
@@ -20,14 +21,18 @@ class MoveServerTest : public testing::ServerRig<msg::MoveToPose> {
  protected:
   MoveServerTest() {
     action_ = "move_to_pose";
+    ConnectBoard();
+    pose_out_ = Must(transport::MakePublisher<msg::PoseStamped>(*peer_, "transformed/pose"));
+    climb_out_ = Must(transport::MakePublisher<msg::Int32>(*peer_, "current_state"));
+    body_ticks_ = peer_->loop().Every(Milliseconds(20), [this] { MoveBody(); });
+  }
+  // The board keeps its last velocity.
+  void ConnectBoard() {
     velocity_in_ = Must(transport::MakeSubscription<msg::Float32MultiArray>(
         *peer_, "t0x0101_pid", [this](const msg::Float32MultiArray& v, const auto&) {
           velocity_ = v.data;
           ++velocities_;
         }));
-    pose_out_ = Must(transport::MakePublisher<msg::PoseStamped>(*peer_, "transformed/pose"));
-    climb_out_ = Must(transport::MakePublisher<msg::Int32>(*peer_, "current_state"));
-    body_ticks_ = peer_->loop().Every(Milliseconds(20), [this] { MoveBody(); });
   }
   void MoveBody() {
     constexpr double kStepS = 0.02;
@@ -40,7 +45,11 @@ class MoveServerTest : public testing::ServerRig<msg::MoveToPose> {
     msg::PoseStamped pose;
     pose.header.frame_id = frame_;
     pose.header.stamp.sec = stamp_s_;
-    pose.pose.position.x = x_;
+    if (rising_stamps_) {
+      pose.header.stamp = msg::ToStamp(Duration(network_.now().time_since_epoch()));
+    }
+    if (!frozen_) seen_x_ = x_;
+    pose.pose.position.x = seen_x_;
     pose.pose.position.y = y_;
     pose.pose.orientation = {0, 0, std::sin(yaw_ / 2), std::cos(yaw_ / 2)};
     EXPECT_TRUE(pose_out_->Publish(pose));
@@ -58,6 +67,9 @@ class MoveServerTest : public testing::ServerRig<msg::MoveToPose> {
   double yaw_ = 0;
   bool silent_ = false;
   int stamp_s_ = 0;  // of each pose; 0: none
+  bool rising_stamps_ = false;
+  bool frozen_ = false;
+  double seen_x_ = 0;
   std::string frame_ = "map";
   std::vector<float> velocity_{0, 0, 0};
   int velocities_ = 0;
@@ -128,11 +140,54 @@ TEST_F(MoveServerTest, TakesAPoseThatIsPublishedAgainForNone) {
   ExpectStanding();
 }
 
+TEST_F(MoveServerTest, DoesNotDriveOnBesideAPoseThatStandsStill) {
+  rising_stamps_ = true;
+  Start(kFile);
+  const std::size_t goal = Send({3, 0, 0});
+  ASSERT_TRUE(RunUntil([this] { return x_ > 2.2; }));
+  frozen_ = true;
+  EXPECT_THAT(Await(goal).result.message, HasSubstr("its odometry does not change at all"));
+  ExpectStanding();
+  EXPECT_LT(x_, 3.2);
+}
+
 TEST_F(MoveServerTest, StopsTheBodyAtAStopAlsoWithoutAGoal) {
   Start(kFile);
+  Run(500);
   velocity_ = {1, 0, 0};  // as a process before this one has left it
+  const int velocities = velocities_;
   server_->Permit(false, "an emergency stop holds it");
   ExpectStanding();
+  EXPECT_GE(velocities_ - velocities, 10) << "one alone may be lost";
+}
+
+TEST_F(MoveServerTest, StopsTheBodyThatAProcessBeforeItHasLeftDriving) {
+  velocity_ = {1, 0, 0};
+  Start(kFile);
+  EXPECT_EQ(velocity_, (std::vector<float>{0, 0, 0})) << "from its start on";
+  Run(500);
+  velocity_ = {1, 0, 0};
+  server_->Permit(true, "");
+  ExpectStanding();
+}
+
+TEST_F(MoveServerTest, StopsTheBodyOnceItsBoardIsThere) {
+  velocity_in_.reset();
+  Start(kFile);
+  Run(5000);
+  velocity_ = {1, 0, 0};
+  ConnectBoard();
+  Run(1000);
+  ExpectStanding();
+  EXPECT_GE(velocities_, 10);
+}
+
+TEST_F(MoveServerTest, EndsNoDriveWhereItIsPermittedOnceMore) {
+  Start(kFile);
+  const std::size_t goal = Send({1, 0, 0});
+  Run(300);
+  server_->Permit(true, "");
+  ExpectEnd(goal, GoalEnd::kSucceeded, "Goal reached");
 }
 
 TEST_F(MoveServerTest, IgnoresPosesOfOtherFrames) {
@@ -176,6 +231,7 @@ TEST_F(MoveServerTest, StandsAndRejectsGoalsOutsideOfActive) {
 // It had waited in the kernel, and its client had long gone.
 TEST_F(MoveServerTest, RejectsAGoalThatMayHaveWaitedWhileItsProcessCouldNotRun) {
   Start(kFile);
+  Run(500);  // until it no longer says that the body is to stand
   network_.Pause(*node_);
   Send({1, 0, 0});
   Run(9000);
