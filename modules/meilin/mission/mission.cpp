@@ -526,6 +526,7 @@ bool Mission::OfferPlan(const msg::Float32MultiArray& plan, Time now, std::int64
   Accept(std::move(reading.segments), PlanIdOf(static_cast<std::uint64_t>(progress_.plans + 1)));
   progress_.plan = StepsOf(plan);
   progress_.Take(written_ns);
+  progress_.Take(NumberOf(plan));  // a service may hand out the same one
   return true;
 }
 
@@ -604,7 +605,6 @@ Result<> Mission::Command(const std::string& command) {
 
 bool Mission::WantsPlan() const {
   if (!begun_) return false;  // a plan that is handed out once is not for a robot that waits
-  if (failed_) return true;
   if (board_ && board_->segment_open.Get()) return false;  // also while a refused one is named
   return Waits(state());
 }

@@ -585,7 +585,7 @@ TEST(APlanThatAServiceHandsOut, IsNotTakenAgainUntilTheServiceHasSaidThatItHasNo
   ASSERT_TRUE(before.mission.OfferHandedOut(plan, before.robot.Now()));
   before.Run(20);
   ASSERT_EQ(before.mission.state(), "MISSION_FAILED");
-  EXPECT_TRUE(before.mission.WantsPlan());
+  EXPECT_FALSE(before.mission.WantsPlan()) << "it stands until a person goes on";
   EXPECT_FALSE(before.mission.OfferHandedOut(plan, before.robot.Now()));
   EXPECT_EQ(before.mission.state(), "MISSION_FAILED") << "the robot stands";
   Match after(Match::Waiting{}, "meilin_stage.xml");
@@ -596,6 +596,19 @@ TEST(APlanThatAServiceHandsOut, IsNotTakenAgainUntilTheServiceHasSaidThatItHasNo
   EXPECT_TRUE(after.robot.goals.empty());
   after.mission.NothingHandedOut();
   EXPECT_TRUE(after.mission.OfferHandedOut(plan, after.robot.Now())) << "it was sent once more";
+}
+// The planner publishes the plan that its buffer hands out: a match that had failed began again.
+TEST(APlanThatAServiceHandsOut, IsNotTakenAgainWhereItsTopicHasBroughtIt) {
+  Match match("meilin_stage.xml");
+  match.robot.decide = [](const FakeGoal&) { return Outcome{GoalState::kFailed, "broken"}; };
+  ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0)}, 7));
+  match.Run(20);
+  ASSERT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_FALSE(match.mission.WantsPlan());
+  EXPECT_FALSE(
+      match.mission.OfferHandedOut(ToActionSequence({MoveStep(0, 1, 0)}), match.robot.Now()));
+  EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
+  EXPECT_TRUE(match.Offer({MoveStep(0, 1, 0)}, 8)) << "it was sent once more";
 }
 TEST(APlanThatAServiceHandsOut, IsAnotherOneByItsContent) {
   Match match("meilin_stage.xml");
