@@ -113,6 +113,8 @@ class Subscription {
 
   int MatchedWriters() const { return reader_->MatchedWriters(); }
   bool HasWriterOf(ParticipantId participant) const { return reader_->HasWriterOf(participant); }
+  // Each once.
+  std::vector<ParticipantId> WriterParticipants() const { return reader_->WriterParticipants(); }
   std::uint64_t malformed() const { return *malformed_; }
 
  private:

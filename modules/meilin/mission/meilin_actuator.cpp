@@ -10,6 +10,8 @@
 #include "musher/actuator/program/await.hpp"
 #include "musher/application/groot2/groot2_server.hpp"
 #include "musher/application/load_tree.hpp"
+#include "musher/base/break_watch.hpp"
+#include "musher/modules/meilin/mission/plan_topic.hpp"
 #include "musher/modules/meilin/nodes/drawn_form.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
 #include "musher/modules/meilin/plan/box_map_text.hpp"
@@ -20,6 +22,9 @@ namespace {
 constexpr Duration kAskEvery = Milliseconds(500);
 constexpr const char* kTakenBefore =
     "a plan that was taken before is not taken again; send it once more to repeat it";
+constexpr const char* kHeldUp =
+    "the connection to its sender was lost, and the plan may be as old: look at the robot, then "
+    "send it once more";
 
 MissionConfig WithSide(MissionConfig config, const MatchConfig& match) {
   if (match.side) config.settings.grid.side = *match.side;
@@ -82,6 +87,7 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
   plans_ =
       config_.plan_service ? topics.OpenClient<msg::GetActionSeq>(config_.buffer_service) : nullptr;
   asking_ = false;
+  unanswered_since_.reset();
   Publish();
   if (config_.groot2_port == 0) return;
   const Result<> served = groot2::Serve(
@@ -94,23 +100,20 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
 }
 
 void MeilinActuator::SubscribePlans(transport::Endpoints& topics) {
-  const transport::Qos latched = transport::kLatchedQos;
-  auto plans = transport::MakeSubscription<msg::Float32MultiArray>(
-      topics.node(), transport::ResolveName(machine_config().name_space, config_.action_topic),
-      [this](const msg::Float32MultiArray& plan, const transport::SampleInfo& info) {
-        OnPlan(plan, info.written_ns);
-      },
-      latched);
-  if (plans) topics.Keep(std::shared_ptr<transport::Subscription>(std::move(plans).value()));
-  auto segments = transport::MakeSubscription<msg::String>(
-      topics.node(), transport::ResolveName(machine_config().name_space, config_.segment_topic),
-      [this](const msg::String& text, const transport::SampleInfo& info) {
-        OnSegments(text.data, info.written_ns);
-      },
-      latched);
-  if (segments) topics.Keep(std::shared_ptr<transport::Subscription>(std::move(segments).value()));
+  const std::string& name_space = machine_config().name_space;
+  topics.Keep(std::make_shared<PlanTopic<msg::Float32MultiArray>>(
+      topics.node(), transport::ResolveName(name_space, config_.action_topic),
+      [this](const msg::Float32MultiArray& plan, std::int64_t written_ns, bool held_up) {
+        OnPlan(plan, written_ns, held_up);
+      }));
+  topics.Keep(std::make_shared<PlanTopic<msg::String>>(
+      topics.node(), transport::ResolveName(name_space, config_.segment_topic),
+      [this](const msg::String& text, std::int64_t written_ns, bool held_up) {
+        OnSegments(text.data, written_ns, held_up);
+      }));
   topics.Subscribe<msg::String>(
-      config_.map_topic, [this](const msg::String& text) { OnMap(text.data); }, latched);
+      config_.map_topic, [this](const msg::String& text) { OnMap(text.data); },
+      transport::kLatchedQos);
 }
 
 Result<> MeilinActuator::SelfCheck() {
@@ -189,24 +192,48 @@ void MeilinActuator::OnMap(const std::string& text) {
   Log(LogLevel::kWarning, "a map of boxes is ignored: " + reading.faults.front());
 }
 
-void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns) {
+// Empty: it is not, or it moves nothing before a person says so.
+std::string MeilinActuator::WhyLate(bool held_up) const {
+  if (!mission_.begun()) return "";
+  if (held_up) return kHeldUp;
+  const Result<> timely = CheckNotLate();
+  return timely ? "" : timely.error().message;
+}
+
+void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns,
+                            bool held_up) {
   if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
+  if (RefusesLate(plan, held_up)) return;
   LogPlan(mission_.OfferPlan(plan, Now(), written_ns));
 }
 
+bool MeilinActuator::RefusesLate(const msg::Float32MultiArray& plan, bool held_up) {
+  const std::string why = WhyLate(held_up);
+  if (why.empty()) return false;
+  mission_.RefuseLate(plan, why);
+  LogPlan(false);
+  return true;
+}
+
 // A service that does not forget what it has handed out does so twice a second.
-void MeilinActuator::OnHandedOut(const msg::Float32MultiArray& plan) {
+void MeilinActuator::OnHandedOut(const msg::Float32MultiArray& plan, bool held_up) {
   const std::int64_t number = NumberOf(plan);
-  if (!mission_.WasTaken(number)) return LogPlan(mission_.OfferHandedOut(plan, Now()));
+  if (!mission_.WasTaken(number)) {
+    if (!RefusesLate(plan, held_up)) LogPlan(mission_.OfferHandedOut(plan, Now()));
+    return;
+  }
   if (std::exchange(handed_out_again_, number) == number) return;
   Log(LogLevel::kWarning, config_.buffer_service +
                               " hands out a plan that was taken before: it is "
                               "taken again once the service has said that it has none");
 }
 
-void MeilinActuator::OnSegments(const std::string& text, std::int64_t written_ns) {
+void MeilinActuator::OnSegments(const std::string& text, std::int64_t written_ns, bool held_up) {
   if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
-  LogPlan(mission_.OfferSegments(text, Now(), written_ns));
+  const std::string why = WhyLate(held_up);
+  if (why.empty()) return LogPlan(mission_.OfferSegments(text, Now(), written_ns));
+  mission_.RefusePlan(why);
+  LogPlan(false);
 }
 
 void MeilinActuator::LogPlan(bool accepted) {
@@ -239,8 +266,13 @@ void MeilinActuator::RequestPlan(Time now) {
   plans_->Call({}, std::chrono::seconds(2),
                [this](const Result<msg::GetActionSeq::Response>& reply) {
                  asking_ = false;
-                 if (!reply) return;
-                 if (reply.value().has_data) return OnHandedOut(reply.value().data);
+                 if (!reply) {
+                   unanswered_since_ = unanswered_since_.value_or(asked_);
+                   return;
+                 }
+                 const auto since = std::exchange(unanswered_since_, std::nullopt);
+                 const bool held_up = since && Now() - *since > BreakWatch::kShortest;
+                 if (reply.value().has_data) return OnHandedOut(reply.value().data, held_up);
                  mission_.NothingHandedOut();
                  handed_out_again_ = 0;
                });

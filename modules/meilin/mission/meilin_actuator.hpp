@@ -6,7 +6,8 @@
 // (mission.hpp).
 //
 // Interfaces, relative to the machine's namespace; names in mission.toml:
-//   mf_action_seq       in   std_msgs/Float32MultiArray, latched: a plan
+//   mf_action_seq       in   std_msgs/Float32MultiArray, latched: a plan. In a match that was begun
+//                            one that may be late is refused (plan_topic.hpp, CheckNotLate())
 //   get_action_seq      client of r2_interfaces/GetActionSeq, twice a second while there is nothing
 //                       to do, with plan_service = true; a plan that it hands out again is not
 //                       taken again until it has said that it has none
@@ -24,6 +25,7 @@
 // Threads: the loop's, see TreeActuator.
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,9 +70,11 @@ class MeilinActuator : public TreeActuator {
   Result<> MayBegin() const;
   void LogStart(const Result<std::string>& begun);
   void OnMap(const std::string& text);
-  void OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns);
-  void OnHandedOut(const msg::Float32MultiArray& plan);
-  void OnSegments(const std::string& text, std::int64_t written_ns);
+  std::string WhyLate(bool held_up) const;
+  bool RefusesLate(const msg::Float32MultiArray& plan, bool held_up);
+  void OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns, bool held_up);
+  void OnHandedOut(const msg::Float32MultiArray& plan, bool held_up);
+  void OnSegments(const std::string& text, std::int64_t written_ns, bool held_up);
   void LogPlan(bool accepted);
   void SubscribePlans(transport::Endpoints& topics);
   void OnCommand(const std::string& command);
@@ -87,6 +91,7 @@ class MeilinActuator : public TreeActuator {
   transport::Client<msg::GetActionSeq>* plans_ = nullptr;
   Time asked_{};
   bool asking_ = false;
+  std::optional<Time> unanswered_since_;
   std::int64_t handed_out_again_ = 0;  // the number of the plan, so that it is logged once
   ProgressFile progress_{[this](const std::string& text) { Log(LogLevel::kWarning, text); }};
   std::string saved_;  // its text

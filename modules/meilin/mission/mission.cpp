@@ -563,6 +563,11 @@ bool Mission::OfferSegments(const std::string& text, Time now, std::int64_t writ
   return true;
 }
 
+void Mission::RefuseLate(const msg::Float32MultiArray& plan, const std::string& why) {
+  progress_.Take(NumberOf(plan));
+  RefusePlan(why);
+}
+
 void Mission::RefusePlan(const std::string& why) {
   ++refusals_;
   board_->refused_plan.Set(why);

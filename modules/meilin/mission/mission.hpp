@@ -93,6 +93,9 @@ class Mission {
   void NothingHandedOut() { progress_.ForgetHandedOut(); }
   // A plan of the old form, JSON. Without an id it gets one.
   bool OfferSegments(const std::string& text, Time now, std::int64_t written_ns = 0);
+  // What runs goes on; refused_plan() says why. One that is late is not taken of a service either.
+  void RefusePlan(const std::string& why);
+  void RefuseLate(const msg::Float32MultiArray& plan, const std::string& why);
   // Whether that message was taken before.
   bool WasTaken(std::int64_t written_ns) const { return progress_.IsTaken(written_ns); }
   // The boxes of the field, for plans.
@@ -137,7 +140,6 @@ class Mission {
   std::int64_t steps() const;  // of the plan
   void QueueRest(Time now);
   void ForgetPlan();
-  void RefusePlan(const std::string& why);
   void NoteWheels(Time now);
   std::string AwaitedForStart(Time now) const;
   void UpdateStart(Time now);

@@ -15,6 +15,7 @@
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/multi_array.hpp"
+#include "musher/modules/meilin/field/grid.hpp"
 #include "musher/modules/meilin/mission/goal_channel.hpp"
 #include "musher/modules/meilin/nodes/goal_watch.hpp"
 

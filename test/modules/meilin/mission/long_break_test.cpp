@@ -173,6 +173,24 @@ TEST_F(AMatchAfterALongSuspension, RefusesAStartThatWaitedMeanwhile) {
   EXPECT_TRUE(AwaitState("WAITING_START"));
 }
 
+// The match was begun, and the plan was sent while the computer was suspended.
+TEST_F(AMatchAfterALongSuspension, RefusesAPlanThatWaitedMeanwhile) {
+  ASSERT_NO_FATAL_FAILURE(AwaitPlan());
+  thread_->SuspendEachTime(std::chrono::seconds(9));
+  const msg::Float32MultiArray plan = ToActionSequence({{false, {0, 1}, 0, 0}});
+  Loop([&] { EXPECT_TRUE(plans_->Publish(plan)); });
+  ASSERT_TRUE(Await([&] { return status_.find("\"refusals\":1") != std::string::npos; }));
+  Loop([&] { EXPECT_THAT(status_, HasSubstr("the request may be as old")); });
+  thread_->SuspendEachTime({});
+  harness_.Tick(match_, 20);
+  Loop([&] { EXPECT_EQ(goals_, 0); });
+  ASSERT_TRUE(testing::Until(
+      [&] { return match_.Of([](Played& match) { return match.CheckNotLate().ok(); }); }));
+  ASSERT_NO_FATAL_FAILURE(SendPlan());
+  harness_.Tick(match_, 20);
+  EXPECT_TRUE(Await([&] { return goals_ == 1; })) << "it was sent once more";
+}
+
 // It would have begun with the first pose that came, and a plan would have moved it.
 TEST_F(AMatchAfterALongSuspension, RefusesTheStartThatWaitedForThePose) {
   const auto first = Begin();

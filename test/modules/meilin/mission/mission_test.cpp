@@ -610,6 +610,19 @@ TEST(APlanThatAServiceHandsOut, IsNotTakenAgainWhereItsTopicHasBroughtIt) {
   EXPECT_EQ(match.mission.state(), "MISSION_FAILED");
   EXPECT_TRUE(match.Offer({MoveStep(0, 1, 0)}, 8)) << "it was sent once more";
 }
+// Its topic, or the service itself half a second ago, had brought it too late.
+TEST(APlanThatAServiceHandsOut, IsNotTakenWhereItWasTooLateBefore) {
+  Match match("meilin_stage.xml");
+  match.RunFor(0.1);
+  const auto plan = ToActionSequence({MoveStep(0, 1, 0)});
+  match.mission.RefuseLate(plan, "it is too late");
+  EXPECT_EQ(match.mission.refused_plan(), "it is too late");
+  EXPECT_FALSE(match.mission.OfferHandedOut(plan, match.robot.Now()));
+  match.RunFor(1);
+  EXPECT_TRUE(match.robot.goals.empty());
+  match.mission.NothingHandedOut();
+  EXPECT_TRUE(match.mission.OfferHandedOut(plan, match.robot.Now())) << "it was sent once more";
+}
 TEST(APlanThatAServiceHandsOut, IsAnotherOneByItsContent) {
   Match match("meilin_stage.xml");
   EXPECT_TRUE(match.mission.OfferHandedOut(ToActionSequence({MoveStep(0, 1, 0)}), {}));
