@@ -108,7 +108,7 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kOtherUser, "other-user", 0,
      "the controller is killed, and another user starts it after {ms}"},
     {InjectionKind::kFrozen, "frozen", 0,
-     "the process of {actuator} is frozen until somebody ends it"},
+     "the process of {actuator} is frozen until it is ended"},
 }};
 
 // The share of process ends that are configuration errors.

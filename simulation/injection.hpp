@@ -85,7 +85,7 @@ enum class InjectionKind : std::uint8_t {
   kUnreadFolder,
   kClosedFolder,  // its own cannot be opened for writing, or not at all; lasts
   kOtherUser,     // another user starts the machine, with another state folder, mostly after a boot
-  kFrozen,        // an actuator's process is frozen until somebody ends it
+  kFrozen,        // an actuator's process is frozen until it is ended
 };
 inline constexpr std::size_t kInjectionKinds = 60;
 
