@@ -111,6 +111,7 @@ struct Wheels {
 // A topic of a boolean.
 struct Signal {
   std::optional<bool> value;  // the last one; nullopt: none came
+  Time at{};                  // when it came
   std::uint64_t trues = 0;    // messages that were true
   std::uint64_t rises = 0;    // of them those after a false, or after none
 };

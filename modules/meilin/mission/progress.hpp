@@ -10,8 +10,8 @@
 //   done = "prepare_spear_done prepare_grasp_done"
 //   wheels_mm = "20 20 20 20"
 //
-// A plan has a number, and one that was taken is not taken again: when its message was written. Of
-// a service its content (NumberOf) is the number, also of one that a message has brought, until the
+// A plan has a number, and one that was taken is not taken again: when its message was written. For
+// a service its content is the number (NumberOf), also where a message has brought it, until the
 // service has said that it has none.
 // Pure functions; they never throw.
 

@@ -24,7 +24,8 @@ namespace {
 
 constexpr double kDegPerRad = 180 / kPi;
 
-void Count(Signal& signal, bool value) {
+void Count(Signal& signal, bool value, Time now) {
+  signal.at = now;
   if (value) ++signal.trues;
   if (value && signal.value != true) ++signal.rises;
   signal.value = value;
@@ -132,10 +133,12 @@ void RosRobot::Subscribe(transport::Endpoints& endpoints) {
     if (stamp == last && stamp != Duration{}) return;  // published again: not where it is now
     if (const auto fix = FixOf(pose, clock.Now())) pose_ = fix;
   });
-  endpoints.Subscribe<msg::Bool>(
-      "r1_ready", [this](const msg::Bool& ready) { Count(partner_ready_, ready.data); });
-  endpoints.Subscribe<msg::Bool>("arm_runtime_state",
-                                 [this](const msg::Bool& idle) { Count(arm_idle_, idle.data); });
+  endpoints.Subscribe<msg::Bool>("r1_ready", [this, &clock](const msg::Bool& ready) {
+    Count(partner_ready_, ready.data, clock.Now());
+  });
+  endpoints.Subscribe<msg::Bool>("arm_runtime_state", [this, &clock](const msg::Bool& idle) {
+    Count(arm_idle_, idle.data, clock.Now());
+  });
 }
 
 void RosRobot::Update() {

@@ -7,6 +7,9 @@
 namespace musher::meilin {
 namespace {
 
+// Its server repeats the state of the arm 5 times a second.
+constexpr Duration kArmStateAge = std::chrono::seconds(1);
+
 bool IsOver(Time now, Time begun, double limit_s) {
   return limit_s > 0 && now - begun >= std::chrono::duration<double>(limit_s);
 }
@@ -29,14 +32,17 @@ Status WaitArmIdle::OnStart(const tree::Tick& tick) {
 }
 
 Status WaitArmIdle::Look(Time now) {
-  if (robot_.arm_idle().value == true) {
+  const Signal& idle = robot_.arm_idle();
+  const bool fresh = now >= idle.at && now - idle.at <= kArmStateAge;
+  if (fresh && idle.value == true) {
     message_.Set("Arm idle");
     return Status::kSuccess;
   }
   if (!IsOver(now, begun_, timeout_s_.Get())) return Status::kRunning;
-  const std::string why =
-      fmt::format("WaitArmIdle timed out ({:g} s; {})", timeout_s_.Get(),
-                  robot_.arm_idle().value ? "the arm is not idle" : "no message of the arm came");
+  const std::string why = fmt::format("WaitArmIdle timed out ({:g} s; {})", timeout_s_.Get(),
+                                      !idle.value ? "no message of the arm came"
+                                      : fresh     ? "the arm is not idle"
+                                                  : "no message of the arm comes any more");
   board_.Fail(why);
   message_.Set(why);
   return Status::kFailure;

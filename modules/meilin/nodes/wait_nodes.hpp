@@ -1,8 +1,8 @@
 #pragma once
 // The nodes that wait or look at the blackboard:
 //
-//   WaitArmIdle        timeout_sec 30 -> message: the arm has nothing to do. It has, when the last
-//                      message of the arm says so, or, before there was one, a new one says it
+//   WaitArmIdle        timeout_sec 30 -> message: the arm has nothing to do: a message of the arm
+//                      says so, of the last second or a new one
 //   WaitForR1Signal    timeout_sec 60: the partner is ready: a true came after the dock was begun
 //                      (SpearAction with command 3), else after the node has started, and no false
 //                      after it. RUNNING until then, FAILURE after the limit

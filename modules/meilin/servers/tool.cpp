@@ -42,11 +42,27 @@ void Tool::OnReport(double done) {
 void Tool::Forget() {
   done_ = false;
   stopped_at_.reset();
+  well_ = well_ || !has_begun_;
+}
+
+void Tool::AwaitIdle(Time now) {
+  stopped_at_ = now;
+  stop_armed_ = !done_;
+  stop_done_ = false;
+}
+
+bool Tool::Settles(Time now) const {
+  return stopped_at_ && now >= *stopped_at_ && now - *stopped_at_ < kSettle && !stop_done_;
+}
+
+bool Tool::IsIdleAndWell(Time now) const {
+  if (running_) return false;
+  return well_ || (!has_begun_ && stopped_at_ && !Settles(now));
 }
 
 void Tool::Begin(std::uint8_t command, double limit_s, Time now) {
   command_ = command;
-  running_ = true;
+  running_ = has_begun_ = true;
   sent_ = false;
   well_ = false;
   fresh_done_ = false;
@@ -57,9 +73,7 @@ void Tool::Begin(std::uint8_t command, double limit_s, Time now) {
 
 bool Tool::TakeDue(Time now) {
   if (!running_ || sent_) return false;
-  const bool settles =
-      stopped_at_ && now >= *stopped_at_ && now - *stopped_at_ < kSettle && !stop_done_;
-  if (settles && command_ != 0) return false;
+  if (Settles(now) && command_ != 0) return false;
   sent_ = true;
   sent_at_ = now;
   armed_ = !done_;
@@ -69,9 +83,7 @@ bool Tool::TakeDue(Time now) {
 void Tool::Stop(Time now) {
   if (!running_) return;
   running_ = false;
-  stopped_at_ = now;
-  stop_armed_ = !done_;
-  stop_done_ = false;
+  AwaitIdle(now);
   state_ = kToolError;
 }
 

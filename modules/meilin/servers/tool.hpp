@@ -4,12 +4,15 @@
 //
 //   idle ──Begin()──▶ runs ──▶ done, at its time limit, or Stop()
 //
-// - A done counts when it is new: where the report before the command was a done, one that is not
-//   a done must come first. The hardware repeats its last report.
+// - A done counts when it is new: where the report before the command was a done, or there was
+//   none, one that is not a done must come first. The hardware repeats its last report.
 // - Command 0 (IDLE) stops the tool; it is done at once.
 // - At each end but done, command 0 is sent. The hardware may report a done of it, or a late one of
 //   the command that it ends: the next command is sent after such a done, which is new as well, or
 //   kSettle later.
+// - AwaitIdle() is the same for a command of a process before this one: command 0 is sent. The tool
+// is
+//   neither idle nor well before it has settled.
 //
 // Seconds. One thread.
 
@@ -49,7 +52,10 @@ class Tool {
 
   // The report of the hardware: 1 is done.
   void OnReport(double done);
+  // The world was restarted, and its hardware with it.
   void Forget();
+  // Command 0 was sent before the first command.
+  void AwaitIdle(Time now);
 
   // Begins a command of the kind; a limit of 0 and less: the tool's own. It is sent by TakeDue().
   void Begin(std::uint8_t command, double limit_s, Time now);
@@ -64,8 +70,8 @@ class Tool {
   std::optional<End> Update(Time now);
 
   bool running() const { return running_; }
-  // The last run was done, or there was none; nothing runs.
-  bool idle_and_well() const { return !running_ && well_; }
+  // Nothing runs, and the last run was done; or there was none, and it has settled.
+  bool IsIdleAndWell(Time now) const;
   // 0 idle; of the running command; 10 done; -1 error.
   std::int32_t state() const { return state_; }
   // 0 to 1, by the expected time; 1 when it is done.
@@ -75,13 +81,16 @@ class Tool {
   std::uint8_t command() const { return command_; }
 
  private:
+  bool Settles(Time now) const;
+
   const ToolKind& kind_;
   const Duration time_limit_;
   std::uint8_t command_ = 0;
   bool running_ = false;
   bool sent_ = false;
-  bool well_ = true;
-  bool done_ = false;   // the last report
+  bool has_begun_ = false;
+  bool well_ = false;
+  bool done_ = true;    // the last report; before the first one an old done may be repeated
   bool armed_ = false;  // a done counts
   bool fresh_done_ = false;
   std::int32_t state_ = 0;

@@ -49,7 +49,8 @@ Result<std::unique_ptr<Server>> ToolServer<A>::Make(const Dependencies& dependen
 template <msg::Action A>
 Result<> ToolServer<A>::Open() {
   auto& endpoints = this->endpoints();
-  command_ = endpoints.template Advertise<msg::Float32MultiArray>(config_.command);
+  command_ = endpoints.template Advertise<msg::Float32MultiArray>(
+      config_.command, transport::kDefaultQos, {.on_match_changed = [this] { OnMatch(); }});
   report_ = endpoints.template Subscribe<msg::Float32MultiArray>(
       config_.report, [this](const msg::Float32MultiArray& message) {
         if (!message.data.empty()) core_.OnReport(message.data[0]);
@@ -62,6 +63,15 @@ Result<> ToolServer<A>::Open() {
   this->Serve(config_.action);
   if (endpoints.opened()) PublishRuntimeState();
   return endpoints.opened();
+}
+
+template <msg::Action A>
+void ToolServer<A>::OnMatch() {
+  if (matched_ || command_->MatchedReaders() == 0) return;
+  matched_ = true;
+  if (this->busy()) return;
+  Send(0);
+  core_.AwaitIdle(this->Now());
 }
 
 template <msg::Action A>
@@ -129,7 +139,7 @@ template <msg::Action A>
 void ToolServer<A>::PublishRuntimeState() {
   if (runtime_state_ == nullptr) return;
   msg::Bool state;
-  state.data = core_.idle_and_well();
+  state.data = core_.IsIdleAndWell(this->Now());
   static_cast<void>(runtime_state_->Publish(state));  // the next one comes soon
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // arm_action and spear_action on the network: a command out, done in, the actions
-// r2_interfaces/ArmAction and SpearAction. One goal at a time.
+// r2_interfaces/ArmAction and SpearAction. One goal at a time. Command 0 is sent once the command
+// has its first subscriber: the hardware may still work on that of a process before this one.
 //
 // Threads: the loop's. Runs on any transport.
 
@@ -54,6 +55,7 @@ class ToolServer final : public OneGoalServer<A> {
  private:
   ToolServer(const Dependencies& dependencies, ToolConfig config);
   Result<> Open();
+  void OnMatch();
   void SendIfDue();
   void Send(std::uint8_t command);
   void PublishRuntimeState();
@@ -65,6 +67,7 @@ class ToolServer final : public OneGoalServer<A> {
   transport::Publisher<msg::Float32MultiArray>* command_ = nullptr;
   transport::Publisher<msg::Bool>* runtime_state_ = nullptr;
   transport::Subscription* report_ = nullptr;
+  bool matched_ = false;  // the command has had a subscriber
 };
 
 extern template class ToolServer<msg::ArmAction>;

@@ -215,7 +215,10 @@ class LiftRobot final : public Robot {
   void UpdateTools() {
     for (const Server server : {Server::kArm, Server::kSpear}) {
       Live* live = Running(server);
-      if (server == Server::kArm) arm_.value = live == nullptr;
+      if (server == Server::kArm) {
+        arm_.value = live == nullptr;
+        arm_.at = now_;
+      }
       if (live == nullptr || now_ - live->begun < Milliseconds(500)) continue;
       live->state = GoalState::kSucceeded;
       if (server == Server::kSpear && live->command == kSpearDock) SetPartner(true);

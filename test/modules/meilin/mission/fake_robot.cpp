@@ -80,6 +80,7 @@ void FakeRobot::Advance(Duration step) {
   now_ += step;
   if (follows && fix) fix->at = now_;
   if (legs) legs->at = now_;
+  if (arm_reports) arm.at = now_;
   for (const auto& goal : goals) {
     if (HasEnded(goal->state) || !HasEnded(goal->outcome.end)) continue;
     if (now_ - goal->begun >= goal->outcome.after) End(*goal);

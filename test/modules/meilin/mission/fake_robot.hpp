@@ -53,6 +53,7 @@ class FakeRobot final : public Robot {
   Signal r1;
   bool r1_stays = false;  // else it is false at the end of the dock's command
   Signal arm;
+  bool arm_reports = true;  // it repeats its last report
   // What it sees.
   std::vector<std::shared_ptr<FakeGoal>> goals;
   std::vector<std::string> warnings;

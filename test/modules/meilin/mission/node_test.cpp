@@ -125,6 +125,16 @@ TEST_F(MeilinNode, WaitArmIdle) {
   match->Tick();
   EXPECT_EQ(match->last, Status::kSuccess);
 }
+TEST_F(MeilinNode, WaitArmIdleDoesNotBelieveWhatAnArmThatIsSilentHasSaid) {
+  Make("<WaitArmIdle timeout_sec=\"1\"/>");
+  FakeRobot::Raise(match->robot.arm, true);
+  match->robot.Advance(Milliseconds(10));
+  match->robot.arm_reports = false;
+  match->robot.Advance(Milliseconds(1100));
+  match->RunFor(2);
+  EXPECT_THAT(match->mission.last_error(),
+              ::testing::HasSubstr("no message of the arm comes any more"));
+}
 TEST_F(MeilinNode, WaitSecondsWaits) {
   Make("<WaitSeconds seconds=\"0.5\"/>");
   match->RunFor(0.4);

@@ -21,12 +21,8 @@ class ToolRig : public testing::ServerRig<A> {
  protected:
   ToolRig(const std::string& action, const std::string& command, const std::string& report) {
     this->action_ = action;
-    command_in_ = this->Must(transport::MakeSubscription<msg::Float32MultiArray>(
-        *this->peer_, command, [this](const msg::Float32MultiArray& message, const auto&) {
-          commands_.push_back(message.data);
-          left_ms_ = message.data.at(0) == 0 ? 200 : 1000;
-          done_ = false;
-        }));
+    command_ = command;
+    ConnectHardware();
     report_out_ =
         this->Must(transport::MakePublisher<msg::Float32MultiArray>(*this->peer_, report));
     hardware_ = this->peer_->loop().Every(Milliseconds(10), [this] {
@@ -36,6 +32,24 @@ class ToolRig : public testing::ServerRig<A> {
     });
   }
 
+  void ConnectHardware() {
+    command_in_ = this->Must(transport::MakeSubscription<msg::Float32MultiArray>(
+        *this->peer_, command_, [this](const msg::Float32MultiArray& message, const auto&) {
+          commands_.push_back(message.data);
+          left_ms_ = message.data.at(0) == 0 ? 200 : 1000;
+          done_ = false;
+        }));
+  }
+  // Of a new process, which has stopped what its hardware did.
+  void Start(const std::string& file) {
+    testing::ServerRig<A>::Start(file);
+    this->Run(1000);
+    if (this->HasFailure()) return;
+    EXPECT_THAT(commands_, ElementsAre(std::vector<float>{0, 0, 0, 0}));
+    commands_.clear();
+  }
+
+  std::string command_;
   std::vector<std::vector<float>> commands_;
   int left_ms_ = 0;
   bool done_ = true;  // of something before
@@ -95,6 +109,22 @@ TEST_F(ArmServerTest, PublishesWhetherItIsIdleAndWell) {
   const int states = states_;
   Run(1000);
   EXPECT_NEAR(states_ - states, 5, 1) << "for clients that wait for the next one";
+}
+
+// Its done was taken for that of the first command of the next process.
+TEST_F(ArmServerTest, StopsWhatAProcessBeforeItHasBegunOnceItsHardwareIsThere) {
+  command_in_.reset();
+  ServerRig::Start(kFile);
+  Run(3000);
+  EXPECT_EQ(well_, false) << "it is not known";
+  left_ms_ = 500;  // it still works
+  done_ = false;
+  ConnectHardware();
+  ASSERT_TRUE(RunUntil([this] { return !commands_.empty(); }));
+  EXPECT_EQ(well_, false);
+  ExpectEnd(Send({2, true, 0}), GoalEnd::kSucceeded, "Arm command 2 done");
+  EXPECT_THAT(commands_,
+              ElementsAre(std::vector<float>{0, 0, 0, 0}, std::vector<float>{2, 0, 0, 0}));
 }
 
 TEST_F(ArmServerTest, EndsAtItsLimitAndStopsTheArm) {

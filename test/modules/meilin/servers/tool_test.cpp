@@ -37,7 +37,7 @@ TEST_F(ToolTest, IsDoneWhenTheHardwareReportsIt) {
   EXPECT_EQ(end->message, "Arm command 1 done");
   EXPECT_EQ(arm_.state(), 10);
   EXPECT_EQ(arm_.Progress(now_), 1);
-  EXPECT_TRUE(arm_.idle_and_well());
+  EXPECT_TRUE(arm_.IsIdleAndWell(now_));
 }
 
 TEST_F(ToolTest, TakesNoOldDoneForItsOwn) {
@@ -51,10 +51,41 @@ TEST_F(ToolTest, TakesNoOldDoneForItsOwn) {
   EXPECT_TRUE(After(100));
 }
 
-TEST_F(ToolTest, IsDoneAtTheFirstReportOfAHardwareThatHasReportedNothing) {
+// It may be that of a command of a process before this one: the hardware repeats its last report.
+TEST_F(ToolTest, TakesNoDoneOfAHardwareThatHasReportedNothingBefore) {
   Begin(3, 0);
   arm_.OnReport(1);
+  EXPECT_FALSE(After(100));
+  arm_.OnReport(0);
+  arm_.OnReport(1);
   EXPECT_TRUE(After(100));
+}
+
+// The command of the process before ended while the first one of this process was under way.
+TEST_F(ToolTest, SendsItsFirstCommandOnceTheHardwareHasSettled) {
+  EXPECT_FALSE(arm_.IsIdleAndWell(now_));
+  arm_.OnReport(0);  // it still works
+  arm_.AwaitIdle(now_);
+  arm_.Begin(1, 0, now_);
+  EXPECT_FALSE(arm_.TakeDue(now_));
+  arm_.OnReport(1);
+  EXPECT_TRUE(arm_.TakeDue(now_));
+  arm_.OnReport(1);
+  EXPECT_FALSE(After(100));
+  arm_.OnReport(0);
+  arm_.OnReport(1);
+  EXPECT_TRUE(After(100));
+}
+
+TEST_F(ToolTest, IsIdleAndWellWithoutACommandOnceItHasSettled) {
+  arm_.AwaitIdle(now_);
+  EXPECT_FALSE(arm_.IsIdleAndWell(now_));
+  EXPECT_TRUE(arm_.IsIdleAndWell(now_ + Tool::kSettle)) << "of which no done is reported";
+  arm_.OnReport(1);
+  EXPECT_FALSE(arm_.IsIdleAndWell(now_)) << "an old one is repeated";
+  arm_.OnReport(0);
+  arm_.OnReport(1);
+  EXPECT_TRUE(arm_.IsIdleAndWell(now_));
 }
 
 TEST_F(ToolTest, DoesNotTakeOtherNumbersForADone) {
@@ -71,7 +102,7 @@ TEST_F(ToolTest, EndsAtTheLimitOfTheGoalOrAtItsOwn) {
   EXPECT_FALSE(end->success);
   EXPECT_EQ(end->message, "Timeout");
   EXPECT_EQ(arm_.state(), -1);
-  EXPECT_FALSE(arm_.idle_and_well());
+  EXPECT_FALSE(arm_.IsIdleAndWell(now_ + Tool::kSettle));
   arm_.Begin(1, -3, now_);
   EXPECT_FALSE(After(1000));
   EXPECT_TRUE(arm_.TakeDue(now_));
@@ -123,7 +154,7 @@ TEST_F(ToolTest, StopsWithoutAnEnd) {
   arm_.OnReport(0);
   arm_.OnReport(1);
   EXPECT_FALSE(After(100));
-  EXPECT_FALSE(arm_.idle_and_well());
+  EXPECT_FALSE(arm_.IsIdleAndWell(now_));
 }
 
 // A grasp that had timed out was tried again, and "done" was that of the command 0 between them.
