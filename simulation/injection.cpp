@@ -107,8 +107,7 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
      "the state folder of the controller cannot be opened at a start{lasts}"},
     {InjectionKind::kOtherUser, "other-user", 0,
      "the controller is killed, and another user starts it after {ms}"},
-    {InjectionKind::kFrozen, "frozen", 0,
-     "the process of {actuator} is frozen until it is ended"},
+    {InjectionKind::kFrozen, "frozen", 0, "the process of {actuator} is frozen until it is ended"},
 }};
 
 // The share of process ends that are configuration errors.
