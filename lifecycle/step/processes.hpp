@@ -13,8 +13,8 @@ inline constexpr Duration kBacktraceTime = Milliseconds(5000);
 inline constexpr Duration kEndTime = Milliseconds(2000);
 // A process that is torn down exits by itself; the time it gets for that.
 inline constexpr Duration kExitGrace = Milliseconds(1000);
-// By then the exit of a process whose connection is lost is known: that of another host comes by
-// ssh, and of one that hangs here the verdict takes 1.5 s.
+// How long the exit of a process may become known after its connection is lost. The systemd of
+// another host reports an exit by ssh; the verdict that a process hangs takes 1.5 s.
 inline constexpr Duration kExitIsKnown = Milliseconds(2000);
 
 class Processes : StepPart {

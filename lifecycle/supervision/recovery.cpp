@@ -51,7 +51,7 @@ void Recovery::On(const event::HealthChanged& changed) {
 }
 
 // On another host. A silent process is none that has just exited.
-void Recovery::Silent(ActuatorIndex i, const RecordText& how, Duration patience) {
+void Recovery::Silent(ActuatorIndex i, const RecordText& how, Duration timeout) {
   KnownActuator& known = Of(i);
   if (known.presence == Presence::kPresent || known.presence == Presence::kStarting) {
     commands_.LoseConnection(i, how);
@@ -69,7 +69,7 @@ void Recovery::Silent(ActuatorIndex i, const RecordText& how, Duration patience)
   const std::int32_t pid = ProcessOf(i);
   const bool known_there = !known.process.host.empty() && pid != 0 && IsReportOf(i, pid);
   if (!known_there || !MayRestart(i) || termination) return;
-  processes_.Terminate(i, pid, patience);
+  processes_.Terminate(i, pid, timeout);
   termination->for_silence = true;
 }
 

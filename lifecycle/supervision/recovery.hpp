@@ -25,7 +25,7 @@ class Recovery : StepPart {
 
  private:
   void Recovered(ActuatorIndex i, const std::string& how);
-  void Silent(ActuatorIndex i, const RecordText& how, Duration patience);
+  void Silent(ActuatorIndex i, const RecordText& how, Duration timeout);
   void EndNow(ActuatorIndex i);
   void FallBackWithout(ActuatorIndex i);
   void AssumeExited(ActuatorIndex i);

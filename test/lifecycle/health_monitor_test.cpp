@@ -249,7 +249,7 @@ TEST_F(Monitor, TheOnlyActuatorOfItsHostIsPartitioned) {
   EXPECT_THAT(Found(), ElementsAre("probe a", "a partitioned, silent"));
 }
 
-// Its process was frozen while the link was cut: nobody looked at it again.
+// Its process was frozen while the link was cut: it was never examined again.
 TEST_F(Monitor, OfAHostThatIsHeardAgainAnActuatorThatStaysSilentIsCrashed) {
   Watch(0, false, "there");
   Watch(1, false, "there");

@@ -220,7 +220,7 @@ TEST_F(Processes, OfTheControllerWithoutConnectionAreAwaitedBeforeTheFallback) {
   EXPECT_FALSE(machine_.current) << "whether it has ended or hangs will be found out";
 }
 
-// The services of a ROS 2 node are gone, and its process lives: nobody found out anything.
+// The services of a ROS 2 node are gone, and its process lives: the machine waited for ever.
 TEST_F(Processes, OfTheControllerOfWhichNothingIsFoundOutTakeTheMachineToTheirOnLost) {
   config_.actuators[0].critical = true;
   config_.actuators[0].on_lost = "LowPower";
