@@ -180,7 +180,17 @@ void ActuatorPeers::LoseToOther(const msg::ActuatorStatus& status, transport::En
   }
   const auto found = index_.find(status.name);
   if (found == index_.end()) return;
-  const auto& taken = machine_.actuators[found->second].process.taken;
+  const KnownActuator& in_use = machine_.actuators[found->second];
+  // After a cut its heartbeats were received before its status.
+  const bool is_in_use = in_use.report.host == status.host &&
+                         in_use.report.incarnation == Incarnation(status.incarnation) &&
+                         in_use.presence != Presence::kLost;
+  if (is_in_use) {
+    return context_.handle(event::Vanished{found->second, in_use.report.incarnation, false,
+                                           TakenBy({status.machine, status.machine_id}), true,
+                                           status.pid, status.host.substr(0, kLongestShown)});
+  }
+  const auto& taken = in_use.process.taken;
   const bool known = taken && taken->pid == status.pid && taken->host == status.host;
   if (!known) ReportTaken(found->second);
 }

@@ -9,13 +9,13 @@ std::string UnderWayOf(const ActuatorConfig& config, const Machine& machine,
   if (known.set_up_by && known.presence != Presence::kPresent && may_come) return "is being set up";
   const bool unit = !config.host.empty();
   if (unit && known.process.launch == Launch::kUnderWay) return "is being started on another host";
+  if (known.exit_by) return "may have exited";
   if (known.fault && !known.command && !known.restart.at && !known.process.termination &&
       !known.restart.requested)
     return {};
   if (known.command) return "has a command to " + known.command->target;
   if (known.restart.at || known.restart.requested) return "is to be restarted";
   if (known.process.termination) return "is to be killed";
-  if (known.exit_by) return "may have exited";
   if (known.free_by) return "is busy with the callback that it was found in";
   const bool is_starting = known.presence == Presence::kStarting;
   if (known.control.again && is_starting && may_come) return "is being attached";

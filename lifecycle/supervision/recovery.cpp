@@ -60,17 +60,13 @@ void Recovery::Silent(ActuatorIndex i, const RecordText& how, Duration timeout) 
       FallBack(i);
     }
   }
-  auto& termination = known.process.termination;
-  if (known.health == Health::kPartitioned) {
-    if (termination && termination->for_silence) termination.reset();
-    return;
-  }
+  if (known.health == Health::kPartitioned) return;
   // It alone: its process is frozen, or its connection is bad for a moment.
   const std::int32_t pid = ProcessOf(i);
   const bool known_there = !known.process.host.empty() && pid != 0 && IsReportOf(i, pid);
-  if (!known_there || !MayRestart(i) || termination) return;
+  if (!known_there || !MayRestart(i) || known.process.termination) return;
   processes_.Terminate(i, pid, timeout);
-  termination->for_silence = true;
+  known.process.termination->for_silence = true;
 }
 
 void Recovery::Recovered(ActuatorIndex i, const std::string& how) {
@@ -125,11 +121,14 @@ void Recovery::AssumeExited(ActuatorIndex i) {
 }
 
 void Recovery::EndNow(ActuatorIndex i) {
-  Termination& termination = *Of(i).process.termination;
-  if (termination.killed) return AssumeExited(i);
+  auto& termination = Of(i).process.termination;
+  if (termination->killed) return AssumeExited(i);
+  if (!termination->for_silence) return processes_.Kill(i);
+  // The cut of its connection was the begin of that of its host.
+  if (Of(i).health == Health::kPartitioned) return termination.reset();
   // This controller was stopped itself, and may not have read yet what has been received.
-  if (termination.for_silence && now_ - termination.kill_at > kLate) {
-    termination.kill_at = now_ + kSilence;
+  if (now_ - termination->kill_at > kLate) {
+    termination->kill_at = now_ + kSilence;
     return;
   }
   processes_.Kill(i);
@@ -138,10 +137,13 @@ void Recovery::EndNow(ActuatorIndex i) {
 // Whether it has exited is not known in time.
 void Recovery::FallBackWithout(ActuatorIndex i) {
   KnownActuator& known = Of(i);
-  known.exit_by.reset();
   const auto& termination = known.process.termination;
   const bool is_ended = known.restart.at || (termination && !termination->for_silence);
-  if (known.presence == Presence::kLost && !is_ended) FallBack(i);
+  const bool lost = known.presence == Presence::kLost && !is_ended;
+  // It waits for a CPU, or a debugger holds it: it is examined again.
+  const bool waits = lost && known.health == Health::kStarved;
+  known.exit_by = waits ? std::optional(now_ + kExitIsKnown) : std::nullopt;
+  if (lost && !waits) FallBack(i);
 }
 
 void Recovery::CheckDeadlines() {

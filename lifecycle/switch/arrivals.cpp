@@ -240,6 +240,7 @@ void Arrivals::On(const event::Vanished& vanished) {
     return;
   }
   known.process.dead = vanished.incarnation;
+  known.exit_by.reset();
   commands_.AssumeTornDown(vanished.actuator);
   if (known.health != Health::kHung) known.health = Health::kCrashed;
   if (was_there) commands_.Lose(vanished.actuator, texts::Crashed(vanished.how));
@@ -262,6 +263,7 @@ void Arrivals::LoseToOther(const event::Vanished& lost) {
   const bool in_use = reported || (IsTaken(i) && !AnotherProcessIsPresent(i, lost.pid));
   if (!in_use || known.process.dead == lost.incarnation) return;
   if (IsTaken(i)) processes_.ForgetEnd(i);  // as for a restart
+  known.exit_by.reset();
   const bool was_there =
       known.presence == Presence::kPresent || known.presence == Presence::kStarting;
   if (was_there) {

@@ -341,10 +341,11 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
 void Commands::LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause) {
   Lose(i, how, cause);
   KnownActuator& known = Of(i);
+  const bool is_restarted = known.restart.requested && ProcessOf(i) != 0;
+  if (known.state() == kTearDown || is_restarted) return;
   if (!MayRestart(i) || ProcessOf(i) == 0) return FallBack(i);
   const auto& termination = known.process.termination;
-  const bool is_ended = known.restart.requested || (termination && !termination->for_silence) ||
-                        known.state() == kTearDown;
+  const bool is_ended = termination && !termination->for_silence;
   if (!is_ended) known.exit_by = now_ + kExitIsKnown;
 }
 

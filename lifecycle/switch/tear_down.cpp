@@ -57,6 +57,8 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
     known.set_up_by.reset();
     known.restart.at.reset();
     known.restart.requested = false;
+    auto& termination = known.process.termination;
+    if (termination && termination->for_silence) termination.reset();
     if (!MayAnnounceItself(i)) EndWithout(i);
   }
   if (!silent) BeginSwitch(plan);

@@ -37,6 +37,15 @@ TEST_F(WhatIsUnderWay, IsTheRestartOfAnActuatorThatCrashed) {
   EXPECT_EQ(In(t), "");
 }
 
+TEST_F(WhatIsUnderWay, IsTheTimeInWhichAnExitMayBecomeKnown) {
+  Harness& t = Switching::In("Active", Ours(2));
+  t.Feed(event::Vanished{0, t.RecordOf("a").report.incarnation, false, "connection lost"});
+  ASSERT_TRUE(t.RecordOf("a").fault);
+  EXPECT_EQ(In(t), "a may have exited");
+  t.RunFor(Milliseconds(2100));
+  EXPECT_EQ(In(t), "");
+}
+
 TEST_F(WhatIsUnderWay, IsTheCommandOfAnActuatorThatFollowsTheMachine) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "a").binds_to = {"b"};  // a is looked at before the one that is restarted

@@ -18,8 +18,8 @@
 // path again, and the robot is within 1 m of where that drive has ended, what it has passed of the
 // path is left out: at its end nothing is left, unless the path is a loop.
 //
-// The drives that the controller has begun before the constructor, by its clock, are cancelled once
-// it can be reached: a process before this one has left them behind.
+// The drives that the controller has begun before the constructor are cancelled once it can be
+// reached: a process before this one has left them behind.
 //
 // Frames and units of robot.hpp.
 //

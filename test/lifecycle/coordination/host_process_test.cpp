@@ -230,6 +230,28 @@ TEST_F(CriticalHostProcess, ThatIsRestartedByRequestTakesTheMachineNowhere) {
   EXPECT_FALSE(machine_.current);
 }
 
+TEST_F(CriticalHostProcess, ThatIsRestartedByRequestTakesTheMachineNowhereAlsoWithoutAPolicy) {
+  config_.actuators[1].restart.policy = RestartPolicy::kNo;
+  StartUpBoth();
+  Do(event::RestartRequested{kRequest, "b"});
+  ObeyB();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  EXPECT_FALSE(machine_.current);
+  Do(event::ProcessEnded{1, kPid, true, "exit code 0"});
+  Pass(Milliseconds(1));
+  EXPECT_THAT(Did<action::StartProcess>(), ElementsAre(action::StartProcess{1}));
+}
+
+// SIGKILL came in the middle of its TearDown.
+TEST_F(CriticalHostProcess, ThatIsSilentHasTheTimeOfATearDownThatBeginsMeanwhile) {
+  StartUpBoth();
+  BeSilent(Health::kCrashed);
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  Pass(std::chrono::seconds(6));
+  EXPECT_THAT(Did<action::SignalProcess>(),
+              ::testing::Not(::testing::Contains(action::SignalProcess{1, kPid, true})));
+}
+
 TEST_F(CriticalHostProcess, ThatHangsAndCannotBeKilledTakesTheMachineToItsOnLostOnce) {
   config_.actuators[1].critical = false;
   StartUpBoth();

@@ -231,6 +231,18 @@ TEST_F(Processes, OfTheControllerOfWhichNothingIsFoundOutTakeTheMachineToTheirOn
   EXPECT_EQ(machine_.current->target, kLowPower);
 }
 
+// A person debugs it, or the computer is busy.
+TEST_F(Processes, OfTheControllerThatAreStarvedTakeTheMachineNowhere) {
+  config_.actuators[0].critical = true;
+  config_.actuators[0].on_lost = "LowPower";
+  StartUpOurs();
+  Do(event::Vanished{0, kFirst, false, "its lease is over"});
+  Do(event::HealthChanged{0, kFirst, Health::kStarved, true, "a debugger holds its process"});
+  Pass(std::chrono::seconds(10));
+  EXPECT_FALSE(machine_.current);
+  EXPECT_EQ(machine_.state, kActive);
+}
+
 TEST_F(Processes, ARestartOfAnUnknownActuatorIsRefusedWithItsNameShortened) {
   StartUpOurs();
   Do(event::RestartRequested{1, std::string(100, 'x')});

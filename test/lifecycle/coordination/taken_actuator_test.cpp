@@ -179,6 +179,7 @@ TEST_F(TakenProcesses, TakeTheMachineToItsOnLostAlsoWhereTheyWereOutOfReachMeanw
   ObeyAll();
   EXPECT_EQ(machine_.state, kDeActive);
   EXPECT_EQ(Of(0).fault->message, kHow);
+  EXPECT_FALSE(Of(0).exit_by) << "it would take the machine there once more, against a person";
 }
 
 // A process of that pid on another host is not the one that this controller has started.
