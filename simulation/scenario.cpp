@@ -560,6 +560,7 @@ void Scenario::ApplyAround(const Injection& injection) {
     case InjectionKind::kOtherUser:
       return ChangeUser(injection);
     case InjectionKind::kFrozen:
+      if (!robot_.IsAlive(config_.actuators[injection.actuator].name)) return;
       return robot_.FreezeActuator(config_.actuators[injection.actuator].name);
     default:
       Engage(injection.random / 2 % 2, 0);

@@ -248,6 +248,9 @@ class Planner {
       if (blocks) RefuseWith(Refused<Refusal::kCriticalUnchecked>(actuator.name));
     } else if (!checking && known.suspended && Rises(config_, known.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up");
+    } else if (for_safety_ && known.found_below && !known.set_again &&
+               Rises(config_, known.state(), plan_.target)) {
+      leave_out("was found less active, and no fallback raises it");
     } else if (!checking && IsInTarget(known) && !known.report.busy() && !known.command) {
       step.part = known.held ? PlanStep::Part::kHeldInTarget : PlanStep::Part::kInTarget;
     } else if (!checking && Unknown(actuator, known)) {

@@ -255,7 +255,8 @@ TEST(ADirectTearDown, NamesTheProcessOfAnActuatorOnAnotherHostThatItDoesNotEnd) 
                          .value();
     board.server = transport::MakeServer<msg::ActuatorCommand>(
                        *board.node, transport::CommandService("direct_tear_down_test", "legs"),
-                       [&board, &commanded](const msg::ActuatorCommand::Request&, auto reply) {
+                       [&board, &commanded](const auto& request, auto reply) {
+                         if (request.incarnation != board.legs.incarnation) return;
                          commanded.push_back(board.legs.pid);
                          board.legs.state = "TearDown";
                          static_cast<void>(board.statuses->Publish(board.legs));
@@ -266,7 +267,7 @@ TEST(ADirectTearDown, NamesTheProcessOfAnActuatorOnAnotherHostThatItDoesNotEnd) 
     board.legs.machine = "dog";
     board.legs.host = "boot " + std::to_string(pid) + "/1";
     board.legs.state = "Active";
-    board.legs.incarnation = 100;  // hosts do not agree on them
+    board.legs.incarnation = 100 + static_cast<std::uint64_t>(pid);
     board.legs.pid = pid;
     static_cast<void>(board.statuses->Publish(board.legs));
   }

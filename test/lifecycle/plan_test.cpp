@@ -56,6 +56,18 @@ class Plans : public ::testing::Test {
   Machine machine_;
 };
 
+// The second process of an actuator, in LowPower, was in use once the first one was lost, and the
+// fallback for that loss led it up.
+TEST_F(Plans, ForSafetyRaiseNothingThatWasFoundLessActive) {
+  PutAllIn(kProtected);
+  machine_.actuators[1].report.state = State(kLowPower);
+  machine_.actuators[1].found_below = true;
+  const Plan plan = MakeSafetyPlan(config_, machine_, State(kDeActive));
+  ASSERT_EQ(plan.steps.size(), 4U);
+  EXPECT_TRUE(plan.steps[0].driven());
+  EXPECT_EQ(plan.steps[1].part, Part::kLeftOut);
+}
+
 TEST_F(Plans, HaveFromStateToStateAndDeadline) {
   config_.actuators[2].times.assign(config_.states.size(), Milliseconds(700));
   const Plan plan = To(kActive);
