@@ -37,10 +37,10 @@ class FaceTopicsTest : public test::ModuleOnNetwork {
     worker_.on_result = [this](const DetectionResult<Detector>& result) {
       topics_->OnResult(result);
     };
-    target_ = Listen<msg::PointStamped>("wedding/perception/target", targets_);
-    too_close_ = Listen<msg::Bool>("wedding/perception/too_close", closes_);
+    target_ = Listen<msg::PointStamped>("robot1/wedding/perception/target", targets_);
+    too_close_ = Listen<msg::Bool>("robot1/wedding/perception/too_close", closes_);
     faces_ = test::Must(transport::MakeSubscription<msg::String>(
-        *desk_, "wedding/perception/faces_json",
+        *desk_, "robot1/wedding/perception/faces_json",
         [this](const msg::String& text, const auto&) {
           counts_.push_back(nlohmann::json::parse(text.data).at("count"));
         },

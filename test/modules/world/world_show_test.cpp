@@ -66,8 +66,8 @@ class WorldShowTest : public WorldOnNetwork {
 TEST_F(WorldShowTest, PublishesItsJointsEachStepWithTheWorldsTime) {
   Open(Show());
   std::vector<msg::JointState> states, commands;
-  const auto reading = Listen("wedding/motion/joint_states", states);
-  const auto subscription = Listen("wedding/motion/joint_commands", commands);
+  const auto reading = Listen("robot1/wedding/motion/joint_states", states);
+  const auto subscription = Listen("robot1/wedding/motion/joint_commands", commands);
   network_.RunFor(Milliseconds(100));
   states.clear();
   commands.clear();
@@ -84,8 +84,8 @@ TEST_F(WorldShowTest, PublishesItsJointsEachStepWithTheWorldsTime) {
 TEST_F(WorldShowTest, TakesTheCommandedPose) {
   Open(Show());
   std::vector<msg::JointState> states;
-  const auto reading = Listen("wedding/motion/joint_states", states);
-  Say<msg::String>("wedding/motion/pose", {{"heart"}});
+  const auto reading = Listen("robot1/wedding/motion/joint_states", states);
+  Say<msg::String>("robot1/wedding/motion/pose", {{"heart"}});
   network_.RunFor(seconds(4));
   EXPECT_NEAR(states.back().position[18], -0.4, 1e-9);
   EXPECT_EQ(host_->world().humanoid()->pose(), "heart");
@@ -94,21 +94,21 @@ TEST_F(WorldShowTest, TakesTheCommandedPose) {
 
 TEST_F(WorldShowTest, RefusesAnUnknownPoseAndLogsIt) {
   Open(Show());
-  Say<msg::String>("wedding/motion/pose", {{"heart"}, {"hart"}, {""}});
+  Say<msg::String>("robot1/wedding/motion/pose", {{"heart"}, {"hart"}, {""}});
   EXPECT_EQ(host_->world().humanoid()->pose(), "heart");
   EXPECT_THAT(log_, ElementsAre(HasSubstr("\"hart\" is refused"), HasSubstr("\"\" is refused")));
 }
 
 TEST_F(WorldShowTest, LooksAtTheCommandedPoint) {
   Open(Show());
-  Say<msg::PointStamped>("wedding/motion/look_at", {Point(0.25, 0.5)});
+  Say<msg::PointStamped>("robot1/wedding/motion/look_at", {Point(0.25, 0.5)});
   network_.RunFor(seconds(5));
   EXPECT_NEAR(host_->world().gaze().yaw_rad * 180 / M_PI, 60, 1e-6);
 }
 
 TEST_F(WorldShowTest, RefusesNanGazesAndLogsItOnce) {
   Open(Show());
-  Say<msg::PointStamped>("wedding/motion/look_at",
+  Say<msg::PointStamped>("robot1/wedding/motion/look_at",
                          std::vector(100, Point(std::numeric_limits<double>::quiet_NaN(), 0.5)));
   network_.RunFor(seconds(1));
   EXPECT_EQ(host_->world().gaze().yaw_rad, 0);
@@ -118,7 +118,7 @@ TEST_F(WorldShowTest, RefusesNanGazesAndLogsItOnce) {
 TEST_F(WorldShowTest, PublishesTheGestureOfAGuestTenTimesASecondAndItsEnd) {
   Open(Show());
   std::vector<msg::String> gestures;
-  const auto subscription = Listen("wedding/perception/gesture", gestures);
+  const auto subscription = Listen("robot1/wedding/perception/gesture", gestures);
   network_.RunFor(Milliseconds(1900));
   EXPECT_THAT(gestures, IsEmpty());
   network_.RunFor(Milliseconds(4000));
@@ -138,9 +138,10 @@ TEST_F(WorldShowTest, UsesTheTopicsOfItsScene) {
 
 TEST_F(WorldShowTest, PublishesNothingWithoutAHumanoidAndGuests) {
   Open(EmptyYard());
-  const auto say = transport::MakePublisher<msg::String>(*desk_, "wedding/motion/pose").value();
+  const auto say =
+      transport::MakePublisher<msg::String>(*desk_, "robot1/wedding/motion/pose").value();
   std::vector<msg::JointState> states;
-  const auto reading = Listen("wedding/motion/joint_states", states);
+  const auto reading = Listen("robot1/wedding/motion/joint_states", states);
   network_.RunFor(seconds(1));
   EXPECT_EQ(say->MatchedReaders(), 0);
   EXPECT_EQ(reading->MatchedWriters(), 0);
