@@ -915,7 +915,8 @@ bool Scenario::ReachStableState(const std::string& when) {
 }
 
 void Scenario::RepairActuators() {
-  if (EndSurplus()) RunFor(kUntilMissed);
+  const bool frozen = EndFrozen();
+  if (EndSurplus() || frozen) RunFor(kUntilMissed);
   const auto* leader = robot_.leader();
   for (const ActuatorIndex i : config_.actuators.Indices()) {
     if (leader == nullptr) break;
@@ -952,6 +953,22 @@ void Scenario::EndElsewhere(const ActuatorConfig& actuator) {
     robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
     RunFor(kUntilMissed);
   }
+}
+
+// One of a later stage has no fault yet: the controller does not await it before its stage.
+bool Scenario::EndFrozen() {
+  bool any = false;
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const SimulatedProcesses& processes = robot_.processes();
+      const bool alive = processes.IsAlive(actuator.name, host);
+      if (!alive || !processes.IsFrozen(actuator.name, host)) continue;
+      Note("the operator ends " + actuator.name + ", which is frozen");
+      robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
+      any = true;
+    }
+  }
+  return any;
 }
 
 // Of an actuator that runs on several hosts the operator keeps the process that the controller can

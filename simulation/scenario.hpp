@@ -148,6 +148,7 @@ class Scenario {
   bool ReachStableState(const std::string& when);
   void EndTornDown();
   void RepairActuators();
+  bool EndFrozen();
   bool EndSurplus();
   void EndElsewhere(const ActuatorConfig& actuator);
   bool RecoverHome();

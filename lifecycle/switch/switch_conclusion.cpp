@@ -138,7 +138,7 @@ std::optional<Error> SwitchConclusion::SecondAbove(const Switch& s, ActuatorInde
 
 // The reason why it is not in the target of the switch; nullopt: it is, or was not expected.
 std::optional<Error> SwitchConclusion::WhyAway(const Switch& s, ActuatorIndex i) const {
-  if (const auto second = SecondAbove(s, i)) return second;
+  if (auto second = SecondAbove(s, i)) return second;
   if (IsAway(i, s.target)) return Of(i).fault;
   const std::string left = LeftSince(s, i);
   return left.empty() ? std::nullopt : std::optional(Error{kCodeNetError, left});
