@@ -11,8 +11,7 @@
 //   the command that it ends: the next command is sent after such a done, which is new as well, or
 //   kSettle later.
 // - AwaitIdle() is the same for a command of a process before this one: command 0 is sent. The tool
-// is
-//   neither idle nor well before it has settled.
+//   is neither idle nor well before it has settled.
 //
 // Seconds. One thread.
 

@@ -1,7 +1,8 @@
 // musher-exec as a controller drives it: the real program over DDS.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
-
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/test/modules/exec/exec_peer.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 #include "musher/transport/network.hpp"
@@ -376,11 +378,25 @@ constexpr const char* kLowPowerRuns =
     "its callback for LowPower still runs and may switch on again";
 
 // Until it has ended it may switch something on again.
+// A command of the test waits for its next line: `read -r line < $MUSHER_TEST/…`.
+class Pipe {
+ public:
+  explicit Pipe(const std::string& path) {
+    EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
+    end_ = UniqueFd(open(path.c_str(), O_RDWR | O_CLOEXEC));  // no open() waits for the other end
+  }
+  void WriteLine() const { EXPECT_EQ(write(end_.get(), "\n", 1), 1); }
+
+ private:
+  UniqueFd end_;
+};
+
 TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandRunsBelowIt) {
   ExecPeer peer;
+  const Pipe go(peer.folder() / "go");
   peer.Start(
       "[state.Active]\n[state.LowPower]\n"
-      "shell = \"until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "shell = \"read -r line < $MUSHER_TEST/go\"\n"
       "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off\"\n");
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
   ASSERT_TRUE(peer.Switch("Active"));
@@ -389,7 +405,7 @@ TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandRunsBelowIt) {
   peer.Send("LowPower");
   EXPECT_TRUE(peer.AwaitTrouble(kLowPowerRuns)) << peer.trouble();
   EXPECT_EQ(Runs(peer, "off"), 1);
-  std::ofstream(peer.folder() / "go") << "go";
+  go.WriteLine();
   ASSERT_TRUE(peer.AwaitReply());
   EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
   EXPECT_EQ(Runs(peer, "off"), 2);
@@ -398,12 +414,13 @@ TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandRunsBelowIt) {
 // The command of the stop was under way when the command of LowPower began.
 TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhoseCommandEndsBeforeACommandBelowIt) {
   ExecPeer peer;
+  const Pipe go(peer.folder() / "go");
+  const Pipe end(peer.folder() / "end");
   peer.Start(
       "[state.Active]\n[state.LowPower]\n"
-      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "shell = \"echo $$ > $MUSHER_TEST/slow; read -r line < $MUSHER_TEST/go\"\n"
       "[emergency_stop]\ntime_ms = 20000\n"
-      "shell = \"echo $$ > $MUSHER_TEST/stop; until [ -e $MUSHER_TEST/end ]; do sleep 0.02; done; "
-      "rm $MUSHER_TEST/end\"\n");
+      "shell = \"echo $$ > $MUSHER_TEST/stop; read -r line < $MUSHER_TEST/end\"\n");
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
   ASSERT_TRUE(peer.Switch("Active"));
   peer.EngageStop();
@@ -411,33 +428,33 @@ TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhoseCommandEndsBeforeACommandBelo
   ASSERT_GT(stop, 0);
   peer.Send("LowPower");
   ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
-  std::ofstream(peer.folder() / "end") << "end";
+  end.WriteLine();
   EXPECT_TRUE(HasExited(stop));
-  std::ofstream(peer.folder() / "go") << "go";
+  go.WriteLine();
   ASSERT_TRUE(peer.AwaitReply());
   EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
-  std::ofstream(peer.folder() / "end") << "end";
+  end.WriteLine();
   EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
 }
 
-// Each run of the command of the stop waits until the test creates the file `end`. So a run too
-// much leaves the stop unconfirmed.
+// Each run of the command of the stop waits for a line of the pipe `end`. So a run too many leaves
+// the stop unconfirmed.
 TEST(MusherExec, DoesNotConfirmASecondEmergencyStopWhileACommandRunsBelowTheFirst) {
   ExecPeer peer;
+  const Pipe go(peer.folder() / "go");
+  const Pipe end(peer.folder() / "end");
   peer.Start(
       "[state.Active]\n[state.LowPower]\n"
-      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "shell = \"echo $$ > $MUSHER_TEST/slow; read -r line < $MUSHER_TEST/go\"\n"
       "[emergency_stop]\ntime_ms = 60000\n"
-      "shell = \"echo off >> $MUSHER_TEST/off; until [ -e $MUSHER_TEST/end ]; do sleep 0.02; done; "
-      "rm $MUSHER_TEST/end\"\n");
-  const auto end_stop = [&] { std::ofstream(peer.folder() / "end") << "end"; };
+      "shell = \"echo off >> $MUSHER_TEST/off; read -r line < $MUSHER_TEST/end\"\n");
   const auto has_not_ended = [](const std::string& trouble) {
     return trouble.starts_with("[emergency_stop] has not ended: `echo off");
   };
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
   ASSERT_TRUE(peer.Switch("Active"));
   peer.EngageStop();
-  end_stop();
+  end.WriteLine();
   ASSERT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
   peer.Send("LowPower");
   ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
@@ -446,13 +463,13 @@ TEST(MusherExec, DoesNotConfirmASecondEmergencyStopWhileACommandRunsBelowTheFirs
 
   peer.EngageStop(8);
   EXPECT_TRUE(peer.AwaitTrouble(has_not_ended)) << peer.trouble();
-  end_stop();
+  end.WriteLine();
   EXPECT_TRUE(peer.AwaitTrouble(kLowPowerRuns)) << peer.trouble();
-  std::ofstream(peer.folder() / "go") << "go";
+  go.WriteLine();
   ASSERT_TRUE(peer.AwaitReply());
   EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
   EXPECT_TRUE(peer.AwaitTrouble(has_not_ended)) << peer.trouble();
-  end_stop();
+  end.WriteLine();
   EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
   EXPECT_EQ(Runs(peer, "off"), 3) << "for each stop, and after the command";
 }
@@ -460,9 +477,10 @@ TEST(MusherExec, DoesNotConfirmASecondEmergencyStopWhileACommandRunsBelowTheFirs
 // It had begun before the stop.
 TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandThatLeadsDownRuns) {
   ExecPeer peer;
+  const Pipe go(peer.folder() / "go");
   peer.Start(
       "[state.Active]\n[state.LowPower]\n"
-      "shell = \"echo $$ > $MUSHER_TEST/slow; until [ -e $MUSHER_TEST/go ]; do sleep 0.02; done\"\n"
+      "shell = \"echo $$ > $MUSHER_TEST/slow; read -r line < $MUSHER_TEST/go\"\n"
       "[emergency_stop]\nshell = \"echo off >> $MUSHER_TEST/off\"\n");
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
   ASSERT_TRUE(peer.Switch("Active"));
@@ -471,7 +489,7 @@ TEST(MusherExec, DoesNotConfirmAnEmergencyStopWhileACommandThatLeadsDownRuns) {
   peer.EngageStop();
   EXPECT_TRUE(peer.AwaitTrouble(kLowPowerRuns)) << peer.trouble();
   EXPECT_EQ(Runs(peer, "off"), 1);
-  std::ofstream(peer.folder() / "go") << "go";
+  go.WriteLine();
   ASSERT_TRUE(peer.AwaitReply());
   EXPECT_FALSE(peer.HasConfirmedDuring("LowPower"));
   EXPECT_TRUE(peer.AwaitTrouble("")) << peer.trouble();
