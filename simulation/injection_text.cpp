@@ -48,8 +48,8 @@ std::string ValueOf(std::string_view name, const MachineConfig& config,
   const auto one_of = [&](unsigned n, const char* first, const char* others) {
     return injection.random % n == 0 ? first : others;
   };
-  const std::string actuator = config.actuators[injection.actuator].name;
-  const std::string ms = InMilliseconds(injection.lasts);
+  std::string actuator = config.actuators[injection.actuator].name;
+  std::string ms = InMilliseconds(injection.lasts);
   if (name == "actuator") return actuator;
   if (name == "host") return std::string(HostName(injection.host));
   if (name == "other") return std::string(HostName(injection.other_host));

@@ -12,7 +12,7 @@ std::string RestChecker::PendingActivity() const {
   if (robot_.leaders() > 1) return "two controllers lead the machine";
   const Machine& machine = controller->shell().machine();
   if (machine.phase == Phase::kStopped) return {};
-  const std::string under_way = UnderWay(
+  std::string under_way = UnderWay(
       config_, machine, [&](ActuatorIndex i) { return robot_.IsAlive(config_.actuators[i].name); });
   if (!under_way.empty()) return under_way;
   if (machine.policy.keep) return "an application keeps it in " + machine.policy.keep->state;

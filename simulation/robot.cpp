@@ -40,7 +40,7 @@ msg::BmsStatus BatteryAt(int percent, bool charging) {
 
 }  // namespace
 
-SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script, Layout layout)
+SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script, const Layout& layout)
     : SimRobot(std::make_unique<World>(seed, layout.hosts), nullptr, std::move(config),
                std::move(script), layout) {}
 
@@ -376,7 +376,7 @@ MachineIdentity SimRobot::EngageByProgram(StopId id, std::size_t host, const Sto
   options.view = [this, host] { return ViewOf(host); };
   if (ViewOf(host).has_controller) options.machine = identity();
   if (named) options.machine = {config_.name, ""};
-  const MachineIdentity machine = options.machine;
+  MachineIdentity machine = options.machine;
   stop_programs_[id] = std::make_unique<StopClient>(
       network_, hosts_, std::move(options), id,
       [this, id](bool confirmed) {

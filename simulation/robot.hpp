@@ -37,7 +37,7 @@ class SimRobot {
   // The endpoints of the first controller and of the one that competes with it.
   static constexpr const char* kControllerEndpoints[] = {"controller", "rival"};
 
-  SimRobot(std::uint64_t seed, MachineConfig config, Script script = {}, Layout layout = {});
+  SimRobot(std::uint64_t seed, MachineConfig config, Script script = {}, const Layout& layout = {});
   // Another machine in the network of `beside`, which must outlive it. Its layout counts the hosts
   // of both; its prefix and the names of its hosts must be others.
   SimRobot(SimRobot& beside, MachineConfig config, Script script, Layout layout);

@@ -237,7 +237,7 @@ Result<> StageSlot(Disk& disk, const std::string& root, const std::string& versi
   const std::string bundle = IncomingFolder(root) + "/bundle";
   const auto present = PresentVersion(disk, root);
   if (!present) return present.error();
-  const auto staged =
+  auto staged =
       present.value() ? StageNext(disk, root, bundle, options) : StageFirst(disk, root, bundle);
   [[maybe_unused]] const auto removed = ota::RemoveAll(disk, IncomingFolder(root));
   if (!staged) return staged;

@@ -14,7 +14,7 @@ bool MayBeginId(const std::string& word) {
 }  // namespace
 
 MachineIdentity MachineToStop(const StopBelief& belief) {
-  const MachineIdentity here = belief.led.value_or(MachineIdentity{});
+  MachineIdentity here = belief.led.value_or(MachineIdentity{});
   if (!belief.word.empty()) {
     const bool by_id = here.name != belief.word && BeginsIdOf(here, belief.word);
     return by_id ? here : MachineIdentity{belief.word, ""};

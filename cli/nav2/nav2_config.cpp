@@ -67,8 +67,8 @@ std::optional<std::int64_t> MillisecondsOf(const ParamsNode* seconds) {
   const std::string& text = seconds->text;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  constexpr double kLongest_s = 3600;
-  return static_cast<std::int64_t>(std::clamp(value, 0.0, kLongest_s) * 1000);
+  constexpr double kLongestSeconds = 3600;
+  return static_cast<std::int64_t>(std::clamp(value, 0.0, kLongestSeconds) * 1000);
 }
 
 // As ROS 2's parser of parameter files takes a boolean.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "musher/base/code.hpp"
 
@@ -107,7 +108,7 @@ class Parser {
       ++at_;
       ParamsNode value;
       ReadValue(value, member->second, own, depth);
-      node.members.emplace_back(member->first, std::move(value));
+      node.members.push_back({member->first, std::move(value)});
       if (Next() != nullptr && Next()->indent > own) {
         return Fault(*Next(), "is indented, and the line above it has a value");
       }
@@ -159,9 +160,8 @@ class Parser {
 }  // namespace
 
 const ParamsNode* ParamsNode::Find(std::string_view key) const {
-  const auto found =
-      std::ranges::find_if(members, [&](const auto& one) { return one.first == key; });
-  return found == members.end() ? nullptr : &found->second;
+  const auto found = std::ranges::find_if(members, [&](const auto& one) { return one.key == key; });
+  return found == members.end() ? nullptr : &found->value;
 }
 
 Result<ParamsNode> ReadParams(std::string_view text, const std::string& path) {

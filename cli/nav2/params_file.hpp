@@ -7,19 +7,25 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "musher/base/result.hpp"
 
 namespace musher::cli {
 
+struct ParamsMember;
+
 struct ParamsNode {
-  std::string text;                                         // of a scalar
-  std::vector<std::string> list;                            // of a list of scalars
-  std::vector<std::pair<std::string, ParamsNode>> members;  // in the order of the file
+  std::string text;                   // of a scalar
+  std::vector<std::string> list;      // of a list of scalars
+  std::vector<ParamsMember> members;  // in the order of the file
 
   const ParamsNode* Find(std::string_view key) const;
+};
+
+struct ParamsMember {
+  std::string key;
+  ParamsNode value;
 };
 
 // `path` is what an Error refers to, with the line.

@@ -392,7 +392,8 @@ void HostUnits::Ended(Unit& unit) {
   if (!unit.exit) unit.exit = ExitOf(unit.state, unit.pid, config_.actuators[i].limits);
   const bool wanted = unit.signalled || !hooks_.still_starts(unit.actuator);
   if (NeedsSystemState(*unit.exit, wanted)) return AskSystemState(unit);
-  ReportEnd(unit, *unit.exit);
+  const ProcessExit exit = *std::exchange(unit.exit, std::nullopt);
+  ReportEnd(unit, exit);
 }
 
 // If the connection is lost before the reply, the unit is looked at again once the host is reached.
@@ -413,7 +414,6 @@ void HostUnits::AskSystemState(Unit& unit) {
 
 void HostUnits::ReportEnd(Unit& unit, const ProcessExit& exit) {
   const pid_t pid = std::exchange(unit.pid, 0);
-  const ProcessExit reported = exit;  // may be the unit's
   unit.exit.reset();
   unit.signal = 0;
   if (unit.state.active == "failed") Reset(unit);
@@ -421,7 +421,7 @@ void HostUnits::ReportEnd(Unit& unit, const ProcessExit& exit) {
   if (unit.wanted || unit.state.runs()) {
     unit.again = loop_.At(loop_.Now(), [this, &unit] { Examine(unit); });
   }
-  hooks_.on_ended(unit.actuator, pid, reported);
+  hooks_.on_ended(unit.actuator, pid, exit);
 }
 
 void HostUnits::Reset(Unit& unit) {
