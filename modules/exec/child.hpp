@@ -52,8 +52,8 @@ class Child {
   ExitStatus Reap();
 
   // Sends the group SIGTERM, and SIGKILL once the child has exited or `stop_time` is over. Fails if
-  // it has not exited `stop_time` after that. It still has to be reaped: until then its number
-  // belongs to no other process.
+  // it has not exited two seconds after that, or `stop_time` where that is longer. It still has to
+  // be reaped: until then its number belongs to no other process.
   Result<> End(Duration stop_time) const;
   // The same, and reaps it however long that takes.
   ExitStatus Stop(Duration stop_time);

@@ -62,7 +62,8 @@ TEST_F(ChildTest, IsEndedWithItsGroupAndKeepsItsNumberUntilItIsReaped) {
   ASSERT_TRUE(child);
   const pid_t in_group = ReadPid(folder_ / "child");
   ASSERT_GT(in_group, 0);
-  EXPECT_TRUE(child.value().End(Milliseconds(20)));
+  // So short a time of its own is no time in which a busy computer ends what SIGKILL was sent to.
+  EXPECT_TRUE(child.value().End(Milliseconds(0)));
   EXPECT_TRUE(HasExited(in_group));
   EXPECT_EQ(kill(child.value().pid(), 0), 0);
   EXPECT_EQ(child.value().Reap(), (ExitStatus{true, SIGKILL}));
