@@ -173,7 +173,26 @@ void SimulatedProcesses::OnFinished(const std::string& name, std::uint64_t seria
     part->torn_down |= part->name == name;
     all &= part->torn_down;
   }
-  if (all) EndLater(serial, {ProcessExit::Kind::kExited, 0});
+  if (all) return EndLater(serial, {ProcessExit::Kind::kExited, 0});
+  LeaveLater(serial);
+}
+
+// As a program does whose main() waits for its actuators in turn, a.Wait() and then b.Wait(): the
+// shell of one that is torn down ends, and the process runs on for the next.
+void SimulatedProcesses::LeaveLater(std::uint64_t serial) {
+  environment_->loop().Post([this, serial] {
+    const auto process = alive_.find(serial);
+    if (process == alive_.end()) return;
+    for (const auto& part : process->second.parts) {
+      if (!part->torn_down) return;
+      if (!part->shell) continue;
+      part->left = part->shell->report();
+      part->shell->Close();
+      part->shell.reset();
+      part->worker.reset();
+      part->lies.reset();
+    }
+  });
 }
 
 void SimulatedProcesses::EndLater(std::uint64_t serial, const ProcessExit& exit) {
@@ -284,8 +303,9 @@ const ActuatorReport* SimulatedProcesses::ReportOf(const std::string& name,
                                                    std::size_t host) const {
   const Process* process = Find(name, host);
   if (process == nullptr) return nullptr;
-  const auto& shell = PartOf(*process, name).shell;
-  return shell ? &shell->report() : nullptr;
+  const Part& part = PartOf(*process, name);
+  if (part.left) return &*part.left;
+  return part.shell ? &part.shell->report() : nullptr;
 }
 
 void SimulatedProcesses::SwitchPower(Part& part, const State& target) const {

@@ -135,7 +135,8 @@ class SimulatedProcesses {
     std::unique_ptr<Module> module;
     std::unique_ptr<Worker> worker;
     std::unique_ptr<ActuatorShell> shell;
-    std::shared_ptr<void> program;  // instead of the shell
+    std::shared_ptr<void> program;       // instead of the shell
+    std::optional<ActuatorReport> left;  // the last one of a shell that ended before its process
     bool torn_down = false;
     bool has_power = false;
     bool powered = false;
@@ -166,6 +167,7 @@ class SimulatedProcesses {
   static const Part& PartOf(const Process& process, const std::string& name);
   void AddPart(Process& process, const std::string& name, const MachineIdentity& machine);
   void OnFinished(const std::string& name, std::uint64_t serial, const Error& error);
+  void LeaveLater(std::uint64_t serial);
   // Ends it after the current callback of the event loop.
   void EndLater(std::uint64_t serial, const ProcessExit& exit);
   void End(std::uint64_t serial, const ProcessExit& exit);

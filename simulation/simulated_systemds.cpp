@@ -322,7 +322,7 @@ UnitState SimulatedSystemds::StateOf(std::size_t host, const std::string& name) 
 void SimulatedSystemds::StartUnit(std::size_t host, const UnitStart& start,
                                   const std::string& job) {
   if (hosts_.Uptime(host) > start.until) {
-    return SendJobRemoved(host, start.unit, job, std::string(kJobSkipped));
+    return SendJobRemoved(host, start.unit, job, std::string(kJobDone));
   }
   std::string invocation = std::to_string(next_invocation_++);
   invocation.insert(0, 32 - invocation.size(), '0');

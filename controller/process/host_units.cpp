@@ -550,9 +550,10 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   }
   if (unit.state.active == "failed") Reset(unit);
   if (!unit.wanted) return;
-  // A late start would have been given up: the clock there has gained on that of this host.
+  // Nothing was executed, as for a late start: the clock there has gained on that of this host.
+  const bool skipped = result == kJobSkipped || (done && pid == 0);
   Duration& gained = unit.host.gained;
-  if (result == kJobSkipped && gained < kMostGained) {
+  if (skipped && gained < kMostGained) {
     gained = std::max(kStartValid, gained * 2);
     return Examine(unit);
   }
@@ -562,13 +563,14 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
                                 ") has no user " + spec.limits.user +
                                 "; make it there, or correct `user`");
   }
-  const std::string program = spec.argv.front();
-  NotStarted(unit, "host " + unit.host.config.name + ": " +
-                       (not_executed
-                            ? program + " could not be executed there (systemd's exit code " +
-                                  std::to_string(unit.state.exec_status) + "); see"
-                            : "the start of " + unit.name + " has ended as '" + result + "'; see") +
-                       " `journalctl -u " + unit.name + "` there");
+  std::string why = "the start of " + unit.name + " has ended as '" + result + "'";
+  if (skipped) why = "systemd executes nothing of " + unit.name;
+  if (not_executed) {
+    why = spec.argv.front() + " could not be executed there (systemd's exit code " +
+          std::to_string(unit.state.exec_status) + ")";
+  }
+  NotStarted(unit, "host " + unit.host.config.name + ": " + why + "; see `journalctl -u " +
+                       unit.name + "` there");
 }
 
 // --- signals and searches ---

@@ -24,9 +24,10 @@
 
 namespace musher {
 
-// Results of the job that starts a unit, and of a unit.
+// Results of the job that starts a unit, and of a unit. After UnitStart::until systemd executes
+// nothing: the job is done from version 248 on, and skipped before.
 inline constexpr std::string_view kJobDone = "done";
-inline constexpr std::string_view kJobSkipped = "skipped";  // after UnitStart::until
+inline constexpr std::string_view kJobSkipped = "skipped";
 inline constexpr std::string_view kResultOutOfMemory = "oom-kill";
 
 // What systemd knows of a unit. The values of a unit that is not loaded are these.

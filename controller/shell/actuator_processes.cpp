@@ -18,6 +18,13 @@ constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung pro
 
 }  // namespace
 
+bool IsStillEnded(const Machine& machine, ActuatorIndex actuator, pid_t pid) {
+  if (machine.phase == Phase::kStopping || machine.phase == Phase::kStopped) return true;
+  const auto& termination = machine.actuators[actuator].process.termination;
+  return termination && termination->pid == pid &&
+         (termination->killed || !termination->for_silence);
+}
+
 ActuatorProcesses::ActuatorProcesses(ShellContext context, ControllerPresence& presence,
                                      HealthWatch& health, ActuatorPeers& peers)
     : context_(std::move(context)),
@@ -98,12 +105,8 @@ void ActuatorProcesses::OpenHosts() {
     return phase != Phase::kStopping && phase != Phase::kStopped;
   };
   hooks.still_ends = [this](const std::string& actuator, pid_t pid) {
-    const Machine& machine = context_.machine;
     const ActuatorIndex i = *config_.IndexOf(actuator);
-    if (IsOfOther(i, pid)) return false;
-    const auto& termination = machine.actuators[i].process.termination;
-    return machine.phase == Phase::kStopping || machine.phase == Phase::kStopped ||
-           (termination && termination->pid == pid);
+    return !IsOfOther(i, pid) && IsStillEnded(context_.machine, i, pid);
   };
   dependencies_.hosts->Open(std::move(hooks));
 }

@@ -16,6 +16,10 @@
 
 namespace musher {
 
+// Whether a signal that has waited for the connection to its host still has its reason. A silence
+// that may yet end is none for the SIGKILL of a reason that has passed.
+bool IsStillEnded(const Machine& machine, ActuatorIndex actuator, pid_t pid);
+
 class ActuatorProcesses {
  public:
   // All must outlive it.

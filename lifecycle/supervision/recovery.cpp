@@ -35,6 +35,8 @@ void Recovery::On(const event::HealthChanged& changed) {
     return;
   }
   if (changed.health == Health::kWell) return Recovered(i, changed.how);
+  // Torn down alone it sends no heartbeat. Its process may run on for another actuator, or save.
+  if (known.state() == kTearDown && known.writer_lost) return;
   const bool cut = std::exchange(known.health, changed.health) == Health::kPartitioned;
   const RecordText what = texts::Unhealthy(changed.health, changed.how);
   switch (changed.health) {
@@ -60,19 +62,25 @@ void Recovery::Silent(ActuatorIndex i, const RecordText& how, Duration timeout) 
       FallBack(i);
     }
   }
-  if (known.health == Health::kPartitioned) return;
+  auto& termination = known.process.termination;
+  if (known.health == Health::kPartitioned) {
+    // The silence of it alone was the begin of the cut.
+    if (termination && termination->for_silence && !termination->killed) termination.reset();
+    return;
+  }
   // It alone: its process is frozen, or its connection is bad for a moment.
   const std::int32_t pid = ProcessOf(i);
   const bool known_there = !known.process.host.empty() && pid != 0 && IsReportOf(i, pid);
-  if (!known_there || !MayRestart(i) || known.process.termination) return;
+  if (!known_there || !MayRestart(i) || termination) return;
   processes_.Terminate(i, pid, timeout);
-  known.process.termination->for_silence = true;
+  termination->for_silence = true;
 }
 
 void Recovery::Recovered(ActuatorIndex i, const std::string& how) {
   KnownActuator& known = Of(i);
   known.health = Health::kWell;
-  known.exit_by.reset();
+  // Until it is attached it may be heard and never answer.
+  if (known.exit_by) known.exit_by = now_ + kExitIsKnown;
   known.cause =
       RecordActuator(i, kCodeOk, texts::ActuatorRecovered(ConfigOf(i).name, how), known.cause);
   if (!known.restart.requested) known.process.termination.reset();  // else it is terminated anyway
@@ -124,8 +132,6 @@ void Recovery::EndNow(ActuatorIndex i) {
   auto& termination = Of(i).process.termination;
   if (termination->killed) return AssumeExited(i);
   if (!termination->for_silence) return processes_.Kill(i);
-  // The cut of its connection was the begin of that of its host.
-  if (Of(i).health == Health::kPartitioned) return termination.reset();
   // This controller was stopped itself, and may not have read yet what has been received.
   if (now_ - termination->kill_at > kLate) {
     termination->kill_at = now_ + kSilence;
@@ -134,12 +140,15 @@ void Recovery::EndNow(ActuatorIndex i) {
   processes_.Kill(i);
 }
 
-// Whether it has exited is not known in time.
+// Whether it has exited is not known in time, or it is heard again and does not answer.
 void Recovery::FallBackWithout(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   const auto& termination = known.process.termination;
   const bool is_ended = known.restart.at || (termination && !termination->for_silence);
-  const bool lost = known.presence == Presence::kLost && !is_ended;
+  const ControlState& control = known.control;
+  const bool is_queried =
+      known.presence == Presence::kStarting && control.again && !control.rival_until;
+  const bool lost = (known.presence == Presence::kLost || is_queried) && !is_ended;
   // It waits for a CPU, or a debugger holds it: it is examined again.
   const bool waits = lost && known.health == Health::kStarved;
   known.exit_by = waits ? std::optional(now_ + kExitIsKnown) : std::nullopt;

@@ -72,7 +72,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
   if (IsOfTaken(known, report)) known.process.taken.reset();  // it is this machine's again
   commands_.Accept(seen.actuator, report);
   known.presence = Presence::kStarting;
-  known.exit_by.reset();
+  if (!same) known.exit_by.reset();
   if (known.restart.at) processes_.CancelRestart(seen.actuator);
   // An actuator that publishes its status and never answers is given up like one that never starts.
   if (!known.set_up_by && !known.fault && !stopping) {

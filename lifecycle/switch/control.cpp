@@ -103,6 +103,7 @@ void Control::Attach(ActuatorIndex i) {
   const bool late = machine_.start_up.set_up && machine_.phase != Phase::kStopping &&
                     machine_.phase != Phase::kStopped;
   known.presence = Presence::kPresent;
+  known.exit_by.reset();
   known.set_up_by.reset();
   known.restart.at.reset();  // it was started by another party first
   known.fault.reset();

@@ -123,7 +123,7 @@ class FakeSystemd {
       return;
     }
     sd_bus_message_set_sender(signal, "org.freedesktop.systemd1");
-    sd_bus_message_append(signal, "uoss", 1U, kJob, unit.c_str(), "skipped");
+    sd_bus_message_append(signal, "uoss", 1U, kJob, unit.c_str(), "done");
     sd_bus_send(bus_, signal, nullptr);
     sd_bus_message_unref(signal);
   }

@@ -21,6 +21,7 @@
 #include "musher/base/program.hpp"
 #include "musher/controller/process/bus_systemd.hpp"
 #include "musher/controller/process/host_uptime.hpp"
+#include "musher/controller/shell/actuator_processes.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
@@ -249,6 +250,20 @@ TEST_F(UnitOfAnotherHost, GetsNoSignalWhoseReasonHasPassed) {
   EXPECT_THAT(Calls(), IsEmpty());
 }
 
+// The silence may be over before it is decided, and the SIGKILL before it had another reason.
+TEST_F(UnitOfAnotherHost, GetsNoOldSignalForASilenceThatIsNotDecided) {
+  Machine machine;
+  machine.actuators.resize(1);
+  EXPECT_FALSE(IsStillEnded(machine, 0, 41));
+  Termination& silent = machine.actuators[0].process.termination.emplace();
+  silent.pid = 41;
+  silent.for_silence = true;
+  EXPECT_FALSE(IsStillEnded(machine, 0, 41));
+  silent.killed = true;
+  EXPECT_TRUE(IsStillEnded(machine, 0, 41));
+  EXPECT_FALSE(IsStillEnded(machine, 0, 42));
+}
+
 TEST_F(UnitOfAnotherHost, HasEndedWithARebootOfTheHost) {
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
   Greet(kSecondBoot, 1);
@@ -433,7 +448,8 @@ TEST_F(UnitOfAnotherHost, WhoseHostSkipsEachStartIsNotStarted) {
   Open();
   Start();
   Await([this] { return !not_started_.empty(); });
-  EXPECT_THAT(not_started_, ElementsAre(HasSubstr("has ended as 'skipped'")));
+  EXPECT_THAT(not_started_,
+              ElementsAre(HasSubstr("systemd executes nothing of musher-robot-eyes")));
 }
 
 // What waits in the one before would be carried out beside it.

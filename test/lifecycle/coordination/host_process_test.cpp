@@ -216,6 +216,31 @@ TEST_F(CriticalHostProcess, WhoseConnectionIsLostBeforeItsExitIsReportedIsStarte
   EXPECT_FALSE(machine_.current);
 }
 
+// Its heartbeats arrive, and the queries to it do not.
+TEST_F(CriticalHostProcess, ThatIsHeardAgainAndDoesNotAnswerTakesTheMachineToItsOnLost) {
+  StartUpBoth();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Pass(Milliseconds(1100));
+  Do(event::HealthChanged{1, kFirst + 1, Health::kWell, false, "heartbeat received again"});
+  Pass(Milliseconds(1900));
+  EXPECT_FALSE(machine_.current);
+  Pass(Milliseconds(200));
+  ObeyBoth();
+  EXPECT_EQ(machine_.state, kProtected);
+}
+
+TEST_F(CriticalHostProcess, ThatIsHeardAgainAndAnswersTakesTheMachineNowhere) {
+  StartUpBoth();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Pass(Milliseconds(1100));
+  Do(event::HealthChanged{1, kFirst + 1, Health::kWell, false, "heartbeat received again"});
+  ComeB();
+  Pass(std::chrono::seconds(5));
+  EXPECT_FALSE(Of(1).exit_by);
+  EXPECT_EQ(machine_.state, kActive);
+  EXPECT_FALSE(machine_.current);
+}
+
 // The writer of its status ends with its TearDown, before the exit comes by ssh.
 TEST_F(CriticalHostProcess, ThatIsRestartedByRequestTakesTheMachineNowhere) {
   StartUpBoth();
@@ -307,6 +332,32 @@ TEST_F(HostProcess, ThatStaysSilentAfterACutIsKilledAfterTwentySeconds) {
   EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
   Pass(Milliseconds(200));
   EXPECT_THAT(Did<action::SignalProcess>(), ElementsAre(action::SignalProcess{1, kPid, true}));
+}
+
+// The first to be silent before a cut of four seconds may be the last to be discovered after it.
+TEST_F(HostProcess, ThatWasTheFirstToBeSilentBeforeACutHasTheTimeOfOneAfterACut) {
+  StartUpBoth();
+  Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  Pass(Milliseconds(500));
+  Do(event::HealthChanged{1, kFirst + 1, Health::kPartitioned, true, "no heartbeat"});
+  Pass(Milliseconds(4000));
+  Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  Pass(Milliseconds(19'900));
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+  Pass(Milliseconds(200));
+  EXPECT_THAT(Did<action::SignalProcess>(), ElementsAre(action::SignalProcess{1, kPid, true}));
+}
+
+// Its heartbeats end with its shell. Its process runs on for another actuator, or still saves.
+TEST_F(HostProcess, ThatIsTornDownAloneIsNotKilledForItsSilence) {
+  StartUpBoth();
+  Do(event::SetStateRequested{kRequest, kTearDown, "b"});
+  ObeyB();
+  ASSERT_EQ(Of(1).state(), kTearDown);
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Do(event::HealthChanged{1, kFirst + 1, Health::kCrashed, true, "no heartbeat"});
+  Pass(std::chrono::seconds(10));
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
 }
 
 // The first timer after a stop of the controller itself: what was received is not read yet.

@@ -383,6 +383,19 @@ TEST_F(ForeignProcesses, ThatHangAndAreSilentAreLostThoughTheyCannotBeRestarted)
   EXPECT_EQ(Of(1).fault->code, kCodeTimeout);
 }
 
+// Its heartbeats end with its shell, and its process runs on: that is no loss.
+TEST_F(ForeignProcesses, ThatWereTornDownAloneAreNoneThatHang) {
+  config_.actuators[0].critical = true;
+  config_.actuators[0].on_lost = kProtected;
+  StartUp();
+  Do(event::SetStateRequested{1, kTearDown, "a"});
+  Obey(0);
+  Do(event::Vanished{0, kFirst, false, "connection lost"});
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  EXPECT_FALSE(machine_.current);
+  EXPECT_EQ(machine_.state, kActive);
+}
+
 TEST_F(ForeignProcesses, ThatHangAreNotDrivenAfterTheMachine) {
   StartUp();
   Do(event::HealthChanged{0, kFirst, Health::kHung, false, "its work is stuck"});
