@@ -59,7 +59,7 @@ class BatteryGate : public ::testing::Test {
         promise.set_value();
       });
     });
-    const bool came = done.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+    const bool came = done.wait_for(std::chrono::seconds(120)) == std::future_status::ready;
     node_->RunOnLoop([&] { heartbeat_.reset(); });
     return came;
   }

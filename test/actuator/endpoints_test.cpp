@@ -52,7 +52,7 @@ Result<msg::SetBool::Response> CallCount(transport::NodeThread& node, const std:
   std::promise<Result<msg::SetBool::Response>> promise;
   node.RunOnLoop([&] {
     client = transport::MakeClient<msg::SetBool>(node.node(), name).value();
-    client->Call({true}, std::chrono::seconds(10),
+    client->Call({true}, std::chrono::seconds(120),
                  [&](auto answer) { promise.set_value(std::move(answer)); });
   });
   auto answer = promise.get_future().get();
@@ -69,7 +69,7 @@ TEST(Endpoints, AreOpenInTheRobotsNamespaceUntilTheModuleEnds) {
   const auto answer = CallCount(*other, file.name_space() + "/count");
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(answer.value().message, "1");
-  EXPECT_EQ(counter.ticked().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(counter.ticked().wait_for(std::chrono::seconds(120)), std::future_status::ready);
   counter.Shutdown();
   EXPECT_TRUE(counter.kept().expired());
 }

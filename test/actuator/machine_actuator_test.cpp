@@ -84,7 +84,7 @@ TEST(MachineActuator, HasTopicsOfItsOwnOnItsLoop) {
     EXPECT_EQ(singer.node(), nullptr);
     ASSERT_TRUE(singer.Init(file.path()));
     ASSERT_TRUE(singer.Start());
-    ASSERT_EQ(subscription.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+    ASSERT_EQ(subscription.wait_for(std::chrono::seconds(120)), std::future_status::ready);
     EXPECT_EQ(subscription.get(), "la");
   }
   other.value()->RunOnLoop([&] { publisher.reset(); });

@@ -17,7 +17,7 @@ namespace musher::testing {
 
 class RobotFile {
  public:
-  // `states` with 5 s each, for every actuator, but for those in `times_ms`. `more`: lines of each
+  // `states` with 20 s each, for every actuator, but for those in `times_ms`. `more`: lines of each
   // actuator's table.
   RobotFile(const std::vector<std::string>& actuators, const std::vector<std::string>& states,
             const std::map<std::string, int>& times_ms = {}, const std::string& more = "") {
@@ -31,7 +31,7 @@ class RobotFile {
       file << "[actuator." << actuator << "]\nstates = " << List(states) << "\ntimes = [";
       for (const std::string& state : states) {
         const auto own = times_ms.find(state);
-        file << (own == times_ms.end() ? 5000 : own->second) << ", ";
+        file << (own == times_ms.end() ? 20'000 : own->second) << ", ";
       }
       file << "]\n" << more;
     }

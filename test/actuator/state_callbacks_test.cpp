@@ -29,10 +29,10 @@ constexpr const char* kRobot = R"(
   rank = 5
   [actuator.arm]
   states = ["SetUp", "SelfCheck", "Active", "Waving"]
-  times = [5000, 5000, 5000, 5000]
+  times = [20000, 20000, 20000, 20000]
   [actuator.leg]
   states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
-  times = [5000, 5000, 5000, 5000, 5000]
+  times = [20000, 20000, 20000, 20000, 20000]
 )";
 
 class Arm : public MachineActuator {

@@ -21,7 +21,7 @@ namespace musher::unattended_test {
 
 using testing::RobotFile;
 
-constexpr auto kWaitLimit = std::chrono::seconds(20);
+constexpr auto kWaitLimit = std::chrono::seconds(120);
 const std::vector<std::string> kStates = {"SetUp", "SelfCheck", "Active", "Protected", "LowPower"};
 
 class Arm : public MachineActuator {
@@ -172,7 +172,7 @@ TEST(Unattended, AModuleWhoseStopFailsSaysSoUntilItIsDone) {
 }
 
 TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {
-  const RobotFile file({"arm"}, kStates, {}, "controller_lost_ms = 1000\n");
+  const RobotFile file({"arm"}, kStates, {}, "controller_lost_ms = 3000\n");
   Listener listener;
   ActuatorRunner<Arm> arm;
   ASSERT_TRUE(arm.Init(file.path()).ok());

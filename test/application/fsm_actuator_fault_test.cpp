@@ -43,7 +43,7 @@ TEST_F(AFaultyFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineWithoutHistory) {
   Begin(show);
   harness_.Tick(show, 2);
   auto ended = std::async(std::launch::async, [&] { return show.Wait(); });
-  const bool in_time = ended.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+  const bool in_time = ended.wait_for(std::chrono::seconds(120)) == std::future_status::ready;
   show.Shutdown();
   EXPECT_TRUE(in_time);
   EXPECT_EQ(ended.get(), 1);

@@ -57,7 +57,7 @@ class Scheduling : public ::testing::Test {
   // Whether it comes to hold.
   bool Eventually(const std::function<bool()>& condition) {
     const LoopHandlePtr tick = loop_.Every(Milliseconds(2), [] {});
-    return loop_.RunUntil(condition, loop_.Now() + std::chrono::seconds(20));
+    return loop_.RunUntil(condition, loop_.Now() + std::chrono::seconds(120));
   }
   bool BecomesState(pid_t pid, ProcessRunState state) {
     return Eventually([&] { return RunStateOf(pid) == state; });

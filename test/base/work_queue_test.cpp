@@ -14,7 +14,7 @@ namespace musher::work_queue_test {
 using ::testing::ElementsAre;
 using Given = WorkQueue::Given;
 
-constexpr auto kDeadline = std::chrono::seconds(20);
+constexpr auto kDeadline = std::chrono::seconds(120);
 
 Time Now() {
   return std::chrono::steady_clock::now();

@@ -108,7 +108,7 @@ TEST(Console, TheReaderOfAPipeIsWatchedThatOfAFileIsNot) {
   loop.RunUntil([&] { return exited; }, loop.Now());
   EXPECT_FALSE(exited);
   close(ends[0]);
-  EXPECT_TRUE(loop.RunUntil([&] { return exited; }, loop.Now() + std::chrono::seconds(10)));
+  EXPECT_TRUE(loop.RunUntil([&] { return exited; }, loop.Now() + std::chrono::seconds(120)));
   EXPECT_FALSE(TakeReaderOf(UniqueFd(open("/dev/null", O_WRONLY)).get()).valid());
   close(ends[1]);
 }

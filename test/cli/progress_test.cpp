@@ -18,7 +18,7 @@ class ProgressConnection : public ::testing::Test {
         [this] { ++ends_; });
   }
   bool RunUntil(const std::function<bool()>& done) {
-    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(20));
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(120));
   }
   static Progress Numbered(int number) {
     return {number, "switch", "legs", 7, 107, "a sentence of some length, number"};

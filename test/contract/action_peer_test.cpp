@@ -26,7 +26,7 @@ class ActionPeer : public ::testing::Test {
     node_ = Must(MakeDdsNode(loop_, options));
   }
   bool RunUntil(const std::function<bool()>& done) {
-    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(20));
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(120));
   }
   testing::Process Peer(const std::string& program, std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(),

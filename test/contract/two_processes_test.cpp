@@ -40,7 +40,7 @@ class TwoProcesses : public ::testing::TestWithParam<const char*> {
     node_ = Must(MakeDdsNode(loop_, options));
   }
   bool RunUntil(const std::function<bool()>& done) {
-    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(20));
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(120));
   }
   Node& node() { return *node_; }
   LinuxEventLoop& loop() { return loop_; }
@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(, TwoProcesses, ::testing::Values("local", "lan"),
 TEST_P(TwoProcesses, AnswerACallMadeBeforeTheyDiscoverEachOther) {
   const auto client = Must(MakeClient<msg::SetState>(node(), name_ + "/set_state"));
   std::optional<Result<msg::SetState::Response>> answer;
-  client->Call({"Active", ""}, std::chrono::seconds(15),
+  client->Call({"Active", ""}, std::chrono::seconds(100),
                [&](Result<msg::SetState::Response> response) { answer = std::move(response); });
   PeerProcess peer(name_);
   ASSERT_TRUE(RunUntil([&] { return answer.has_value(); }));

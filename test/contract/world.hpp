@@ -23,7 +23,7 @@ class World {
   virtual EventLoop& loop() = 0;
   // Runs all nodes until `done` holds; false when it never does within the time a test may take.
   bool RunUntil(const std::function<bool()>& done) {
-    return loop().RunUntil(done, loop().Now() + std::chrono::seconds(20));
+    return loop().RunUntil(done, loop().Now() + std::chrono::seconds(120));
   }
 };
 

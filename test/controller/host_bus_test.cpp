@@ -30,7 +30,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr Duration kSoon = std::chrono::seconds(30);
+constexpr Duration kSoon = std::chrono::seconds(120);
 constexpr const char* kHost = "01234567-89ab-cdef-0123-456789abcdef/4026531836";
 
 class HostConnection : public ::testing::Test {

@@ -36,7 +36,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-constexpr Duration kSoon = std::chrono::seconds(30);
+constexpr Duration kSoon = std::chrono::seconds(120);
 constexpr const char* kOurs = "MUSHER_MACHINE_ID=ours";
 constexpr const char* kFirstBoot = "01234567-89ab-cdef-0123-456789abcdef/4026531836";
 constexpr const char* kSecondBoot = "76543210-89ab-cdef-0123-456789abcdef/4026531836";

@@ -23,7 +23,7 @@ using testing::kAllStates;
 using ::testing::Pair;
 using testing::RobotFile;
 
-constexpr auto kDeadline = std::chrono::seconds(20);
+constexpr auto kDeadline = std::chrono::seconds(120);
 
 // An actuator whose callbacks fail or wait on request.
 class Puppet : public MachineActuator {

@@ -89,7 +89,7 @@ class FirstStart : public ::testing::Test {
     options.takeover = takeover;
     controller_ = Controller::Make(*node_, transport::TestDomain(), config_, options).value();
     EXPECT_TRUE(loop_.RunUntil([&] { return !controller_->shell().Status().machine_id.empty(); },
-                               loop_.Now() + std::chrono::seconds(20)));
+                               loop_.Now() + std::chrono::seconds(120)));
     return controller_->shell().Status().machine_id;
   }
 
@@ -118,7 +118,7 @@ TEST_F(FirstStart, BesideAControllerOfItsNameOnAnotherHostSaysThatItMayBeAnother
   PublishRival(kSecond);
   controller_ = Controller::Make(*node_, transport::TestDomain(), config_, {}).value();
   ASSERT_TRUE(loop_.RunUntil([&] { return controller_->shell().refused().has_value(); },
-                             loop_.Now() + std::chrono::seconds(20)));
+                             loop_.Now() + std::chrono::seconds(120)));
   EXPECT_THAT(*controller_->shell().refused(), testing::IsRefused(Refusal::kNameLedElsewhere));
 }
 
@@ -154,7 +154,7 @@ TEST_F(ClosedFolder, IsReadForTheIdAndTheStops) {
   EXPECT_EQ(IdAfterStart(), kFirst) << "another robot of this name leads nothing here";
   const Machine& machine = controller_->shell().machine();
   ASSERT_TRUE(loop_.RunUntil([&] { return machine.emergency.stop.has_value(); },
-                             loop_.Now() + std::chrono::seconds(20)));
+                             loop_.Now() + std::chrono::seconds(120)));
   EXPECT_EQ(machine.emergency.stop->reason, "smoke");
 }
 
@@ -167,7 +167,7 @@ TEST_F(ClosedFolder, WithoutAnIdBeginsBesideNoControllerOfItsNameAlsoWithTakeove
     options.takeover = takeover;
     controller_ = Controller::Make(*node_, transport::TestDomain(), config_, options).value();
     ASSERT_TRUE(loop_.RunUntil([&] { return controller_->shell().refused().has_value(); },
-                               loop_.Now() + std::chrono::seconds(20)));
+                               loop_.Now() + std::chrono::seconds(120)));
     EXPECT_THAT(*controller_->shell().refused(), testing::IsRefused(Refusal::kIdNotKnown));
     controller_ = nullptr;
   }

@@ -117,7 +117,7 @@ class ProcessProof : public ::testing::Test {
 
   template <class Done>
   bool RunUntil(const Done& done) {
-    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(20));
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(120));
   }
 
   RobotFile file_;
@@ -241,7 +241,7 @@ TEST(StartOfAProcess, ShowsAModuleByItsNameAndAForeignProgramByItsIdleness) {
   const auto becomes = [&](pid_t pid, StartProgress progress) {
     const transport::LoopHandlePtr tick = loop.Every(Milliseconds(2), [] {});
     return loop.RunUntil([&] { return probe.ProgressOf("arm", pid) == progress; },
-                         loop.Now() + std::chrono::seconds(20));
+                         loop.Now() + std::chrono::seconds(120));
   };
   const Bystander foreign;
   EXPECT_TRUE(becomes(foreign.pid(), StartProgress::kIdle));

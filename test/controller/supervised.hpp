@@ -100,7 +100,7 @@ class Supervisor : public ::testing::Test {
     return loop_.RunUntil([&] { return ended; }, Deadline());
   }
 
-  Time Deadline() const { return loop_.Now() + std::chrono::seconds(20); }
+  Time Deadline() const { return loop_.Now() + std::chrono::seconds(120); }
 
   TempFolder folder_;
   const std::string log_ = folder_ / "dog.log";

@@ -68,7 +68,8 @@ class ModuleProcess : public ::testing::Test {
   typename S::Response Call(const std::string& name, const typename S::Request& request) {
     const auto client = transport::MakeClient<S>(peer_.node(), name).value();
     std::optional<Result<typename S::Response>> answer;
-    client->Call(request, std::chrono::seconds(20), [&](auto reply) { answer = std::move(reply); });
+    client->Call(request, std::chrono::seconds(120),
+                 [&](auto reply) { answer = std::move(reply); });
     EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
     EXPECT_TRUE(answer && *answer) << name;
     return answer && *answer ? answer->value() : typename S::Response{};

@@ -53,7 +53,7 @@ class FastDds : public ::testing::Test {
                      [](std::uint64_t all, std::byte one) { return all + std::uint8_t(one); }));
   }
   bool Until(const std::function<bool()>& done) {
-    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(30));
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(120));
   }
   // A sample each way; the later one of each pair gets the latched sample of the earlier one.
   template <msg::Message M>

@@ -49,7 +49,7 @@ class ARealPeer : public ::testing::TestWithParam<const char*> {
     peer_.emplace(GetParam(), "a");
   }
   bool Until(const std::function<bool()>& done) {
-    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(20));
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(120));
   }
   Verdict Do(const State& target) {
     reply_.reset();
@@ -145,7 +145,7 @@ TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndSendsItHeartbeats) {
   CyberdogManager manager(*node, "test_" + std::to_string(getpid()), {"arm"},
                           std::chrono::seconds(5));
   const auto until = [&](const std::function<bool()>& done) {
-    return loop.RunUntil(done, loop.Now() + std::chrono::seconds(20));
+    return loop.RunUntil(done, loop.Now() + std::chrono::seconds(120));
   };
   ASSERT_TRUE(until([&] { return manager.Ready() && manager.heartbeat_counts["arm"] >= 2; }));
   std::vector<CyberdogManager::Result> results;

@@ -78,7 +78,7 @@ class RosGraphPeer {
   // Waits until `done` accepts what the peer sees; false if it never does.
   template <class Done>
   bool Sees(const Done& done) {
-    return loop_.RunUntil([&] { return done(graph_); }, loop_.Now() + std::chrono::seconds(20));
+    return loop_.RunUntil([&] { return done(graph_); }, loop_.Now() + std::chrono::seconds(120));
   }
   const RosGraph& graph() const { return graph_; }
   const std::string& text() const { return last_; }

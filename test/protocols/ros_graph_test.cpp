@@ -192,7 +192,7 @@ TEST_P(NodesOfADistro, AreListedInItsLayout) {
                                                std::string(msg::ParticipantEntitiesInfo::kTypeName),
                                                transport::kLatchedQos, std::move(callbacks)));
   ASSERT_TRUE(
-      loop.RunUntil([&] { return !received.empty(); }, loop.Now() + std::chrono::seconds(20)));
+      loop.RunUntil([&] { return !received.empty(); }, loop.Now() + std::chrono::seconds(120)));
   msg::ParticipantEntitiesInfo info;
   info.node_entities_info_seq.push_back({"/", "arm", {{}}, {}});
   const std::size_t size = GetParam().gid_bytes == 24 ? msg::Encode(msg::BeforeIron(info)).size()
@@ -211,7 +211,7 @@ TEST_P(NodesOfADistro, AreKnownByTheirClients) {
   const transport::RosNodes nodes(*node);
   EXPECT_TRUE(loop.RunUntil(
       [&] { return nodes.CallersOf("dog1/reset", node->participant()) == "/dog1/arm"; },
-      loop.Now() + std::chrono::seconds(20)));
+      loop.Now() + std::chrono::seconds(120)));
   EXPECT_EQ(nodes.CallersOf("dog1/other", node->participant()), "") << "it has no client of it";
 }
 // A request of the other client counted as one of the person who typed a command beside it.
@@ -236,7 +236,7 @@ TEST(NodesOfAProcess, NameNoSingleCallerBesideAClientWhoseNodeIsNotKnown) {
         callers = nodes.CallersOf("dog1/reset", node->participant());
         return callers.find("/dog1/") != std::string::npos;
       },
-      loop.Now() + std::chrono::seconds(20));
+      loop.Now() + std::chrono::seconds(120));
   EXPECT_EQ(callers, "/dog1/_ros2cli_4711, a node that is not known");
 }
 INSTANTIATE_TEST_SUITE_P(Ros2, NodesOfADistro,

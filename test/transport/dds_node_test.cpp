@@ -128,7 +128,7 @@ TEST_F(DdsNodes, OfOneProcessAreOneParticipant) {
     const auto chat = MakePublisher<msg::String>(*there.value(), "chat");
     ASSERT_TRUE(chat.value()->Publish({"hello"}));
     ASSERT_TRUE(loop_.RunUntil([&] { return from.size() > static_cast<std::size_t>(i); },
-                               loop_.Now() + std::chrono::seconds(20)));
+                               loop_.Now() + std::chrono::seconds(120)));
   }
   EXPECT_EQ(from[0], from[1]);
 }
@@ -162,12 +162,12 @@ TEST_F(DdsNodes, HaveDeliveredTheirSamplesAfterAFlushThoughTheyExitThen) {
     ASSERT_TRUE(here);
     const auto publisher = MakePublisher<msg::String>(*here.value(), "last_output");
     ASSERT_TRUE(publisher);
-    const auto deadline = loop_.Now() + std::chrono::seconds(10);
+    const auto deadline = loop_.Now() + std::chrono::seconds(120);
     ASSERT_TRUE(loop_.RunUntil([&] { return publisher.value()->MatchedReaders() == 1; }, deadline));
     ASSERT_TRUE(publisher.value()->Publish({"farewell"}));
-    ASSERT_TRUE(publisher.value()->Flush(std::chrono::seconds(10)));
+    ASSERT_TRUE(publisher.value()->Flush(std::chrono::seconds(120)));
   }
-  loop_.RunUntil([&] { return !received.empty(); }, loop_.Now() + std::chrono::seconds(10));
+  loop_.RunUntil([&] { return !received.empty(); }, loop_.Now() + std::chrono::seconds(120));
   EXPECT_EQ(received, "farewell");
 }
 
@@ -189,7 +189,7 @@ TEST_F(DdsNodes, DoNotWaitForAReaderThatIsStopped) {
   const auto writer = MakePublisher<msg::String>(*node.value(), "large");
   ASSERT_TRUE(writer);
   EXPECT_TRUE(loop_.RunUntil([&] { return writer.value()->MatchedReaders() == 1; },
-                             loop_.Now() + std::chrono::seconds(20)));
+                             loop_.Now() + std::chrono::seconds(120)));
   EXPECT_TRUE(writer.value()->Publish({"stop"}));
   int status = 0;
   EXPECT_EQ(waitpid(reader, &status, WUNTRACED), reader);

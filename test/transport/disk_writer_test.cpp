@@ -62,7 +62,7 @@ class Writer : public ::testing::Test {
   }
   bool AwaitEnds(std::size_t count) {
     return loop_.RunUntil([&] { return ended_.size() >= count; },
-                          loop_.Now() + std::chrono::seconds(20));
+                          loop_.Now() + std::chrono::seconds(120));
   }
   static transport::DiskWriterOptions Options() {
     transport::DiskWriterOptions options;
@@ -92,7 +92,7 @@ TEST_F(Writer, DoesNotHoldUpTheLoopWhileTheDiskStalls) {
   gate_->AwaitBegun(1);
   bool turned = false;
   loop_.Post([&] { turned = true; });
-  EXPECT_TRUE(loop_.RunUntil([&] { return turned; }, loop_.Now() + std::chrono::seconds(20)));
+  EXPECT_TRUE(loop_.RunUntil([&] { return turned; }, loop_.Now() + std::chrono::seconds(120)));
   EXPECT_THAT(ended_, ElementsAre());
   gate_->Open();
   ASSERT_TRUE(AwaitEnds(1));
@@ -147,7 +147,8 @@ TEST_F(Writer, TakesAnExceptionForAFailure) {
   writer_->Do(
       "log", []() -> Result<> { throw std::runtime_error("out of memory"); },
       [&](const Result<>& result) { why = result ? "" : result.error().message; });
-  EXPECT_TRUE(loop_.RunUntil([&] { return !why.empty(); }, loop_.Now() + std::chrono::seconds(20)));
+  EXPECT_TRUE(
+      loop_.RunUntil([&] { return !why.empty(); }, loop_.Now() + std::chrono::seconds(120)));
   EXPECT_EQ(why, "out of memory");
 }
 

@@ -46,7 +46,7 @@ class HostCalls : public ::testing::Test {
     return call;
   }
   bool Await(const std::function<bool()>& done) {
-    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(30));
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(120));
   }
   Result<msg::Bytes> End(Call& call) {
     EXPECT_TRUE(Await([&] { return call.reply.has_value(); }));

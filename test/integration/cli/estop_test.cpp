@@ -202,7 +202,7 @@ class EmergencyStop : public MachineByCli {
     return machine.substr(at, machine.find('\n', at) - at);
   }
 
-  // Waits until the status of an actuator is so, half a minute at most; returns whether one was.
+  // Waits until the status of an actuator is so, two minutes at most; returns whether one was.
   bool AwaitReport(const std::function<bool(const msg::ActuatorStatus&)>& is_so) const {
     transport::LinuxEventLoop loop;
     const auto node = transport::MakeDdsNode(loop, {}).value();
@@ -214,7 +214,7 @@ class EmergencyStop : public MachineByCli {
                              },
                              transport::kLatchedFromManyQos)
                              .value();
-    return loop.RunUntil([&] { return reported; }, loop.Now() + std::chrono::seconds(30));
+    return loop.RunUntil([&] { return reported; }, loop.Now() + std::chrono::seconds(120));
   }
 
   // Waits until a stop is published; returns the first one, with the id 0 if there is none.
@@ -226,7 +226,7 @@ class EmergencyStop : public MachineByCli {
         transport::SubscribeToStops(*node, name_space_, [&](const auto& stop, const auto&) {
           if (stop.engaged && published.id == 0) published = stop;
         }).value();
-    loop.RunUntil([&] { return published.id != 0; }, loop.Now() + std::chrono::seconds(30));
+    loop.RunUntil([&] { return published.id != 0; }, loop.Now() + std::chrono::seconds(120));
     return published;
   }
   void ExpectLatchedByAll(bool latched) const {

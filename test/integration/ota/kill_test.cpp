@@ -53,7 +53,7 @@ class Killed : public RobotWithUpgrades {
     const auto process = OpenPidfd(controller);
     ASSERT_TRUE(process) << process.error().message;
     ASSERT_EQ(kill(controller, SIGKILL), 0);
-    ASSERT_TRUE(AwaitReadable(process.value().get(), In(std::chrono::seconds(30))));
+    ASSERT_TRUE(AwaitReadable(process.value().get(), In(std::chrono::seconds(120))));
   }
   static std::vector<pid_t> Pids() {
     std::vector<pid_t> pids;

@@ -72,7 +72,7 @@ class Outputs : public ::testing::Test {
   }
   // Waits for the end of what plays.
   Result<> Ended() {
-    loop_.RunUntil([this] { return ended_.has_value(); }, loop_.Now() + std::chrono::seconds(20));
+    loop_.RunUntil([this] { return ended_.has_value(); }, loop_.Now() + std::chrono::seconds(120));
     return ended_.value_or(Error{-1, "it does not end"});
   }
   Sound File(const std::string& name) {
@@ -237,7 +237,7 @@ class RealVoice : public ::testing::Test {
   Result<Sound> Make(const Utterance& what) {
     std::optional<Result<Sound>> made;
     maker_.Make(what, [&made](Result<Sound> sound) { made = std::move(sound); });
-    loop_.RunUntil([&] { return made.has_value(); }, loop_.Now() + std::chrono::seconds(20));
+    loop_.RunUntil([&] { return made.has_value(); }, loop_.Now() + std::chrono::seconds(120));
     return made.value_or(Error{-1, "never made"});
   }
 

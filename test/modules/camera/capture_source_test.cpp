@@ -51,7 +51,7 @@ class CaptureSourceTest : public ::testing::Test {
     source_ = OpenCapture(loop_, threads_, camera, std::move(events));
   }
   bool Until(const std::function<bool()>& holds) {
-    return loop_.RunUntil(holds, loop_.Now() + std::chrono::seconds(30));
+    return loop_.RunUntil(holds, loop_.Now() + std::chrono::seconds(120));
   }
 
   const TempFolder folder_;

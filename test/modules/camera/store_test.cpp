@@ -37,8 +37,8 @@ class StoreTest : public ::testing::Test {
     std::optional<Result<T>> answer;
     start([&answer](const Result<T>& result) { answer = result; });
     EXPECT_FALSE(answer) << "never inside the call";
-    EXPECT_TRUE(
-        loop_.RunUntil([&] { return answer.has_value(); }, loop_.Now() + std::chrono::seconds(30)));
+    EXPECT_TRUE(loop_.RunUntil([&] { return answer.has_value(); },
+                               loop_.Now() + std::chrono::seconds(120)));
     return *answer;
   }
   Result<std::string> Save(const NewFile& file) {

@@ -52,7 +52,7 @@ class CanFrames : public ::testing::Test {
     ASSERT_EQ(send(other_.get(), &raw, sizeof raw, 0), static_cast<ssize_t>(sizeof raw));
   }
   bool Until(const std::function<bool()>& holds) {
-    return loop_.RunUntil(holds, musher::testing::In(std::chrono::seconds(20)));
+    return loop_.RunUntil(holds, musher::testing::In(std::chrono::seconds(120)));
   }
 
   transport::LinuxEventLoop loop_;
@@ -141,7 +141,7 @@ std::string ReceivesAndSends() {
   Receiver robot;
   Receiver board;
   const auto until = [&](const std::function<bool()>& holds) {
-    return loop.RunUntil(holds, musher::testing::In(std::chrono::seconds(20)));
+    return loop.RunUntil(holds, musher::testing::In(std::chrono::seconds(120)));
   };
   const auto down = CanSocket::Open(loop, "vcan0", robot.Events());
   const std::string why = down ? "" : down.error().message;

@@ -133,7 +133,7 @@ TEST(TouchInputDevice, IsFoundByItsName) {
   ASSERT_NO_FATAL_FAILURE(
       WriteEvents(uinput, {InputEvent(EV_KEY, BTN_TOUCH, 1), InputEvent(EV_SYN, SYN_REPORT, 0)}));
   EXPECT_TRUE(loop.RunUntil([&] { return !keys.empty() && keys.back(); },
-                            loop.Now() + std::chrono::seconds(30)));
+                            loop.Now() + std::chrono::seconds(120)));
 }
 
 }  // namespace musher::device::touch_input_test

@@ -15,7 +15,7 @@ namespace musher::exec {
 
 // A timeout far longer than anything here takes; the awaited event ends the wait.
 inline Time Soon() {
-  return testing::In(std::chrono::seconds(20));
+  return testing::In(std::chrono::seconds(120));
 }
 
 // Whether process `pid` has exited, at the latest Soon(). An unreaped process counts as exited.

@@ -124,7 +124,7 @@ class Robot {
     EXPECT_TRUE(in_time);
     return bodies_ > 0;
   }
-  static Time InTime() { return musher::testing::In(std::chrono::seconds(20)); }
+  static Time InTime() { return musher::testing::In(std::chrono::seconds(120)); }
 
   const Networks& networks_;
   transport::LinuxEventLoop loop_;

@@ -57,7 +57,7 @@ TEST_F(LcmProcess, StandsWalksAndStopsOnABoardOfLcmsOwnLibrary) {
   RobotRig robot(Config());
   ASSERT_TRUE(robot.BringUp()) << robot.Log();
   EXPECT_EQ(
-      board->NextLine(musher::testing::In(std::chrono::seconds(30))).value_or("").substr(0, 14),
+      board->NextLine(musher::testing::In(std::chrono::seconds(120))).value_or("").substr(0, 14),
       "command mode 7")
       << "its first frame is no motion";
   EXPECT_EQ(robot.RequestMotion(111), (msg::MotionResultCmd::Response{111, true, 0}));
@@ -174,10 +174,10 @@ TEST_F(LcmProcess, NamesAnotherProgramThatCommandsTheBoard) {
   });
   const std::string named = "another program commands the motion board: " + app->sender();
   EXPECT_TRUE(loop.RunUntil([&] { return robot.Log().find(named) != std::string::npos; },
-                            musher::testing::In(std::chrono::seconds(30))));
+                            musher::testing::In(std::chrono::seconds(120))));
   std::int32_t code = 0;
   loop.RunUntil([&] { return (code = robot.RequestMotion(132).code) != 0; },
-                musher::testing::In(std::chrono::seconds(30)));
+                musher::testing::In(std::chrono::seconds(120)));
   EXPECT_EQ(code, 3011);
 }
 

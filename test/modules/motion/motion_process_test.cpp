@@ -210,7 +210,7 @@ class MotionManagerSetUp : public ::testing::Test {
   bool AwaitMode(int mode) {
     const Error another{kCodeTimeout, "the body is in another mode"};
     return program::AwaitOnLoop(
-               *node_, std::chrono::seconds(20),
+               *node_, std::chrono::seconds(120),
                [&] { return board_->board.report.mode == mode ? Ok() : Result<>(another); },
                [] { return false; })
         .ok();

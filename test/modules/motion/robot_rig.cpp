@@ -117,7 +117,7 @@ bool RobotRig::Await(const std::function<bool(const TopicBoard&)>& holds) {
     });
   });
   const bool done =
-      held.get_future().wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+      held.get_future().wait_for(std::chrono::seconds(120)) == std::future_status::ready;
   node_->RunOnLoop([&] { look.reset(); });
   return done;
 }
@@ -149,7 +149,7 @@ Result<typename S::Response> RobotRig::Call(const std::string& service,
   std::unique_ptr<transport::Client<S>> client;
   node_->RunOnLoop([&] {
     client = transport::MakeClient<S>(node_->node(), service).value();
-    client->Call(request, std::chrono::seconds(20),
+    client->Call(request, std::chrono::seconds(120),
                  [&](auto result) { reply.set_value(std::move(result)); });
   });
   auto answer = reply.get_future().get();

@@ -64,7 +64,7 @@ class ControllerProcess : public NavigationProcess {
     end_.reset();
     transport::GoalEvents<msg::FollowPath> events;
     events.on_end = [this](const auto& outcome) { end_ = outcome.end; };
-    client_->SendGoal(goal, Milliseconds(10'000), std::move(events));
+    client_->SendGoal(goal, Milliseconds(120'000), std::move(events));
   }
   bool AwaitMotion() {
     return peer_.Until([&] { return robot_.speed_m_s() > 0.2; });
@@ -85,7 +85,7 @@ TEST_F(PlannerProcess, PlansInActive) {
   std::optional<transport::GoalOutcome<msg::ComputePathToPose>> outcome;
   transport::GoalEvents<msg::ComputePathToPose> events;
   events.on_end = [&](const auto& end) { outcome = end; };
-  client->SendGoal({.goal = At(8, 2)}, Milliseconds(10'000), std::move(events));
+  client->SendGoal({.goal = At(8, 2)}, Milliseconds(120'000), std::move(events));
   ASSERT_TRUE(peer_.Until([&] { return outcome.has_value(); })) << peer_.Output();
   EXPECT_EQ(outcome->end, GoalEnd::kSucceeded) << outcome->reason << peer_.Output();
   EXPECT_GE(outcome->result.path.poses.size(), 2U);

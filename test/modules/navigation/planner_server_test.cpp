@@ -238,7 +238,7 @@ TEST(ThreadBackground, LeavesTheLoopFreeAndReturnsThere) {
     };
   });
   loop.Post([&] { loop_ran = true; });
-  const Time deadline = loop.Now() + std::chrono::seconds(20);
+  const Time deadline = loop.Now() + std::chrono::seconds(120);
   ASSERT_TRUE(loop.RunUntil([&] { return loop_ran; }, deadline));
   EXPECT_FALSE(returned);
   release = true;
@@ -261,7 +261,7 @@ TEST(ThreadBackground, DropsItsWorkWhenItIsDestroyed) {
   }
   bool after = false;
   loop.Post([&] { after = true; });
-  EXPECT_TRUE(loop.RunUntil([&] { return after; }, loop.Now() + std::chrono::seconds(20)));
+  EXPECT_TRUE(loop.RunUntil([&] { return after; }, loop.Now() + std::chrono::seconds(120)));
   EXPECT_FALSE(returned);
   EXPECT_LE(works, 1);
 }

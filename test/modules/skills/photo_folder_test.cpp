@@ -26,7 +26,7 @@ class APhotoFolder : public ::testing::Test {
   Result<std::string> Save(const std::string& name, const Picture& picture = kPicture) {
     const auto written = photos_.Save(picture, name);
     EXPECT_TRUE(
-        loop_.RunUntil([&] { return written.done(); }, loop_.Now() + std::chrono::seconds(20)));
+        loop_.RunUntil([&] { return written.done(); }, loop_.Now() + std::chrono::seconds(120)));
     return written.result();
   }
 

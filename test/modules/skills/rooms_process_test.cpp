@@ -63,7 +63,7 @@ class Rooms : public SkillsMachine {
                          .value();
     });
     auto came = distance.get_future();
-    const bool in_time = came.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+    const bool in_time = came.wait_for(std::chrono::seconds(120)) == std::future_status::ready;
     node->RunOnLoop([&] { subscription.reset(); });
     return in_time ? came.get() : std::numeric_limits<double>::quiet_NaN();
   }
@@ -105,11 +105,11 @@ TEST_F(Rooms, LetAClientOfNav2SendARobotToAPose) {
       goal.pose.pose.orientation.w = 1;
       transport::GoalEvents<msg::NavigateToPose> events;
       events.on_end = [&ended](const Outcome& outcome) { ended.set_value(outcome); };
-      client->SendGoal(goal, std::chrono::seconds(5), std::move(events));
+      client->SendGoal(goal, std::chrono::seconds(120), std::move(events));
     });
   });
   auto end = ended.get_future();
-  const bool in_time = end.wait_for(std::chrono::seconds(60)) == std::future_status::ready;
+  const bool in_time = end.wait_for(std::chrono::seconds(240)) == std::future_status::ready;
   node->RunOnLoop([&] {
     until_ready.reset();
     client.reset();

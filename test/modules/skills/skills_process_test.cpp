@@ -43,7 +43,7 @@ class SkillsProcess : public test::ModuleProcess {
     msg::SkillInfo skill;
     skill.skill = "take_off";
     skill.params = {{"altitude", "2"}};
-    client_->SendGoal({{"r", {skill}}}, std::chrono::seconds(20), {});
+    client_->SendGoal({{"r", {skill}}}, std::chrono::seconds(120), {});
     ASSERT_TRUE(peer_.Until([this] { return !commands_.empty() && commands_.back().linear.z > 0; }))
         << peer_.Output();
   }
@@ -220,7 +220,7 @@ TEST_F(DispatcherProcess, ThatIsKilledInAPlanCancelsItsGoalAndSendsNoneUntilTheN
     goal.plan.steps = {{1, {{"r", {skill}}}}};
     transport::GoalEvents<msg::PlanExecution> events;
     events.on_end = [&ended](const auto&) { ended = true; };
-    client->SendGoal(goal, std::chrono::seconds(20), std::move(events));
+    client->SendGoal(goal, std::chrono::seconds(120), std::move(events));
   };
   ASSERT_NO_FATAL_FAILURE(begin());
   send();

@@ -118,7 +118,7 @@ class CourseThreadTest : public CourseProcessorTest {
   }
   bool AwaitResults(std::size_t count) {
     return loop_.RunUntil([&] { return results_.size() >= count; },
-                          loop_.Now() + std::chrono::seconds(20));
+                          loop_.Now() + std::chrono::seconds(120));
   }
 
   transport::LinuxEventLoop loop_;

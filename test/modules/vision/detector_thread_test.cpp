@@ -48,7 +48,7 @@ class DetectorThreadTest : public ::testing::Test {
   }
   bool AwaitResults(std::size_t count) {
     return loop_.RunUntil([&] { return results_.size() >= count; },
-                          loop_.Now() + std::chrono::seconds(20));
+                          loop_.Now() + std::chrono::seconds(120));
   }
   std::vector<std::int64_t> Stamps() const {
     std::vector<std::int64_t> stamps;
@@ -165,7 +165,7 @@ TEST_F(DetectorThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
   });
   begun.get_future().wait();
   thread_->Submit({1, Picture()});
-  EXPECT_EQ(second.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(second.wait_for(std::chrono::seconds(120)), std::future_status::ready);
   release.set_value();
   EXPECT_TRUE(first.get());
   EXPECT_TRUE(second.get());

@@ -43,13 +43,13 @@ constexpr const char* kRobot = R"(
 [controller]
 actuators = ["world"]
 states = ["SetUp", "TearDown", "SelfCheck", "Active", "LowPower"]
-default_time = 20000
+default_time = 120000
 default_state = "Uninitialized"
 namespace = "dog1"
 state_dir = "state"
 [actuator.world]
 states = ["SetUp", "TearDown", "SelfCheck", "Active", "LowPower"]
-times = [20000, 20000, 20000, 20000, 20000]
+times = [120000, 120000, 120000, 120000, 120000]
 command = ["musher-world", "scene.toml"]
 cwd = "."
 critical = true
@@ -82,7 +82,7 @@ class MusherWorld : public ::testing::Test {
   }
 
   bool Until(const std::function<bool()>& holds) {
-    return loop_.RunUntil(holds, loop_.Now() + seconds(20));
+    return loop_.RunUntil(holds, loop_.Now() + seconds(120));
   }
   // Without a machine.
   void StartAlone(const std::string& scene) {
@@ -101,7 +101,7 @@ class MusherWorld : public ::testing::Test {
     const auto list =
         transport::MakeClient<msg::ListParameters>(*node_, node + "/list_parameters").value();
     std::optional<Result<msg::ListParameters::Response>> answer;
-    list->Call({}, seconds(20), [&](auto reply) { answer = std::move(reply); });
+    list->Call({}, seconds(120), [&](auto reply) { answer = std::move(reply); });
     ASSERT_TRUE(Until([&] { return answer.has_value(); }));
     ASSERT_TRUE(answer->ok()) << answer->error().message;
     EXPECT_TRUE(answer->value().result.names.empty());
@@ -192,7 +192,7 @@ TEST_F(MusherWorld, RunsThroughTheStatesOfAMachineAndDrawsAtTheEnd) {
   const auto draw = transport::MakeClient<msg::Trigger>(*node_, "dog1/world/draw").value();
   ASSERT_TRUE(Until([&] { return draw->Ready(); }));
   std::string answer;
-  draw->Call({}, seconds(20), [&](const Result<msg::Trigger::Response>& reply) {
+  draw->Call({}, seconds(120), [&](const Result<msg::Trigger::Response>& reply) {
     answer = reply ? reply.value().message : reply.error().message;
   });
   ASSERT_TRUE(Until([&] { return !answer.empty(); }));
@@ -207,7 +207,7 @@ TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
   ExpectLife();
   ExpectNoParameters("dog1/world");
   child_->Signal(SIGINT);
-  ASSERT_TRUE(child_->EndedBy(std::chrono::steady_clock::now() + seconds(20)));
+  ASSERT_TRUE(child_->EndedBy(std::chrono::steady_clock::now() + seconds(120)));
   EXPECT_EQ(child_->Reap().number, 0);
   EXPECT_GT(fs::file_size(folder_ / "world.png"), 10'000u);
 }
@@ -224,7 +224,7 @@ TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
   const auto sent = [](const std::vector<std::string>& words) -> Result<std::string> {
     const auto command = ParseWorldCommand(words);
     if (!command) return command.error();
-    return SendWorldCommand(command.value(), "dog1", seconds(20));
+    return SendWorldCommand(command.value(), "dog1", seconds(120));
   };
   EXPECT_TRUE(sent({"battery", "17.5"}));
   EXPECT_TRUE(Until([&] { return percent > 1 && percent < 18; }));
@@ -314,7 +314,7 @@ TEST_F(MusherWorld, PlaysTheWeddingForAnySubscriber) {
       transport::MakePublisher<msg::String>(*node_, "dog1/wedding/motion/pose").value();
   ASSERT_TRUE(Until([&] { return poses->MatchedReaders() > 0; }));
   ASSERT_TRUE(poses->Publish({"heart"}));
-  ASSERT_TRUE(SendWorldCommand(Speed{10}, "dog1", seconds(20)));
+  ASSERT_TRUE(SendWorldCommand(Speed{10}, "dog1", seconds(120)));
   const auto elbow = [&] { return joints.position.size() == kJoints ? joints.position[16] : 0; };
   EXPECT_TRUE(Until([&] { return elbow() < -1.5; })) << "the left one is bent, at " << elbow();
   const auto received = [&](const char* gesture) {

@@ -20,7 +20,7 @@
 
 namespace musher::http {
 
-inline constexpr Duration kTestTimeout = std::chrono::seconds(10);
+inline constexpr Duration kTestTimeout = std::chrono::seconds(60);
 
 class Client {
  public:

@@ -25,10 +25,10 @@ TEST(AHostSearch, RunsBesideTheLoopAndItsResultOnTheLoop) {
   }
   bool ran = false;
   loop.Post([&ran] { ran = true; });
-  EXPECT_TRUE(loop.RunUntil([&ran] { return ran; }, loop.Now() + seconds(30)));
+  EXPECT_TRUE(loop.RunUntil([&ran] { return ran; }, loop.Now() + seconds(120)));
   EXPECT_TRUE(found.empty());
   answers.set_value();
-  EXPECT_TRUE(loop.RunUntil([&found] { return found.size() == 2; }, loop.Now() + seconds(30)));
+  EXPECT_TRUE(loop.RunUntil([&found] { return found.size() == 2; }, loop.Now() + seconds(120)));
   EXPECT_EQ(found.front().front().identity.name, "dog");
 }
 

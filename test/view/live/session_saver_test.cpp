@@ -31,7 +31,7 @@ class SessionsOnDisk : public ::testing::Test {
   }
   bool Answered(std::size_t count) {
     return loop_.RunUntil([&] { return answers_.size() >= count; },
-                          loop_.Now() + std::chrono::seconds(20));
+                          loop_.Now() + std::chrono::seconds(120));
   }
 
   transport::LinuxEventLoop loop_;
@@ -52,7 +52,7 @@ TEST_F(SessionsOnDisk, AreSaidToHaveEndedOnceThatIsOnDisk) {
   saver.Save({}, 7, Collect());
   bool later = false;
   const auto timer = loop_.At(loop_.Now() + Milliseconds(20), [&later] { later = true; });
-  ASSERT_TRUE(loop_.RunUntil([&later] { return later; }, loop_.Now() + std::chrono::seconds(20)))
+  ASSERT_TRUE(loop_.RunUntil([&later] { return later; }, loop_.Now() + std::chrono::seconds(120)))
       << "the loop does not wait for the disk";
   EXPECT_THAT(answers_, IsEmpty());
   Open();

@@ -37,17 +37,17 @@ class Metrics : public musher::testing::MachineByCli {
     watch_->Scrape(MetricsFormat::kOpenMetrics,
                    [&](const Result<std::string>& answer) { text = answer.value(); });
     const bool answered =
-        loop_.RunUntil([&] { return text.has_value(); }, loop_.Now() + std::chrono::seconds(20));
+        loop_.RunUntil([&] { return text.has_value(); }, loop_.Now() + std::chrono::seconds(120));
     EXPECT_TRUE(answered);
     ParsedMetrics parsed = ParseOpenMetrics(text.value_or(""));
     EXPECT_THAT(parsed.errors, ::testing::IsEmpty());
     return parsed;
   }
   // A scrape may be answered before discovery has ended, without the history. The value of the
-  // first one for which `is_so` holds, else of the last one after half a minute; -1: there is none.
+  // first one for which `is_so` holds, else of the last one after two minutes; -1: there is none.
   double AwaitThat(const std::string& sample, const ParsedLabels& labels,
                    const std::function<bool(double)>& is_so) {
-    const Time deadline = loop_.Now() + std::chrono::seconds(30);
+    const Time deadline = loop_.Now() + std::chrono::seconds(120);
     for (;;) {
       const double value = Value(sample, labels);
       if (is_so(value) || loop_.Now() > deadline) return value;

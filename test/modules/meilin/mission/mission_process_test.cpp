@@ -103,7 +103,7 @@ class MissionProcess : public test::ModuleProcess {
         transport::MakeClient<msg::StartAutonomy>(peer_.node(), "start_autonomy").value();
     std::optional<std::string> reply;
     EXPECT_TRUE(peer_.Until([&] { return client->Ready(); }));
-    client->Call({region}, std::chrono::seconds(20), [&reply](const auto& result) {
+    client->Call({region}, std::chrono::seconds(120), [&reply](const auto& result) {
       reply = result ? result.value().message : result.error().message;
     });
     EXPECT_TRUE(peer_.Until([&] { return reply.has_value(); }));
@@ -423,7 +423,7 @@ TEST_F(MissionProcess, AStartRightAfterARestartInAClimbWaitsForTheFirstPose) {
       transport::MakeClient<msg::StartAutonomy>(peer_.node(), "start_autonomy").value();
   ASSERT_TRUE(peer_.Until([&] { return client->Ready() && poses_->MatchedReaders() > 0; }));
   std::string reply;
-  client->Call({"meilin"}, std::chrono::seconds(20), [&reply](const auto& result) {
+  client->Call({"meilin"}, std::chrono::seconds(120), [&reply](const auto& result) {
     reply = result ? result.value().message : result.error().message;
   });
   const auto poses = peer_.node().loop().Every(Milliseconds(50), [this] { SendPose(1.2, 2.4); });

@@ -43,7 +43,7 @@ class ServerProcess : public test::ModuleProcess {
     end_.reset();
     transport::GoalEvents<msg::ArmAction> events;
     events.on_end = [this](const auto& outcome) { end_ = outcome; };
-    client_->SendGoal({command, true, 60}, Milliseconds(10'000), std::move(events));
+    client_->SendGoal({command, true, 60}, Milliseconds(120'000), std::move(events));
   }
 
   std::vector<float> commands_;
