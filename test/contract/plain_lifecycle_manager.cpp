@@ -289,7 +289,7 @@ bool PublishNodesAs(PlainParticipant& participant, const dds_topic_descriptor_t&
   const auto count = static_cast<std::uint32_t>(entities.size());
   info.node_entities_info_seq = {count, count, entities.data(), false};
   return writer > 0 && dds_write(writer, &info) == DDS_RETCODE_OK &&
-         dds_wait_for_acks(writer, DDS_SECS(20)) == DDS_RETCODE_OK;
+         dds_wait_for_acks(writer, DDS_SECS(120)) == DDS_RETCODE_OK;
 }
 
 }  // namespace

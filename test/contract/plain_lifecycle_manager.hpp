@@ -63,7 +63,7 @@ class PlainParticipant {
   // Runs `work` in Spin() with this period.
   void Every(std::int64_t ms, std::function<void()> work);
   // Waits until `done`; false after a timeout of `ms`.
-  bool Spin(const std::function<bool()>& done, std::int64_t ms = 20'000);
+  bool Spin(const std::function<bool()>& done, std::int64_t ms = 120'000);
   // Waits until the writer and the reader are matched.
   bool SpinUntilMatched(dds_entity_t writer, dds_entity_t reader);
 

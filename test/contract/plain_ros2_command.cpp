@@ -10,7 +10,7 @@
 namespace musher::testing {
 namespace {
 
-constexpr dds_duration_t kWaitForService = DDS_SECS(5);
+constexpr dds_duration_t kWaitForService = DDS_SECS(60);
 constexpr int kBatch = 32;
 constexpr const char* kUnknownNode = "_NODE_NAME_UNKNOWN_";
 
@@ -692,7 +692,7 @@ bool PlainRos2Command::BagPlay(const dds_topic_descriptor_t& type, const std::st
     return readers > 0 && status.current_count >= readers;
   });
   return matched && dds_write(writer, sample) == DDS_RETCODE_OK &&
-         dds_wait_for_acks(writer, DDS_SECS(20)) == DDS_RETCODE_OK;
+         dds_wait_for_acks(writer, DDS_SECS(120)) == DDS_RETCODE_OK;
 }
 
 bool PlainRos2Command::AwaitPublisher(const std::string& topic) {
