@@ -13,6 +13,8 @@ class ANodeThatCannotBeConfigured : public MixedMachine {
  protected:
   void Start() {
     Peer("planner", "fails_while=configure:" + (folder_ / "no_map"));
+    // Far longer than a start takes, also on a busy computer.
+    Replace("times = [20000, ", "times = [180000, ");  // of the planner, the first one
     std::ofstream(folder_ / "no_map") << "yes";
     const auto begun = std::chrono::steady_clock::now();
     up_ = Musher({"up", config_, "--detach"});
@@ -31,7 +33,7 @@ class ANodeThatCannotBeConfigured : public MixedMachine {
 TEST_F(ANodeThatCannotBeConfigured, DoesNotDelayTheStartAndItsReasonStays) {
   ASSERT_NO_FATAL_FAILURE(Start());
   EXPECT_EQ(up_.exit, 0) << up_.err;
-  EXPECT_LT(took_, std::chrono::seconds(5)) << "the time of its SetUp";
+  EXPECT_LT(took_, std::chrono::seconds(90)) << "the time of its SetUp";
   const auto planner = Actuator("planner");
   EXPECT_EQ(planner["degraded"], true);
   EXPECT_THAT(Musher({"status"}).out,

@@ -78,7 +78,7 @@ class MixedMachine : public MachineByCli {
     for (const char* actuator : {"planner", "arm"}) {
       const bool ros2 = actuator == std::string("planner");
       file << "[actuator." << actuator << "]\nstates = " << states
-           << "\ntimes = [5000, 5000, 5000, 5000, 5000, 5000]\nprotocol = \""
+           << "\ntimes = [20000, 20000, 20000, 20000, 20000, 20000]\nprotocol = \""
            << (ros2 ? "ros2_lifecycle" : "cyberdog")
            << "\"\ncommand = " << CommandOf(actuator, ros2 ? "ros2" : "cyberdog") << "\n";
       const auto more = more_.find(actuator);

@@ -12,8 +12,10 @@ class AnOutcome : public MixedMachine {};
 TEST_F(AnOutcome, IsNotDoneWhenANodeExitsAfterItsPartWhileASlowModuleStillSwitches) {
   Peer("arm", "takes=LowPower:3000");
   ASSERT_EQ(UpDetached().exit, 0);
+  StatusStream statuses;  // it has begun before: a command takes seconds on a busy computer
+  statuses.Await(AllHaveArrivedIn("Active"));
   Process set(Command({"set", "LowPower", "--json"}));
-  AwaitStatus([](const nlohmann::json& status) {
+  statuses.Await([](const nlohmann::json& status) {
     return status["actuators"]["planner"]["state"] == "LowPower";
   });
   kill(Started("planner").back(), SIGKILL);
