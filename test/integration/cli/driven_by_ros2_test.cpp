@@ -205,10 +205,10 @@ TEST_F(ARobotDrivenByRos2, RecordsGarbageAndAWrongTypeOnceWithTheirSource) {
   WriteGarbage("rq/" + name_space_ + "/musher/change_stateRequest",
                lifecycle_msgs_srv_dds__ChangeState_Request__desc, "RIHS01_0123");
   std::string history;
-  AwaitStatus([&](const nlohmann::json&) {
+  EXPECT_TRUE(Until([&history] {
     history = Musher({"history"}).out;
     return CountIn(history, "sends samples that do not fit the type") > 0;
-  });
+  }));
   const std::string source = "process " + std::to_string(getpid()) + " of host ";
   EXPECT_EQ(CountIn(history, "sends samples that do not fit the type"), 1) << history;
   EXPECT_EQ(CountIn(history, "has another definition of"), 1) << history;

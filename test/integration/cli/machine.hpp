@@ -25,10 +25,12 @@ class MachineByCli : public MachineFixture {
   void Does(const std::string& actuator, const std::string& toml) const {
     std::ofstream(folder_ / (actuator + ".toml")) << toml;
   }
-  // In that state the actuator comes back only once it is released.
+  // In that state the actuator comes back only once it is released. It has a minute for that: on a
+  // busy computer each command of a test takes seconds.
   void Blocks(const std::string& actuator, const std::string& state) const {
     Does(actuator, "[state." + state + "]\nshell = \"until [ -e " + (folder_ / "released") +
                        " ]; do sleep 0.02; done\"\n");
+    GiveAMinute(actuator, state);
   }
   void Release() const { std::ofstream(folder_ / "released") << "go"; }
 
@@ -81,6 +83,22 @@ class MachineByCli : public MachineFixture {
   const std::string config_ = folder_ / "robot.toml";
 
  private:
+  // Where the test has given it no time of its own.
+  void GiveAMinute(const std::string& actuator, const std::string& state) const {
+    const std::string usual = "times = [10000, 5000, 5000, 5000, 5000, 5000]";
+    std::string toml = ReadFile(config_);
+    const std::size_t at = toml.find("times = ", toml.find("[actuator." + actuator + "]"));
+    if (at == std::string::npos || toml.compare(at, usual.size(), usual) != 0) return;
+    std::string times = "times = [";
+    for (const char* one : {"SetUp", "TearDown", "SelfCheck", "Active", "LowPower", "OTA"}) {
+      times += state == one ? "60000, " : one == std::string("SetUp") ? "10000, " : "5000, ";
+    }
+    toml.replace(at, usual.size(), times + "]");
+    if (state == "TearDown" && toml.find("shutdown_budget_ms") == std::string::npos) {
+      toml.insert(toml.find('\n') + 1, "shutdown_budget_ms = 60000\n");
+    }
+    std::ofstream(config_) << toml;
+  }
   void Write() const {
     const std::string states = R"(["SetUp", "TearDown", "SelfCheck", "Active", "LowPower", "OTA"])";
     std::ofstream file(config_);

@@ -32,7 +32,7 @@ TEST_F(Reasons, CheckReadsTheFilesOfMusherExecToo) {
 TEST_F(Reasons, AProgramThatIsNoModuleIsToBeWrapped) {
   Replace("times = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", \"" +
               (folder_ / "voice"),
-          "times = [400, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", \"" +
+          "times = [4000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", \"" +
               (folder_ / "voice"));
   VoiceRuns("\"tail\", \"-f\", \"/dev/null\"");
   const Ended up = Musher({"up", config_, "--detach"});
@@ -41,7 +41,7 @@ TEST_F(Reasons, AProgramThatIsNoModuleIsToBeWrapped) {
       note,
       AllOf(
           HasSubstr("its program runs (process "),
-          HasSubstr("but did not announce itself as actuator voice within 400 ms"),
+          HasSubstr("but did not announce itself as actuator voice within 4000 ms"),
           HasSubstr("it is idle and does not hold the name of the actuator, so it is not a Musher "
                     "module, or one of another name: wrap it with musher-exec"),
           HasSubstr("command = [\"musher-exec\", \"--\", \"tail\", \"-f\", \"/dev/null\"]")));

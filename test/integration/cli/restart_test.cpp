@@ -95,7 +95,7 @@ TEST_F(Restart, ByHandExitsWithFiveAtOnceWhenTheControllerDies) {
   const auto killed = std::chrono::steady_clock::now();
   kill(controller, SIGKILL);
   const Ended ended = restart.Wait();
-  EXPECT_LT(std::chrono::steady_clock::now() - killed, std::chrono::seconds(10));
+  EXPECT_LT(std::chrono::steady_clock::now() - killed, std::chrono::seconds(40));
   EXPECT_EQ(ended.exit, 5);
   EXPECT_THAT(ended.err, HasSubstr("the controller (pid " + std::to_string(controller) +
                                    ") has exited before it answered"));

@@ -245,7 +245,7 @@ class MachineOnTwoHosts : public MachineByCli {
 // with 0, and the actuators of the other host moved on.
 TEST_F(MachineOnTwoHosts, IsStoppedOnBothWithoutAControllerAndNotReportedAsComplete) {
   ASSERT_NO_FATAL_FAILURE(LoseController());
-  const Ended stop = robot_->Run({"estop", "--timeout", "5"});
+  const Ended stop = robot_->Run({"estop", "--timeout", "15"});
   EXPECT_EQ(stop.exit, 1) << stop.out << stop.err;
   EXPECT_THAT(stop.out, HasSubstr("legs   stopped after "));
   EXPECT_THAT(stop.err, HasSubstr("the actuators of other hosts are not known"));
