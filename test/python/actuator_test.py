@@ -91,7 +91,7 @@ class Actuators(unittest.TestCase):
         switch = threading.Thread(target=lambda: outcome.append(machine.request("LowPower")))
         switch.start()
         client.wait_until(lambda status: status.actuators[0].target == "LowPower", DEADLINE_S)
-        self.assertEqual(client.estop("test"), ["a"])
+        self.assertEqual(client.estop("test", timeout_s=DEADLINE_S), ["a"])
         switch.join(DEADLINE_S)
         self.assertEqual(outcome[0].outcome, "done")
         client.release_estop()
@@ -121,7 +121,7 @@ class Actuators(unittest.TestCase):
     def test_a_stop_whose_function_raises_is_not_confirmed(self):
         _, machine = self.start(program("def on_emergency_stop(self): raise ValueError('no brake')"))
         with self.assertRaisesRegex(musher.Failure, "ValueError: no brake"):
-            machine.estop("test")
+            machine.estop("test", timeout_s=5.0)
         machine.release_estop()  # it would be published for a minute, to the robots of the next tests, too
 
     # Nothing had run of it, and the stop was confirmed.
@@ -130,7 +130,7 @@ class Actuators(unittest.TestCase):
                                  "b": program("def on_emergency_stop(self): yield")})
         with self.assertRaisesRegex(musher.Failure, "not confirmed by a .*on_emergency_stop returned <coroutine .*, "
                                                     "b .*on_emergency_stop returned <generator"):
-            machine.estop("test")
+            machine.estop("test", timeout_s=5.0)
         machine.release_estop()
 
     def test_a_stop_without_a_controller_waits_for_all_actuators_of_the_host_and_reaches_a_frozen_one_later(self):
@@ -148,7 +148,7 @@ class Actuators(unittest.TestCase):
         end(status.pid)
         freeze(pids["b"])
         with self.assertRaisesRegex(musher.Failure, "not confirmed by b"):
-            machine.estop("test")
+            machine.estop("test", timeout_s=5.0)  # for a
         publisher = machine._stops[-1].publisher_pid()
         self.assertNotEqual(publisher, 0)
         self.addCleanup(end, publisher)  # it reaches the robots of the next tests, too
@@ -232,9 +232,9 @@ class Actuators(unittest.TestCase):
                     "    self.node.subscribe('chat', String, self.compute, latched=True)\n"
                     "    self.node.serve_action('fibonacci', Fibonacci, self.run_long)\n"
                     "def run_long(self, goal):\n    from musher.example_interfaces.action import Fibonacci\n"
-                    "    goal.wait_for_cancel(1.5)\n    return Fibonacci.Result()\n"
+                    "    goal.wait_for_cancel(3.0)\n    return Fibonacci.Result()\n"
                     "def compute(self, message):\n    while True: pass"),
-            more="checkpoint_ms = 300")
+            more="checkpoint_ms = 1000")
         node = musher.Node()
         self.addCleanup(node.close)
         node.action_client("fibonacci", Fibonacci).send(Fibonacci.Goal(1), DEADLINE_S).result(DEADLINE_S)
@@ -247,9 +247,9 @@ class Actuators(unittest.TestCase):
 
     def test_checkpoints_keep_a_long_callback_well(self):
         robot, machine = self.start(
-            program("def on_low_power(self):\n    import time\n    end = time.monotonic() + 1\n"
+            program("def on_low_power(self):\n    import time\n    end = time.monotonic() + 3\n"
                     "    while time.monotonic() < end: self.checkpoint()"),
-            more="checkpoint_ms = 300")
+            more="checkpoint_ms = 1000")
         self.assertTrue(machine.set("LowPower").done)
         self.assertFalse(any("hung" in entry.message for entry in machine.history()))
 
@@ -375,7 +375,7 @@ class Ends(unittest.TestCase):
             "(goes_on, go_on), (done, tell) = os.pipe(), os.pipe()\n"
             "child = os.fork()\n"
             "if child == 0:\n"
-            "    __import__('signal').alarm(30)\n"
+            "    __import__('signal').alarm(110)\n"
             "    os.close(go_on)\n"
             "    for call in (a.checkpoint, lambda: a.emergency_stopped, lambda: a.give_up(6101, ''), a.shutdown):\n"
             "        try: print('called', call(), flush=True)\n"

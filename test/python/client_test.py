@@ -65,7 +65,7 @@ class Client(unittest.TestCase):
                    "chat = node.publisher('chat', String)\n"
                    "child = os.fork()\n"
                    "if child == 0:\n"
-                   "    __import__('signal').alarm(30)\n"
+                   "    __import__('signal').alarm(110)\n"
                    "    for call in (lambda: machine.estop('test'), machine.status, lambda: chat.publish(String('a'))):\n"
                    "        try: call()\n"
                    "        except musher.Failure as failure: print(failure.reason, flush=True)\n"
@@ -323,7 +323,7 @@ class Choice(unittest.TestCase):
         with mock.patch.object(_machine, "_OTHERS_S", 10.0):
             with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
                 dog._find_at_most_s = 10.0
-                self.assertEqual(dog.wait_until("Active", timeout_s=2.0).machine, "dog")
+                self.assertEqual(dog.wait_until("Active", timeout_s=8.0).machine, "dog")
 
     def assert_no_controller(self, **chosen):
         with musher.Machine(namespace=self.NAMESPACE, **chosen) as machine:
@@ -352,7 +352,7 @@ class Choice(unittest.TestCase):
 
             with musher.Machine(namespace=self.NAMESPACE, machine="dog") as dog:
                 with self.assertRaisesRegex(musher.Failure, "no controller leads: that of dog .* was in SetUp"):
-                    dog.wait_until(is_active, timeout_s=1.0)
+                    dog.wait_until(is_active, timeout_s=5.0)
 
 
 # Opens a file so that no other process can until the input of this one ends.
@@ -454,7 +454,7 @@ class StopsOfEndedPrograms(unittest.TestCase):
         with contextlib.closing(musher.Node(namespace="python_found")) as node:
             node.publisher("musher/actuator_status", ActuatorStatus, latched=True).publish(
                 ActuatorStatus(name="legs", state="Active", machine="dog", machine_id=DOG, host="another boot/1"))
-            program, _ = self.stop_dog("python_found", timeout_s=3.0)
+            program, _ = self.stop_dog("python_found", timeout_s=8.0)
         program.kill()
         program.wait(DEADLINE_S)
         stop = self.stop_in("python_found")

@@ -205,7 +205,7 @@ class Applications(WithRobot):
         self.await_state(self.states_of("show"), "GREET")
         self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
         self.await_behavior("show", lambda report: not report["ticking"])
-        self.assertEqual(self.machine.estop("test"), ["show"])
+        self.assertEqual(self.machine.estop("test", timeout_s=DEADLINE_S), ["show"])
         self.machine.release_estop()
         refused = self.robot.run("behavior", "show", "--send", "START")
         self.assertIn("show is paused in Active, held by the emergency stop", refused.stderr)
@@ -404,7 +404,7 @@ class Applications(WithRobot):
     def test_an_emergency_stop_pauses_the_machine_until_active_is_set_again(self):
         self.show("def on_pause(self): self.log.info('pauses')")
         self.await_state(self.states_of("show"), "GREET")
-        self.assertEqual(self.machine.estop("test"), ["show"])
+        self.assertEqual(self.machine.estop("test", timeout_s=DEADLINE_S), ["show"])
         self.assertTrue(self.await_behavior("show", lambda report: not report["ticking"])["held_by_stop"])
         self.machine.release_estop()
         self.assertFalse(self.behavior("show")["ticking"])

@@ -18,7 +18,7 @@ sys.path.insert(0, os.path.join(SOURCE, "test/support"))
 from domain import lock_domain  # noqa: E402
 
 BIN = os.environ["MUSHER_BIN"]
-DEADLINE_S = 60.0
+DEADLINE_S = 120.0
 
 DOMAIN, _LOCK = lock_domain()
 os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)
@@ -30,14 +30,14 @@ CONFIG = """[controller]
 name = "robot"
 actuators = [{names}]
 states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
-default_time = 2000
+default_time = 20000
 default_state = "Uninitialized"
 state_dir = "state"
 """
 ACTUATOR = """
 [actuator.{name}]
 states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
-times = [10000, 2000, 2000, 2000, 2000]
+times = [60000, 20000, 20000, 20000, 5000]
 command = ["{python}", "{name}.py"]
 cwd = "."
 critical = true

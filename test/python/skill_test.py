@@ -439,7 +439,7 @@ class WithArm(unittest.TestCase):
         self.machine.wait_until(lambda status: status.phase in ("running", "failed"), DEADLINE_S)
 
     def skill(self, *words):
-        return self.robot.run("skill", "run", "--timeout", "30", *words)
+        return self.robot.run("skill", "run", "--timeout", "100", *words)
 
 
 class AnActuatorAfterABreak(WithArm):
