@@ -20,7 +20,7 @@ using msg::CameraService;
 using ::testing::HasSubstr;
 
 constexpr const char* kFile = R"(
-self_check_ms = 2000
+self_check_ms = 5000
 critical = ["front"]
 [service]
 folder = "saved"
@@ -134,8 +134,8 @@ TEST_F(CameraManagerProcess, IsWatchedByTheTool) {
   ASSERT_TRUE(peer_.Switch("Active"));
   ExpectRun({"shot", "image_rgb", "now.png"}, 0, "now.png: 640x480 of image_rgb");
   EXPECT_TRUE(std::filesystem::exists(peer_.folder() / "now.png"));
-  ExpectRun({"list", "--seconds", "0.5"}, 0, "640x480 bgr8");
-  ExpectRun({"watch", "image_rgb", "--seconds", "0.5", "--json"}, 0, "\"age_p99_ms\"");
+  ExpectRun({"list", "--seconds", "3"}, 0, "640x480 bgr8");
+  ExpectRun({"watch", "image_rgb", "--seconds", "3", "--json"}, 0, "\"age_p99_ms\"");
 }
 
 TEST_F(CameraManagerProcess, IsSeenAsAStripThatIsWrittenWhenItIsInterrupted) {
@@ -151,7 +151,8 @@ TEST_F(CameraManagerProcess, IsSeenAsAStripThatIsWrittenWhenItIsInterrupted) {
       Tool({"strip", "world/camera/front", "cut.jpg", "--every", "3600", "--count", "3"});
   ASSERT_TRUE(peer_.Until([&] { return others() > before; }));
   const int first = shown_;
-  ASSERT_TRUE(peer_.Until([&] { return shown_ >= first + 10; })) << "ten have been shown to it";
+  // A picture of almost a megabyte, sent once, may be lost on a busy computer.
+  ASSERT_TRUE(peer_.Until([&] { return shown_ >= first + 60; })) << "many have been shown to it";
   kill(cut.pid(), SIGTERM);
   EXPECT_EQ(Await(cut), 0) << Said();
   EXPECT_THAT(Said(), HasSubstr("cut.jpg: 1 of 3 pictures"));

@@ -22,7 +22,14 @@ namespace musher::line_walker::walker_process_test {
 
 using ::testing::HasSubstr;
 
-constexpr const char* kFile = "self_check_ms = 15000\n";
+// A walk does not end because a busy computer lets the lines or the odometry wait.
+constexpr const char* kFile = R"(
+self_check_ms = 15000
+[limits]
+start_ms = 60000
+stale_ms = 10000
+lost_ms = 20000
+)";
 
 class WalkerProcess : public test::ModuleProcess {
  protected:
@@ -149,7 +156,7 @@ TEST(WalkerCommander, DISABLED_SendsHeartbeatsUntilItIsKilled) {
   node->RunOnLoop([&] {
     command =
         transport::MakePublisher<msg::String>(node->node(), "yellow_line_walker/command").value();
-    ticker = node->loop().Every(Milliseconds(500), [&] {
+    ticker = node->loop().Every(Milliseconds(100), [&] {
       if (command->MatchedReaders() < 2) return;  // the walker, and the test
       static_cast<void>(command->Publish({std::exchange(started, true) ? "HEARTBEAT" : "START"}));
     });

@@ -12,7 +12,7 @@ class SecondGenerationProcess : public WeddingProcess {
   // kFile, with `check` in its table of that name.
   static std::string File(const std::string& check) {
     std::string file = kFile;
-    const std::string time = "time_ms = 5000\n";
+    const std::string time = "time_ms = 15000\n";
     file.replace(file.find(time), time.size(), check.empty() ? time : check);
     return "second_generation = true\n" + file + "[search]\nenabled = true\n" +
            "[interview]\nenabled = true\nvideo = true\n[actions]\nenabled = true\n";
@@ -80,7 +80,7 @@ TEST_F(SecondGenerationProcess, HasTheCameraRecordAnInterview) {
 }
 
 TEST_F(SecondGenerationProcess, IsNotReadyUntilTheBodyReportsIt) {
-  Start(File("time_ms = 300\nready = \"required\"\n"));
+  Start(File("time_ms = 3000\nready = \"required\"\n"));
   EXPECT_THAT(Failure(kSelfCheck), HasSubstr("wedding/system/ready is not true"));
   const auto ready = Publisher<msg::Bool>("wedding/system/ready", transport::kLatchedQos);
   ASSERT_TRUE(ready->Publish({true}));

@@ -20,7 +20,7 @@ namespace musher::wedding {
 inline constexpr const char* kFile = R"(
 autostart = true
 [check]
-time_ms = 5000
+time_ms = 15000
 [tracking]
 lost_ms = 5000
 [photo]

@@ -11,7 +11,6 @@
 
 namespace musher::wedding::wedding_process_test {
 
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -27,8 +26,8 @@ TEST_F(WeddingProcess, PlaysTheShowFromGreetingOverPhotoToFarewell) {
   ASSERT_TRUE(AwaitWithFace("TRACKING")) << peer_.Output();
   ASSERT_TRUE(AwaitShown("FAREWELL")) << peer_.Output();
   ASSERT_TRUE(AwaitShown("IDLE")) << peer_.Output();
-  ASSERT_TRUE(peer_.Until(
-      [&] { return !poses_.empty() && poses_.back() == "neutral" && sounds_.size() == 7; }));
+  ASSERT_TRUE(peer_.Until([&] { return poses_.size() >= 5 && sounds_.size() >= 7; }))
+      << peer_.Output();
   EXPECT_THAT(sounds_, ElementsAre("greeting", "photo_confirm", "countdown", "shutter",
                                    "photo_done", "greeting", "farewell"));
   EXPECT_THAT(poses_, ElementsAre("neutral", "heart", "neutral", "wave", "neutral"));
@@ -81,7 +80,7 @@ TEST_F(WeddingProcess, IsDrivenByTheCommandsOfItsManual) {
   ASSERT_TRUE(AwaitShown("IDLE"));
   ASSERT_TRUE(voice_->Publish({"photo"}));
   ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
-  EXPECT_THAT(poses_, Contains("thumbs_up"));
+  EXPECT_TRUE(AwaitPose("thumbs_up"));
 }
 
 TEST_F(WeddingProcess, StopsForAGuestWhoIsTooCloseAndContinues) {
@@ -90,6 +89,7 @@ TEST_F(WeddingProcess, StopsForAGuestWhoIsTooCloseAndContinues) {
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
   ASSERT_TRUE(too_close_->Publish({false}));
   ASSERT_TRUE(AwaitShown("IDLE"));
+  ASSERT_TRUE(peer_.Until([&] { return !sounds_.empty(); }));
   EXPECT_THAT(sounds_, ElementsAre("too_close"));
 }
 
@@ -250,7 +250,7 @@ TEST_F(WeddingProcess, RunsThroughAllStates) {
     ExpectDone(state);
   }
   ExpectTornDown();
-  EXPECT_EQ(states_.back(), "INVALID");
+  EXPECT_TRUE(peer_.Until([&] { return !states_.empty() && states_.back() == "INVALID"; }));
 }
 
 TEST_F(WeddingProcess, FailsItsSelfCheckByNameWithoutCameraAudioOrMotion) {
@@ -273,7 +273,7 @@ TEST_F(WeddingProcess, RunsWithoutOptionalPartsAndLogsIt) {
 }
 
 TEST_F(WeddingProcess, FailsItsSelfCheckWithFacesButWithoutTheirPositions) {
-  Start("[check]\ntime_ms = 100\n");
+  Start("[check]\ntime_ms = 3000\n");
   const auto faces = Publisher<msg::String>("wedding/perception/faces_json");
   ASSERT_TRUE(peer_.Until([&] { return faces->MatchedReaders() == 1; }));
   ExpectDone("SelfCheck");
