@@ -115,7 +115,7 @@ TEST_F(LcmProcess, DoesNotConfirmAnEmergencyStopBeforeItsBoardReportsIt) {
   RobotRig robot(Config());
   ASSERT_TRUE(robot.BringUp()) << robot.Log();
   kill(board->pid(), SIGSTOP);
-  const Ended stop = RunProgram("musher", {"--timeout", "3", "estop"});
+  const Ended stop = RunProgram("musher", {"--timeout", "10", "estop"});
   kill(board->pid(), SIGCONT);
   EXPECT_EQ(stop.exit, 1) << stop.out;
   EXPECT_THAT(stop.out, AllOf(HasSubstr("motion_manager"), HasSubstr("the motion board")));
@@ -195,7 +195,7 @@ TEST_F(LcmProcess, NamesAProgramThatMovesTheMotorsOfABoardThatIgnoresStopsThen) 
   const std::string named = other->sender() + " moves the motors directly";
   EXPECT_TRUE(robot.AwaitLog(named)) << robot.Log();
   EXPECT_EQ(robot.RequestMotion(111).code, 3011);
-  const Ended stop = RunProgram("musher", {"--timeout", "3", "estop"});
+  const Ended stop = RunProgram("musher", {"--timeout", "10", "estop"});
   EXPECT_EQ(stop.exit, 1);
   EXPECT_THAT(stop.out, AllOf(HasSubstr("motion_manager"), HasSubstr("restart the board")));
   RunProgram("musher", {"--timeout", "30", "estop", "--release"});
@@ -259,7 +259,7 @@ TEST_F(LcmProcess, LeavesNoMotionManagerBehindWhenTheTestIsKilled) {
 }
 
 TEST_F(LcmProcess, AwaitsTheNetworkToItsBoardAndSaysWhatIsMissing) {
-  RobotRig robot(Config() + "interface = \"dog77\"\nwait_ms = 1500\n");
+  RobotRig robot(Config() + "interface = \"dog77\"\nwait_ms = 5000\n");
   EXPECT_FALSE(robot.BringUp());
   const std::string log = robot.Log();
   EXPECT_THAT(log, HasSubstr("this computer has no network interface 'dog77'"));

@@ -128,7 +128,7 @@ TEST(MotionProcess, DoesNotConfirmAnEmergencyStopBeforeItsBoardReportsIt) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp()) << robot.Log();
   robot.OnBoard([](TopicBoard& board) { board.board.deaf = true; });
-  const Ended stop = RunProgram("musher", {"--timeout", "3", "estop"});
+  const Ended stop = RunProgram("musher", {"--timeout", "10", "estop"});
   EXPECT_EQ(stop.exit, 1) << stop.out;
   EXPECT_THAT(stop.out, HasSubstr("motion_manager"));
   EXPECT_THAT(stop.out, HasSubstr("the motion board has not taken the stop: it reports mode 7"));

@@ -20,15 +20,26 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using transport::GoalEnd;
 
-constexpr const char* kFile = "self_check_ms = 15000\n[[robot]]\nname = \"jetbot_0\"\n";
+constexpr const char* kPlannerFile =
+    "self_check_ms = 15000\nstale_ms = 5000\n[[robot]]\nname = \"jetbot_0\"\n";
+// A drive does not end because a busy computer lets the robot's odometry wait.
+constexpr const char* kControllerFile = R"(
+self_check_ms = 15000
+odometry_stale_ms = 5000
+scan_stale_ms = 5000
+[[robot]]
+name = "jetbot_0"
+)";
 
 class NavigationProcess : public test::ModuleProcess {
  protected:
-  using ModuleProcess::ModuleProcess;
+  NavigationProcess(const std::string& actuator, const std::string& program,
+                    const std::string& file)
+      : ModuleProcess(actuator, program), file_(file) {}
 
-  void StartActive(const std::string& file = kFile) {
+  void StartActive() {
     PublishMap();
-    Start(file);
+    Start(file_);
     ExpectDone("SelfCheck");
     ExpectDone("Active");
   }
@@ -37,6 +48,7 @@ class NavigationProcess : public test::ModuleProcess {
     EXPECT_TRUE(map_->Publish(testing::GridOf(walls_.map())));
   }
 
+  const std::string file_;
   Clearance walls_{testing::Drawn({"##########", "#........#", "#........#", "##########"}, 1, 10)};
   testing::SimulatedRobot robot_{peer_.node(), walls_, {"jetbot_0", {{2, 2, 0}, 0}}};
   std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> map_;
@@ -44,12 +56,13 @@ class NavigationProcess : public test::ModuleProcess {
 
 class PlannerProcess : public NavigationProcess {
  protected:
-  PlannerProcess() : NavigationProcess("planner_server", "musher-planner") {}
+  PlannerProcess() : NavigationProcess("planner_server", "musher-planner", kPlannerFile) {}
 };
 
 class ControllerProcess : public NavigationProcess {
  protected:
-  ControllerProcess() : NavigationProcess("controller_server", "musher-controller") {}
+  ControllerProcess()
+      : NavigationProcess("controller_server", "musher-controller", kControllerFile) {}
 
   // Drives ahead; the end comes to `end_`.
   void Drive() {
@@ -101,7 +114,7 @@ TEST_F(PlannerProcess, FailsItsSelfCheckWithoutAMap) {
 
 TEST_F(ControllerProcess, DrivesInActiveAndStandsInTheOtherStates) {
   PublishMap();
-  Start(kFile);
+  Start(file_);
   ExpectDone("SelfCheck");
   for (const BuiltInState state : {kDeActive, kProtected, kLowPower, kOta, kError}) {
     ExpectDone("Active");
@@ -180,7 +193,9 @@ TEST_F(ControllerProcess, FailsItsSelfCheckWithoutOdometry) {
 
 TEST_F(ControllerProcess, IsDegradedWithoutOneOfItsRobots) {
   PublishMap();
-  Start("self_check_ms = 1000\n[[robot]]\nname = \"jetbot_0\"\n[[robot]]\nname = \"g1_0\"\n");
+  std::string file = kControllerFile;
+  file.replace(file.find("15000"), 5, "5000");
+  Start(file + "[[robot]]\nname = \"g1_0\"\n");
   ExpectDone("SelfCheck");
   EXPECT_TRUE(peer_.AwaitStatus([](const ActuatorReport& report) {
     return report.degraded_reason == "g1_0: no odometry on g1_0/odom yet";

@@ -42,12 +42,12 @@ class SkillsMachine : public ::testing::Test {
     std::ofstream config(Config());
     config << "[controller]\nactuators = [" << names << "]\n"
            << "states = [\"SetUp\", \"TearDown\", \"SelfCheck\", \"Active\"]\n"
-           << "default_time = 15000\ndefault_state = \"Uninitialized\"\nname = \"skills\"\n"
+           << "default_time = 120000\ndefault_state = \"Uninitialized\"\nname = \"skills\"\n"
            << controller;
     for (const Actuator& actuator : actuators) {
       config << "[actuator." << actuator.name << "]\n"
              << "states = [\"SetUp\", \"TearDown\", \"SelfCheck\", \"Active\"]\n"
-             << "times = [15000, 15000, 15000, 15000]\ncwd = \".\"\ncommand = " << actuator.command
+             << "times = [120000, 60000, 60000, 60000]\ncwd = \".\"\ncommand = " << actuator.command
              << "\nafter = [" << actuator.after << "]\n";
     }
   }

@@ -77,8 +77,10 @@ class SkillsProcess : public test::ModuleProcess {
     Run(std::move(words));
     return Said();
   }
-  // For a second no command rises.
+  // For a second no command rises, once those have arrived that were sent before.
   void ExpectNoRise() {
+    EXPECT_TRUE(
+        peer_.Until([this] { return commands_.empty() || commands_.back().linear.z <= 0.01; }));
     commands_.clear();
     int looks = 0;
     const auto look = peer_.node().loop().Every(Milliseconds(50), [&looks] { ++looks; });

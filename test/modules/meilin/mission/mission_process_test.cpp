@@ -193,10 +193,14 @@ TEST_F(MissionProcess, CarriesOutAPlanByTheGoalsOfTheServers) {
 
 TEST_F(MissionProcess, RequestsThePlanOfABufferWhereItIsConfigured) {
   int requests = 0;
+  int in_plan = 0;  // those from its first goal to its last one
   const auto buffer =
       transport::MakeServer<msg::GetActionSeq>(peer_.node(), "get_action_seq",
                                                [&](const msg::GetActionSeq::Request&, auto reply) {
                                                  ++requests;
+                                                 if (!moves_.goals.empty() && arm_->goals.empty()) {
+                                                   ++in_plan;
+                                                 }
                                                  msg::GetActionSeq::Response response;
                                                  response.has_data = requests == 2;
                                                  if (response.has_data) response.data = Plan();
@@ -205,7 +209,8 @@ TEST_F(MissionProcess, RequestsThePlanOfABufferWhereItIsConfigured) {
           .value();
   ASSERT_NO_FATAL_FAILURE(StartMatch(StageFile(), "plan_service = true\n"));
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
-  EXPECT_EQ(requests, 2) << "it does not ask while the plan runs";
+  EXPECT_GE(requests, 2);
+  EXPECT_EQ(in_plan, 0) << "it does not ask while the plan runs";
   EXPECT_TRUE(AwaitPlan("mf_action_seq_1"));
 }
 
@@ -220,7 +225,7 @@ TEST_F(MissionProcess, DoesNotCarryOutAgainWhatItsBufferDoesNotForget) {
           .value();
   moves_.silent = true;
   ASSERT_NO_FATAL_FAILURE(
-      StartMatch(StageFile(), "plan_service = true\nmeilin_default_align_timeout = 0.2\n"));
+      StartMatch(StageFile(), "plan_service = true\nmeilin_default_align_timeout = 3\n"));
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
   const int before = requests;
   ASSERT_EQ(Begin("meilin"), "begins with the region meilin");
@@ -282,7 +287,7 @@ TEST_F(MissionProcess, ThatIsKilledGoesOnWithAnOldPlanOnCommand) {
 
 TEST_F(MissionProcess, AServerThatNeverEndsAGoalFailsTheMatchAndANewPlanGoesOn) {
   moves_.silent = true;
-  ASSERT_NO_FATAL_FAILURE(StartMatch(StageFile(), "meilin_default_align_timeout = 0.2\n"));
+  ASSERT_NO_FATAL_FAILURE(StartMatch(StageFile(), "meilin_default_align_timeout = 3\n"));
   ASSERT_TRUE(plans_->Publish(Plan()));
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
   ASSERT_TRUE(AwaitError("timed out")) << last_error_;
@@ -299,7 +304,7 @@ TEST_F(MissionProcess, HasItsStateAndTheReasonInOneMessage) {
       "meilin/status", [&all](const msg::String& sample) { all.push_back(sample.data); },
       transport::kLatchedQos);
   moves_.silent = true;
-  ASSERT_NO_FATAL_FAILURE(StartMatch(StageFile(), "meilin_default_align_timeout = 0.2\n"));
+  ASSERT_NO_FATAL_FAILURE(StartMatch(StageFile(), "meilin_default_align_timeout = 3\n"));
   ASSERT_TRUE(plans_->Publish(Plan()));
   ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
   ASSERT_TRUE(peer_.Until([&] { return !all.empty() && all.back() == status_; }));
