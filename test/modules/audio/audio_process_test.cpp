@@ -65,7 +65,7 @@ class AudioManagerProcess : public test::ModuleProcess {
     }));
   }
   void RequestText(const msg::AudioTextPlay::Request& request, Answer& answer) {
-    text_->Call(request, std::chrono::seconds(60), [&answer](auto reply) { answer = reply; });
+    text_->Call(request, std::chrono::seconds(120), [&answer](auto reply) { answer = reply; });
   }
   void Say(const std::string& text, Answer& answer) {
     RequestText({"test", true, {}, text}, answer);
@@ -134,8 +134,8 @@ TEST_F(AudioManagerProcess, IsInterruptedByATopic) {
   ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
   ASSERT_TRUE(play_->Publish({"test", msg::AudioPlay::kReady}));
   EXPECT_EQ(Await(answer), (Response{1, 5021}));
+  EXPECT_TRUE(AwaitOutput("plays \"Good day. I am awake.\" for \"test\"")) << peer_.Output();
   EXPECT_TRUE(peer_.Until([this] { return !sounds_; })) << "and the phrase comes to its end";
-  EXPECT_THAT(peer_.Output(), HasSubstr("plays \"Good day. I am awake.\" for \"test\""));
 }
 
 TEST_F(AudioManagerProcess, PlaysTheCuesOfTheWedding) {
