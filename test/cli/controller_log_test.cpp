@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::Not;
 
-constexpr Duration kWaitLimit = std::chrono::seconds(20);
+constexpr Duration kWaitLimit = std::chrono::seconds(120);
 
 class Log : public ::testing::Test {
  protected:

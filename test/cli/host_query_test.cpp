@@ -72,18 +72,18 @@ TEST_F(OtherHosts, ThatHangAreNamedAndTheOthersAnswer) {
   Ssh("[ $address != 10.0.0.2 ] || exec sleep 1000; exec sh -s");
   const Time begin = std::chrono::steady_clock::now();
   const auto answers =
-      QueryHosts({{&vision_, "echo one\n"}, {&payload_, "echo two\n"}}, std::chrono::seconds(2));
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
-  EXPECT_THAT(answers[0].trouble, HasSubstr("host vision (root@10.0.0.2): no answer within 2 s"));
+      QueryHosts({{&vision_, "echo one\n"}, {&payload_, "echo two\n"}}, std::chrono::seconds(10));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::minutes(2));
+  EXPECT_THAT(answers[0].trouble, HasSubstr("host vision (root@10.0.0.2): no answer within 10 s"));
   EXPECT_THAT(answers[1].lines, ElementsAre("two"));
 }
 
 TEST_F(OtherHosts, ThatAreSlowKeepWhatHasArrived) {
   Ssh("exec sh -s");
   const auto answers =
-      QueryHosts({{&vision_, "echo one\nexec sleep 1000\n"}}, std::chrono::seconds(2));
+      QueryHosts({{&vision_, "echo one\nexec sleep 1000\n"}}, std::chrono::seconds(10));
   EXPECT_THAT(answers[0].lines, ElementsAre("one"));
-  EXPECT_THAT(answers[0].trouble, HasSubstr("its answer was not whole within 2 s"));
+  EXPECT_THAT(answers[0].trouble, HasSubstr("its answer was not whole within 10 s"));
   EXPECT_TRUE(answers[0].clock_offset_ns);
 }
 
@@ -131,11 +131,11 @@ TEST_F(JournalOfOtherHosts, IsReadFromItsEnd) {
 
 TEST_F(JournalOfOtherHosts, ThatIsSlowIsShownAsFarAsItHasArrived) {
   Journal("line c2 second; line c1 first; case \"$*\" in *' -u '*) exec sleep 1000;; esac");
-  const ReadHostLogs read = ReadLogsOf({eyes_}, 0, 50, std::chrono::seconds(2));
+  const ReadHostLogs read = ReadLogsOf({eyes_}, 0, 50, std::chrono::seconds(10));
   EXPECT_THAT(Texts(read.entries.at(0)), ElementsAre("first", "second"));
   EXPECT_THAT(read.troubles,
               ElementsAre(AllOf(HasSubstr("host vision (root@10.0.0.2): its answer was not whole "
-                                          "within 2 s: the older lines of its logs are missing"),
+                                          "within 10 s: the older lines of its logs are missing"),
                                 HasSubstr("--since"))));
 }
 

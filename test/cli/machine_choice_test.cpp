@@ -182,7 +182,7 @@ TEST_F(AMachine, ThatAnswersOnlyAfterTheSearchIsNotActedOn) {
                                          ++released;
                                          reply({});
                                        });
-  ASSERT_TRUE(link->RunUntil([&link] { return link->HasMachine(); }, std::chrono::seconds(10)));
+  ASSERT_TRUE(link->RunUntil([&link] { return link->HasMachine(); }, std::chrono::seconds(120)));
   const auto answer = link->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {"a test"},
                                                             std::chrono::seconds(5));
   const auto* failure = std::get_if<Failure>(&answer);
@@ -229,7 +229,7 @@ TEST_F(AMachine, OfAnotherHostIsNotWaitedForInPlaceOfTheOneOfThisHost) {
   EXPECT_EQ(ran.exit, 3) << ran.out;
   EXPECT_THAT(ran.err, AllOf(HasSubstr("the machine of this host, dog (id d0900000), does not run"),
                              HasSubstr("--machine NAME")));
-  EXPECT_EQ(Command({"wait", "Active", "--timeout", "10", "--machine", "cat"}).exit, 0);
+  EXPECT_EQ(Command({"wait", "Active", "--timeout", "60", "--machine", "cat"}).exit, 0);
 }
 
 // While its controller is restarted beside its actuators.
@@ -254,12 +254,12 @@ TEST_F(AMachine, WhoseStopIsReleasedIsReportedSoThoughItsStatusIsNotKnown) {
   });
   cat.Serve<msg::ReleaseEmergencyStop>("release_emergency_stop",
                                        [](const auto&, const auto& reply) { reply({}); });
-  const Ran ran = Command({"estop", "--release", "--timeout", "2"});
+  const Ran ran = Command({"estop", "--release", "--timeout", "10"});
   EXPECT_EQ(ran.exit, 4) << ran.out;
   EXPECT_THAT(
       ran.err,
       HasSubstr("the emergency stop is released, but the machine's status is not known: the "
-                "controller of cat (pid 7) did not answer within 2 s"));
+                "controller of cat (pid 7) did not answer within 10 s"));
 }
 
 // A stop that another person had just engaged was released, too.
@@ -280,7 +280,7 @@ TEST_F(AMachine, IsReleasedFromTheStopsThatTheOutputHasShown) {
                                          seen = request.seen_stops;
                                          reply({});
                                        });
-  const Ran ran = Command({"estop", "--release", "--timeout", "5"});
+  const Ran ran = Command({"estop", "--release", "--timeout", "60"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out, HasSubstr("releasing the emergency stop by anna: smoke and 1 more (ids "
                                  "00000000000000a1, 00000000000000b2)\n"));
@@ -305,10 +305,10 @@ TEST_F(AMachine, WhoseActuatorIsRestartedIsReportedSoThoughItsStatusIsNotKnown) 
   FakeController cat(name_space_, "cat", kCat, "Active");
   cat.Serve<msg::RestartActuator>("restart_actuator",
                                   [](const auto&, const auto& reply) { reply({}); });
-  const Ran ran = Command({"restart", "legs", "--timeout", "2"});
+  const Ran ran = Command({"restart", "legs", "--timeout", "10"});
   EXPECT_EQ(ran.exit, 4) << ran.out;
   EXPECT_THAT(ran.err, HasSubstr("legs is restarted, but its status is not known: the controller "
-                                 "of cat (pid 7) did not answer within 2 s"));
+                                 "of cat (pid 7) did not answer within 10 s"));
 }
 
 }  // namespace musher::cli::machine_choice_test

@@ -284,10 +284,10 @@ TEST_F(SkillCommand, LeavesASkillThatIsNotCancelledAtTheSecondCtrlC) {
 
 TEST_F(SkillCommand, CancelsASkillThatDoesNotEndWithinItsTimeout) {
   const FakeSkills robot("cf2x_0");
-  const Ran ran = RunProgram({"--json", "skill", "run", "wait", "--timeout", "0.5"});
+  const Ran ran = RunProgram({"--json", "skill", "run", "wait", "--timeout", "1.5"});
   EXPECT_EQ(ran.exit, 4);
   EXPECT_EQ(Json(ran.out)["outcome"], "timeout");
-  EXPECT_THAT(ran.err, MatchesRegex("musher: wait of cf2x_0 has not ended within 0.5 s: cancelled "
+  EXPECT_THAT(ran.err, MatchesRegex("musher: wait of cf2x_0 has not ended within 1.5 s: cancelled "
                                     "after [0-9.]+ s\n"));
 }
 

@@ -206,10 +206,10 @@ TEST_F(PlanCommand, ExitsByTheOutcome) {
   EXPECT_EQ(refused.exit, 1);
   EXPECT_EQ(Json(refused.out)["outcome"], "refused") << refused.out;
   EXPECT_THAT(refused.err, HasSubstr("the plan was refused: another plan runs"));
-  const Ran late = RunProgram({"--json", "skill", "plan", File("wait"), "--timeout", "0.5"});
+  const Ran late = RunProgram({"--json", "skill", "plan", File("wait"), "--timeout", "1.5"});
   EXPECT_EQ(late.exit, 4);
   EXPECT_EQ(Json(late.out)["outcome"], "timeout");
-  EXPECT_THAT(late.err, HasSubstr("the plan has not ended within 0.5 s: Cancelled in timestep 1"));
+  EXPECT_THAT(late.err, HasSubstr("the plan has not ended within 1.5 s: Cancelled in timestep 1"));
   EXPECT_EQ(Json(late.out)["skills"][0]["robot"], "cf2x_0") << late.out;
 }
 

@@ -13,6 +13,7 @@
 #include "musher/test/support/json_schema.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
+#include "musher/test/support/wait.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/node.hpp"
 
@@ -31,6 +32,17 @@ Ended Musher(const std::vector<std::string>& arguments) {
   argv.insert(argv.end(), arguments.begin(), arguments.end());
   Ended ended = testing::RunToEnd(argv);
   testing::CheckDocuments(arguments, ended.out);
+  return ended;
+}
+
+// The same, until it prints a line with `part` (a regular expression): discovery ends when nothing
+// was discovered for some 100 ms, on a busy computer at times too early.
+Ended MusherUntil(const std::vector<std::string>& arguments, const std::string& part) {
+  Ended ended;
+  testing::Until([&] {
+    ended = Musher(arguments);
+    return ::testing::Value(ended.out, ::testing::ContainsRegex(part));
+  });
   return ended;
 }
 
@@ -107,10 +119,11 @@ nlohmann::json Json(const std::string& text) {
 TEST_F(TopicCommand, ListsTheTopicsWithTheirTypesWritersAndReaders) {
   Offer("dog1/chat");
   Read("dog1/chat");
-  const Ended ran = Musher({"topic", "list"});
+  const std::string row = "/dog1/chat +1 +1 +std_msgs/msg/String\n";
+  const Ended ran = MusherUntil({"topic", "list"}, row);
   EXPECT_EQ(ran.exit, 0) << ran.err;
-  EXPECT_THAT(ran.out, ::testing::ContainsRegex("/dog1/chat +1 +1 +std_msgs/msg/String\n"));
-  const Ended json = Musher({"topic", "list", "--json"});
+  EXPECT_THAT(ran.out, ::testing::ContainsRegex(row));
+  const Ended json = MusherUntil({"topic", "list", "--json"}, "/dog1/chat");
   const nlohmann::json topics = Json(json.out)["topics"];
   bool found = false;
   for (const auto& topic : topics) {
@@ -125,14 +138,16 @@ TEST_F(TopicCommand, ListsTheTopicsWithTheirTypesWritersAndReaders) {
 TEST_F(TopicCommand, ShowsTheNodesOfATopicWithTheirQosAndWhoReceivesNothing) {
   Offer("dog1/chat", {}, transport::kSensorDataQos);
   Read("dog1/chat");
-  const Ended ran = Musher({"--namespace", "dog1", "topic", "info", "chat"});
+  const Ended ran =
+      MusherUntil({"--namespace", "dog1", "topic", "info", "chat"}, "receives nothing of /dog1/");
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out,
               AllOf(HasSubstr("/dog1/chat  std_msgs/msg/String\n"),
                     ::testing::ContainsRegex("writer +/dog1/talker +[0-9]+ on .* +best effort"),
                     HasSubstr("reader /dog1/talker receives nothing of /dog1/talker: it "
                               "requests reliable samples")));
-  const Ended json = Musher({"topic", "info", "/dog1/chat", "--json"});
+  const Ended json =
+      MusherUntil({"topic", "info", "/dog1/chat", "--json"}, "/dog1/talker.*/dog1/talker");
   const auto info = Json(json.out);
   EXPECT_EQ(info["writers"][0]["node"], "/dog1/talker") << json.out;
   EXPECT_EQ(info["writers"][0]["reliability"], "best_effort");
@@ -191,7 +206,7 @@ TEST_F(TopicCommand, ATypeThatMusherDoesNotKnowIsNamed) {
 TEST_F(TopicCommand, HzMeasuresTheRateOfATopic) {
   Offer("chat", {"old"});
   PublishEvery(Milliseconds(10));
-  const Ended ran = Musher({"topic", "hz", "chat", "--for", "0.5", "--json"});
+  const Ended ran = Musher({"topic", "hz", "chat", "--for", "3", "--json"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   const auto json = Json(ran.out);
   EXPECT_GE(json["samples"], 2) << ran.out;
@@ -201,8 +216,8 @@ TEST_F(TopicCommand, HzMeasuresTheRateOfATopic) {
 
 TEST_F(TopicCommand, CompletionOffersTheTopicsWithTheirTypes) {
   Offer("chat");
-  EXPECT_THAT(Musher({"complete", "topic", "echo", "/ch"}).out,
-              HasSubstr("/chat\tstd_msgs/msg/String\n"));
+  const std::string offered = "/chat\tstd_msgs/msg/String\n";
+  EXPECT_THAT(MusherUntil({"complete", "topic", "echo", "/ch"}, offered).out, HasSubstr(offered));
 }
 
 }  // namespace musher::cli::topic_command_test

@@ -48,7 +48,7 @@ class APageOfAConfig : public ::testing::Test {
     const std::string log = config_.state_dir + "/logs/" + kViewProgram + ".log";
     const auto poll = loop.Every(Milliseconds(5), [] {});
     EXPECT_TRUE(loop.RunUntil([&log] { return ReadFile(log).ends_with(".\n"); },
-                              loop.Now() + std::chrono::seconds(60)));
+                              loop.Now() + std::chrono::seconds(120)));
     return ReadFile(log);
   }
 
