@@ -18,19 +18,19 @@ name = "dog"
 namespace = "NAMESPACE"
 actuators = ["motion", "audio"]
 states = ["SetUp", "SelfCheck", "Active", "DeActive", "TearDown"]
-default_time = 5000
+default_time = 20000
 default_state = "Uninitialized"
 
 [actuator.motion]
 states = ["SetUp", "SelfCheck", "Active", "DeActive", "TearDown"]
-times = [5000, 5000, 5000, 5000, 5000]
+times = [60000, 20000, 20000, 20000, 20000]
 command = ["musher-exec", "motion.toml"]
 cwd = "."
 critical = true
 
 [actuator.audio]
 states = ["SetUp", "SelfCheck", "Active", "DeActive", "TearDown"]
-times = [5000, 5000, 5000, 5000, 5000]
+times = [60000, 20000, 20000, 20000, 20000]
 command = ["musher-exec", "audio.toml"]
 cwd = "."
 after = ["motion"]

@@ -110,7 +110,7 @@ TEST_F(Upgrade, ThatIsUnknownAfterItsTimeGoesBack) {
 TEST_F(Upgrade, OfARobotThatUsesTheClockTopicIsTriedAndKeptOrTakenBackWithoutAClock) {
   const std::string topic = "clock = \"topic\"\n";
   const std::string rules = "[policy.low_power]\nmotion_ids = [0]\n";
-  std::ofstream(root_ + "/ota.toml") << "robot = \"dog\"\ntrial_s = 5\n";
+  std::ofstream(root_ + "/ota.toml") << "robot = \"dog\"\ntrial_s = 20\n";
   Make("1.1.0", {.controller = topic, .policy = rules});
   Make("1.2.0", {.set_up = "exec sleep 30", .controller = topic, .policy = rules});
   ASSERT_EQ(UpDetached().exit, 0);
@@ -119,7 +119,7 @@ TEST_F(Upgrade, OfARobotThatUsesTheClockTopicIsTriedAndKeptOrTakenBackWithoutACl
   EXPECT_EQ(Where(), "Active from b");
   const Ended back = Install("1.2.0");
   EXPECT_EQ(back.exit, 1);
-  EXPECT_THAT(back.err, HasSubstr("it was not up within 5 s"));
+  EXPECT_THAT(back.err, HasSubstr("it was not up within 20 s"));
   EXPECT_EQ(Where(), "Active from b");
 }
 

@@ -103,7 +103,7 @@ class RobotWithUpgrades : public MachineFixture {
          << content.controller;
     for (const char* actuator : {"legs", "voice"}) {
       file << "[actuator." << actuator << "]\nstates = " << states
-           << "\ntimes = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\""
+           << "\ntimes = [30000, 20000, 20000, 20000, 20000, 20000]\ncommand = [\""
            << (content.program.empty() ? "musher-exec" : "stand-in")
            << "\", \"legs.toml\"]\ncwd = \".\"\nrestart = \"" << content.restart
            << "\"\nrestart_delay_ms = 10\nrestart_limit = 1\n";

@@ -8,7 +8,7 @@ import WebSocket from 'ws';
 import {startRobot} from '../robot.js';
 
 const {FoxgloveClient} = createRequire(import.meta.url)('@foxglove/ws-protocol');
-const DEADLINE_MS = 20000;
+const DEADLINE_MS = 120000;
 
 let robot = null;
 let view = null;

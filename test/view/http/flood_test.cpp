@@ -173,7 +173,7 @@ TEST(Flood, OfASlowClientIsClosedWithItsReason) {
   EXPECT_EQ(frame.close_code(), 1013u);
 }
 
-TEST(Flood, TheServerEndsWithinASecond) {
+TEST(Flood, TheServerEndsThoughNoClientAnswers) {
   RunningServer server(
       {},
       [](const Request&, const Respond& respond) {
@@ -194,7 +194,8 @@ TEST(Flood, TheServerEndsWithinASecond) {
     polite.SendFrame(Opcode::kClose, frame.payload);
     return frame.close_code();
   });
-  EXPECT_LT(server.Stop(), std::chrono::seconds(1));
+  // Half a second, and more on a busy computer; without a limit it would wait for the rude one.
+  EXPECT_LT(server.Stop(), std::chrono::seconds(20));
   EXPECT_EQ(closes.get(), 1001u);
   EXPECT_TRUE(silent.Ends());
   EXPECT_TRUE(half.Ends());

@@ -163,8 +163,8 @@ TEST_F(HttpServer, RefusesOtherSites) {
 
 TEST(Server, EndsAConnectionThatSendsSlowly) {
   Options options;
-  options.header_timeout = Milliseconds(50);
-  options.idle_timeout = Milliseconds(50);
+  options.header_timeout = Milliseconds(1000);
+  options.idle_timeout = Milliseconds(1000);
   RunningServer server(options, Echo, NoWebSocket);
   Client silent(server.port());
   Client head(server.port());
@@ -184,7 +184,7 @@ TEST(Server, EndsAConnectionThatSendsSlowly) {
 
 TEST(Server, EndsAnIdleConnection) {
   Options options;
-  options.idle_timeout = Milliseconds(50);
+  options.idle_timeout = Milliseconds(1000);
   RunningServer server(options, Echo, NoWebSocket);
   Client client(server.port());
   EXPECT_EQ(client.Get("/").status, 200u);

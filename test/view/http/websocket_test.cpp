@@ -155,7 +155,7 @@ TEST(WebSocket, ReportsThatItsQueueIsEmpty) {
 
 TEST(WebSocket, EndsIfTheClientAnswersNoPing) {
   Options options;
-  options.idle_timeout = Milliseconds(200);
+  options.idle_timeout = Milliseconds(1000);
   RunningServer server(options, Echo, EchoWebSocket);
   WebSocketClient client(server.port());
   EXPECT_EQ(client.TakeFrame().opcode, Opcode::kPing);

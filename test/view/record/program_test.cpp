@@ -28,7 +28,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 const std::string kRecord = BinDir() + "/musher-record";
-constexpr Duration kLong = std::chrono::seconds(30);
+constexpr Duration kLong = std::chrono::seconds(120);
 
 msg::Bytes Encoded(const std::string& text) {
   msg::String message;
