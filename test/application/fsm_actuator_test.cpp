@@ -29,7 +29,7 @@ class AnFsmActuator : public testing::WithHarness {
     harness_.node().RunOnLoop([&] {
       client = transport::MakeClient<msg::SendCommand>(harness_.node().node(), "show/send_command")
                    .value();
-      client->Call({command}, std::chrono::seconds(20), [&](const auto& answer) {
+      client->Call({command}, std::chrono::seconds(120), [&](const auto& answer) {
         reply = answer ? answer.value().message : answer.error().message;
       });
     });
@@ -218,7 +218,7 @@ TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRele
     release = transport::MakeClient<msg::ReleaseEmergencyStop>(
                   harness_.node().node(), transport::MachineService("", "release_emergency_stop"))
                   .value();
-    release->Call({"a test"}, std::chrono::seconds(20),
+    release->Call({"a test"}, std::chrono::seconds(120),
                   [&](auto answer) { released.set_value(std::move(answer)); });
   });
   const auto answer = released.get_future().get();

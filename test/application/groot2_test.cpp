@@ -87,7 +87,7 @@ class AGroot2Client : public ::testing::Test {
   }
   void Connect() {
     const int linger = 0;
-    const int timeout_ms = 20'000;
+    const int timeout_ms = 120'000;
     for (void* socket : {socket_, breakpoints_, other_}) {
       zmq_setsockopt(socket, ZMQ_LINGER, &linger, sizeof linger);
       zmq_setsockopt(socket, ZMQ_RCVTIMEO, &timeout_ms, sizeof timeout_ms);
@@ -145,7 +145,7 @@ class AGroot2Debugger : public AGroot2Client {
 
 class AGroot2DebuggerThatIsLost : public AGroot2Debugger {
  protected:
-  AGroot2DebuggerThatIsLost() : AGroot2Debugger(std::chrono::milliseconds(300)) {}
+  AGroot2DebuggerThatIsLost() : AGroot2Debugger(std::chrono::seconds(5)) {}
 };
 
 TEST_F(AGroot2Client, GetsTheTreeWithTheIdsOfItsNodes) {

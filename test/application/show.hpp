@@ -143,13 +143,13 @@ class Harness {
     const std::string states =
         R"(["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA",
             "Error"])";
-    std::ofstream(path()) << "[controller]\nactuators = [\"" << actuator
-                          << "\"]\nstates = " << states
-                          << "\ndefault_time = 5000\ndefault_state = \"Uninitialized\""
-                          << "\nclock = \"" << clock << "\"\nstate_dir = \"" << folder_ / "state"
-                          << "\"\n[actuator." << actuator << "]\nstates = " << states
-                          << "\ntimes = [5000, 5000, 5000, 5000, 5000, 5000, 5000, 5000, 5000]\n"
-                          << "checkpoint_ms = 400\n";
+    std::ofstream(path())
+        << "[controller]\nactuators = [\"" << actuator << "\"]\nstates = " << states
+        << "\ndefault_time = 5000\ndefault_state = \"Uninitialized\""
+        << "\nclock = \"" << clock << "\"\nstate_dir = \"" << folder_ / "state"
+        << "\"\n[actuator." << actuator << "]\nstates = " << states
+        << "\ntimes = [60000, 20000, 20000, 20000, 20000, 20000, 20000, 20000, 20000]\n"
+        << "checkpoint_ms = 5000\n";
     node_ = transport::NodeThread::Start().value();
     node_->RunOnLoop([this] {
       world_ = transport::MakePublisher<msg::Clock>(node_->node(), "clock", transport::kClockQos)

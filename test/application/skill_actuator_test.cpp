@@ -87,7 +87,7 @@ TEST_F(ASkillActuator, ServesTheRunOfASkill) {
     msg::GetSkill::Request request;
     request.skill = "wait";
     request.format = "dot";
-    client->Call(request, std::chrono::seconds(20), [&](const auto& r) { reply = r.value(); });
+    client->Call(request, std::chrono::seconds(120), [&](const auto& r) { reply = r.value(); });
   });
   Await([&] { return reply.has_value(); });
   EXPECT_EQ(reply->error, "");
@@ -109,7 +109,7 @@ class APauseOfOneSkill : public ASkillActuator {
       msg::PauseSkill::Request request;
       request.skill = skill;
       request.pause = pause;
-      client->Call(request, std::chrono::seconds(20), [&](const auto& r) { reply = r.value(); });
+      client->Call(request, std::chrono::seconds(120), [&](const auto& r) { reply = r.value(); });
     });
     Await([&] { return reply.has_value(); });
     harness_.node().RunOnLoop([&] { client.reset(); });
@@ -200,7 +200,7 @@ TEST_F(APauseOfOneSkill, EndsWithTheCancellationOfItsGoal) {
   EXPECT_EQ(Ask("wait", true), "true WAITING");
   bool cancelled = false;
   harness_.node().RunOnLoop([&] {
-    client_->Cancel(sent->id, std::chrono::seconds(20), [&](const auto&) { cancelled = true; });
+    client_->Cancel(sent->id, std::chrono::seconds(120), [&](const auto&) { cancelled = true; });
   });
   Await([&] { return cancelled; });
   harness_.Tick(tasks, 5);
@@ -219,7 +219,7 @@ class ACancellationByHand : public ASkillActuator {
       msg::CancelSkill::Request request;
       request.skill = skill;
       request.by = by;
-      client->Call(request, std::chrono::seconds(20), [&](const auto& r) { reply = r.value(); });
+      client->Call(request, std::chrono::seconds(120), [&](const auto& r) { reply = r.value(); });
     });
     EXPECT_TRUE(testing::Until([&] {
       harness_.Tick(tasks, 1);
@@ -389,7 +389,7 @@ TEST_F(ASkillActuator, CancelsTheSkillOfAGoal) {
   harness_.Tick(tasks, 1);
   bool replied = false;
   harness_.node().RunOnLoop([&] {
-    client_->Cancel(sent->id, std::chrono::seconds(20), [&](const auto&) { replied = true; });
+    client_->Cancel(sent->id, std::chrono::seconds(120), [&](const auto&) { replied = true; });
   });
   Await([&] { return replied; });
   harness_.Tick(tasks, 2);

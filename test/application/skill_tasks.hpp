@@ -123,7 +123,7 @@ class SkillActuatorTest : public ::testing::Test {
     };
     events.on_end = [sent](const auto& outcome) { sent->outcome = outcome; };
     harness_.node().RunOnLoop(
-        [&] { sent->id = client_->SendGoal(goal, std::chrono::seconds(20), events); });
+        [&] { sent->id = client_->SendGoal(goal, std::chrono::seconds(120), events); });
     return sent;
   }
   // Until `condition` holds on the client's loop.

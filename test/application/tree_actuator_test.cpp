@@ -45,7 +45,7 @@ class ATreeActuator : public ::testing::Test {
     harness_.node().RunOnLoop([&] {
       client = transport::MakeClient<msg::SendCommand>(harness_.node().node(), "show/send_command")
                    .value();
-      client->Call({command}, std::chrono::seconds(20),
+      client->Call({command}, std::chrono::seconds(120),
                    [&](const auto& r) { reply = r.value().message; });
     });
     Await([&] { return reply.has_value(); });
@@ -58,7 +58,7 @@ class ATreeActuator : public ::testing::Test {
     std::optional<msg::GetTree::Response> reply;
     harness_.node().RunOnLoop([&] {
       client = transport::MakeClient<msg::GetTree>(harness_.node().node(), "show/get_tree").value();
-      client->Call(request, std::chrono::seconds(20), [&](const auto& r) { reply = r.value(); });
+      client->Call(request, std::chrono::seconds(120), [&](const auto& r) { reply = r.value(); });
     });
     Await([&] { return reply.has_value(); });
     harness_.node().RunOnLoop([&] { client.reset(); });

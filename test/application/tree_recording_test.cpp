@@ -174,7 +174,7 @@ TEST_F(ARecording, OfADiskThatHangsDelaysNoTickAndSaysWhatIsMissing) {
   std::string text;
   bool ends = false;
   std::thread draining([&] {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(120);
     std::array<char, 65536> bytes{};
     while (std::chrono::steady_clock::now() < deadline) {
       const ssize_t got = read(reader.get(), bytes.data(), bytes.size());
@@ -188,7 +188,7 @@ TEST_F(ARecording, OfADiskThatHangsDelaysNoTickAndSaysWhatIsMissing) {
       }
     }
   });
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(120);
   while (!ends && std::chrono::steady_clock::now() < deadline) {
     Tick(*recording, 1);
     std::this_thread::yield();

@@ -490,7 +490,7 @@ TEST_F(UnitOfAnotherHost, ThatIsAboutToRunIsNotTakenForEnded) {
 
 // Its job has not ended: it could run after the controller has given it up.
 TEST_F(UnitOfAnotherHost, ThatIsNotStartedInTimeIsStopped) {
-  Make(Milliseconds(300));
+  Make(Milliseconds(3000));
   SetUnit("inactive", 0);
   Open();
   Start();
@@ -504,7 +504,7 @@ TEST_F(UnitOfAnotherHost, ThatIsNotStartedInTimeIsStopped) {
 }
 
 TEST_F(UnitOfAnotherHost, WhoseJobHasNotBegunInTimeIsCancelled) {
-  Make(Milliseconds(300));
+  Make(Milliseconds(3000));
   SetUnit("inactive", 0);
   Open();
   Start();
@@ -514,7 +514,7 @@ TEST_F(UnitOfAnotherHost, WhoseJobHasNotBegunInTimeIsCancelled) {
 }
 
 TEST_F(UnitOfAnotherHost, WaitsForItsHostAndIsStartedOnceThatIsReached) {
-  Make(Milliseconds(100));
+  Make(Milliseconds(2000));
   Write("off", "");
   SetUnit("inactive", 0);
   Open();
@@ -530,7 +530,7 @@ TEST_F(UnitOfAnotherHost, WaitsForItsHostAndIsStartedOnceThatIsReached) {
 }
 
 TEST_F(UnitOfAnotherHost, IsNotStartedOnAHostThatIsReachedAfterTheEndOfTheMachine) {
-  Make(Milliseconds(100));
+  Make(Milliseconds(2000));
   Write("off", "");
   SetUnit("inactive", 0);
   Open();
@@ -555,7 +555,7 @@ TEST_F(UnitOfAnotherHost, IsNotReachedSoonerByEachSignalToIt) {
     units_->Signal("eyes", 41, SIGKILL);
     return tries() > 3;
   };
-  EXPECT_FALSE(loop_.RunUntil(tries_at_once, testing::In(Milliseconds(1000))));
+  EXPECT_FALSE(loop_.RunUntil(tries_at_once, testing::In(Milliseconds(500))));
 }
 
 TEST_F(UnitOfAnotherHost, HasTheLimitsOfTheConfig) {

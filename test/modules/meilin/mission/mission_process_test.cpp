@@ -361,7 +361,7 @@ void SetABreakpointAndBeLost(int port) {
   void* const context = zmq_ctx_new();
   void* const socket = zmq_socket(context, ZMQ_REQ);
   const int linger = 0;
-  const int timeout_ms = 20'000;
+  const int timeout_ms = 120'000;
   zmq_setsockopt(socket, ZMQ_LINGER, &linger, sizeof linger);
   zmq_setsockopt(socket, ZMQ_RCVTIMEO, &timeout_ms, sizeof timeout_ms);
   zmq_connect(socket, ("tcp://127.0.0.1:" + std::to_string(port)).c_str());
