@@ -53,7 +53,7 @@ class ARealPeer : public ::testing::TestWithParam<const char*> {
   }
   Verdict Do(const State& target) {
     reply_.reset();
-    link_->Switch({1, ++number_, target, std::chrono::seconds(5), {}, {}, status_.incarnation});
+    link_->Switch({1, ++number_, target, std::chrono::seconds(60), {}, {}, status_.incarnation});
     EXPECT_TRUE(Until([&] { return reply_.has_value(); }));
     return reply_.value_or(event::Replied{}).verdict;
   }
@@ -143,7 +143,7 @@ TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndSendsItHeartbeats) {
   transport::LinuxEventLoop loop;
   const auto node = transport::MakeDdsNode(loop).value();
   CyberdogManager manager(*node, "test_" + std::to_string(getpid()), {"arm"},
-                          std::chrono::seconds(5));
+                          std::chrono::seconds(60));
   const auto until = [&](const std::function<bool()>& done) {
     return loop.RunUntil(done, loop.Now() + std::chrono::seconds(120));
   };

@@ -44,7 +44,7 @@ namespace musher::transport {
 namespace {
 
 constexpr Duration kPeriod = Milliseconds(10);
-constexpr Duration kWaitLimit = Milliseconds(1000);
+constexpr Duration kWaitLimit = std::chrono::seconds(10);
 constexpr std::uint64_t kHighEpoch = 1'000'000;
 
 std::vector<std::string> Split(const std::string& text) {
