@@ -25,7 +25,7 @@ class PowerOff : public MachineByCli {
     node->RunOnLoop([&] {
       client =
           transport::MakeClient<msg::Trigger>(node->node(), name_space_ + "/" + service).value();
-      client->Call({}, std::chrono::seconds(20), [&](auto reply) { promise.set_value(reply); });
+      client->Call({}, std::chrono::seconds(120), [&](auto reply) { promise.set_value(reply); });
     });
     const auto reply = promise.get_future().get();
     node->RunOnLoop([&] { client.reset(); });
