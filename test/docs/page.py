@@ -172,12 +172,14 @@ def without_markers(text: str) -> List[str]:
 
 
 # What differs from run to run: times, durations, process numbers, numbers of switches, columns of numbers, people,
-# and folders. The rest of a printed line is compared as it stands.
+# folders, and where an application is that was on its way when the page was written. The rest of a printed line is
+# compared as it stands.
 VARIES = re.compile(
     r"\d{4}-\d\d-\d\d|\d\d:\d\d:\d\d(?:\.\d+)?Z?"
     r"|\d+(?:[.,]\d+)* ?(?:ms|s|sec|m|MB|kB|%)(?![\w°])"
     r"|(?<=pid )\d+|(?<=process )\d+|(?<=controller )\d+|(?<=switch )\d+|(?<=epoch )\d+"
     r"|(?<=  )\d+(?=  |$)|\d+(?= ticks)"
+    r"|[A-Z_]+(?=  TRANSITIONING  for )|TRANSITIONING(?=  for )"
     r"|\w+@\w+|/(?:home/alice|usr/local|usr/share)[^\s:`)]*|\.{4,}|…| +")
 BAR = re.compile(r"\[#+\.*\]")  # of progress, which only a terminal shows
 
@@ -191,7 +193,8 @@ def pattern(line: str) -> "re.Pattern[str]":
         if not varying[0].strip():
             regex += r"\s+"
         elif varying[0][0].isdigit():
-            regex += re.sub(r"\\?[\d]+(\\?[.,]\d+)*", r"[\\d.,]+", re.escape(varying[0])).replace(r"\ ", r"\s*")
+            number = re.sub(r"\\?[\d]+(\\?[.,]\d+)*", r"[\\d.,]+", re.escape(varying[0])).replace(r"\ ", r"\s*")
+            regex += re.sub(r"m?s$", "m?s", number)  # a busy computer takes seconds for what takes some ms
         else:
             regex += r"\S+" if varying[0] != "…" else ".*"
         end = varying.end()

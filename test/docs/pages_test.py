@@ -323,7 +323,13 @@ class Rules(unittest.TestCase):
         shown = ["05:14:35.355  gripper started (pid 30417)", "...", "the motor has 91 °C (6109)", "a   done  0.3 ms"]
         printed = "06:00:00.001  gripper started (pid 7)\n  the motor has 91 °C (6109)\na  done  12.0 ms\n"
         self.assertEqual(page.not_printed(Command("x", 1, shown), printed), [])
+        self.assertEqual(page.not_printed(Command("x", 1, shown), printed.replace("12.0 ms", "1.2 s")), [])
         self.assertEqual(page.not_printed(Command("x", 1, shown), printed.replace("91", "92")), [shown[2]])
+
+    def test_compare_not_where_an_application_is_that_was_on_its_way(self) -> None:
+        on_its_way, stands = "door  CLOSED  TRANSITIONING  for 3.120 s", "door  OPEN  NORMAL  for 1.200 s"
+        self.assertEqual(page.not_printed(Command("x", 1, [on_its_way]), stands), [])
+        self.assertEqual(page.not_printed(Command("x", 1, [stands]), on_its_way), [stands])
 
 
 if __name__ == "__main__":

@@ -127,7 +127,7 @@ class Reader:
     def leave(self) -> None:
         """A page that fails half-way leaves its robot up."""
         for _ in range(2):
-            subprocess.run(["musher", "down"], env=self.environment, capture_output=True, timeout=60, check=False)
+            subprocess.run(["musher", "down"], env=self.environment, capture_output=True, timeout=300, check=False)
         shutil.rmtree(self.root, ignore_errors=True)
 
 
