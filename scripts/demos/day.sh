@@ -22,9 +22,13 @@ ota() {
   result=$(musher ota "$@" 2>&1)
   code=$?
 }
-# has_said TEXT: whether the robot has said the text since its audio module was started.
+# has_said TEXT: waits up to a minute until the robot has said the text since its audio module was started.
 has_said() {
-  grep -q "plays \"$1" "$logs/audio.log" && echo yes
+  local _
+  for _ in {1..300}; do
+    grep -q "plays \"$1" "$logs/audio.log" && echo yes && return
+    sleep 0.2
+  done
 }
 
 # The yard is not part of the robot: it keeps running when the robot is upgraded or switched off.
@@ -34,15 +38,18 @@ make_yard() {
   yard=$!
 }
 
-# The robot's files: all of config/, but without the yard in the state config, and with timeouts of the
-# body that are scaled by the speed of the world.
+# The robot's files: all of config/, but without the yard in the state config, and with limits that a busy
+# computer keeps, too. Those of the body are of the world's time.
 make_versions() {
   local files=$scratch/files
   cp -r "$scratch/config" "$files"
   sed -i -e 's/"world", //' -e '/^after = \["world"\]$/d' -e '/^\[actuator\.world\]$/,/^$/d' \
-    "$files/robot.toml"
-  sed -i -e "s/^silent_ms = 500 /silent_ms = $((500 * speed)) /" \
-    -e "s/^feedback_ms = 200 /feedback_ms = $((200 * speed)) /" "$files/motion/motion_manager.toml"
+    -e '/^times = /s/[0-9]\+/&0/g' -e 's/^default_time = .*/&\nshutdown_budget_ms = 60000/' \
+    -e 's/^force_after_s = 15 /force_after_s = 120 /' "$files/robot.toml"
+  sed -i -e "s/^silent_ms = 500 /silent_ms = $((2000 * speed)) /" \
+    -e "s/^feedback_ms = 200 /feedback_ms = $((1000 * speed)) /" "$files/motion/motion_manager.toml"
+  sed -i -e 's/^self_check_ms = [35]000 /self_check_ms = 15000 /' \
+    "$files/camera/cameras.toml" "$files/device/device_manager.toml" "$files/sensor/sensor_manager.toml"
   put_board_on_lcm "$files" "$scratch/config/scenes/yard.toml"
   musher ota keygen "$scratch/maker" > /dev/null &&
     musher ota bundle "$files" --version 1.0.0 --key "$scratch/maker.key" -o "$scratch/v1.0.0" &&

@@ -33,9 +33,13 @@ photographs() {
   done
   echo "$saved"
 }
-# has_said TEXT: whether the robot has said the text since its audio module was started.
+# has_said TEXT: waits up to a minute until the robot has said the text since its audio module was started.
 has_said() {
-  grep -q "plays \"$1" "$logs/audio.log" && echo yes
+  local _
+  for _ in {1..300}; do
+    grep -q "plays \"$1" "$logs/audio.log" && echo yes && return
+    sleep 0.2
+  done
 }
 
 # film TOPIC FILE OPTION...: a picture of the topic after each change of the show's state.
