@@ -62,7 +62,7 @@ class AnEngine : public ::testing::Test {
     request.settings = std::move(settings);
     std::optional<Op::Response> response;
     harness_.node().RunOnLoop([&] {
-      client_->Call(request, std::chrono::seconds(20),
+      client_->Call(request, std::chrono::seconds(120),
                     [&](const auto& reply) { response = reply.value(); });
     });
     testing::Until([&] {
@@ -79,7 +79,7 @@ class AnEngine : public ::testing::Test {
     harness_.node().RunOnLoop([&] {
       client = transport::MakeClient<msg::SendCommand>(harness_.node().node(), "show/send_command")
                    .value();
-      client->Call({kStartCommand}, std::chrono::seconds(20),
+      client->Call({kStartCommand}, std::chrono::seconds(120),
                    [&](const auto& r) { reply = r.value().message; });
     });
     testing::Until([&] {
@@ -165,7 +165,7 @@ TEST_F(AnEngine, AnswersWhileAProgramOf20000NodesIsAdded) {
     request.operation = operation;
     request.program = name;
     request.text = text;
-    client_->Call(request, std::chrono::seconds(60), [&replies, operation](const auto& reply) {
+    client_->Call(request, std::chrono::seconds(120), [&replies, operation](const auto& reply) {
       replies.push_back(operation == Op::kAdd ? "added " + reply.value().message : "listed");
     });
   };

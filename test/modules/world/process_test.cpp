@@ -159,8 +159,8 @@ TEST_F(MusherWorld, ASpokenTextAndThePowerKeyAreForAnActuatorAndNotForAnotherRea
       *other, "dog9/world/power_key",
       [&](const msg::Bool&, const transport::SampleInfo&) { recorded.emplace_back("key"); });
   ASSERT_TRUE(speech && key);
-  const auto sent = [](const WorldCommand& command) {
-    return SendWorldCommand(command, "dog9", seconds(1));
+  const auto sent = [](const WorldCommand& command, Duration limit = seconds(1)) {
+    return SendWorldCommand(command, "dog9", limit);
   };
   const auto unreceived = sent(Speech{"sit"});
   ASSERT_FALSE(unreceived);
@@ -173,8 +173,8 @@ TEST_F(MusherWorld, ASpokenTextAndThePowerKeyAreForAnActuatorAndNotForAnotherRea
   const auto actuator = transport::MakePublisher<msg::ActuatorStatus>(
       *other, "dog9/musher/actuator_status", transport::kLatchedQos);
   ASSERT_TRUE(actuator);
-  EXPECT_TRUE(sent(Speech{"sit"}));
-  EXPECT_TRUE(sent(PowerKey{true}));
+  EXPECT_TRUE(sent(Speech{"sit"}, seconds(120)));
+  EXPECT_TRUE(sent(PowerKey{true}, seconds(120)));
   EXPECT_TRUE(Until([&] { return recorded.size() == 2; }));
   EXPECT_THAT(recorded, ::testing::ElementsAre("sit", "key"));
 }
