@@ -10,7 +10,7 @@ import urllib.parse
 
 def main(method, url, body="", *headers):
     parts = urllib.parse.urlsplit(url)
-    connection = http.client.HTTPConnection(parts.netloc, timeout=20)
+    connection = http.client.HTTPConnection(parts.netloc, timeout=120)
     path = parts.path + ("?" + parts.query if parts.query else "")
     try:
         connection.request(method, path, body or None, dict(each.split(": ", 1) for each in headers))

@@ -94,7 +94,7 @@ class OuterInterface : public MachineByCli {
     return status.exit == 0 ? Json(status.out)["state"].get<std::string>() : "";
   }
   void AwaitFar(bool reachable) const {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(120);
     while (StateFromFar().empty() == reachable) {
       ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the other host";
     }
@@ -231,8 +231,8 @@ TEST_F(OuterInterface, AndTheLoopbackAreGivenToARos2NodeThatTheControllerStarts)
   Replace("\"eyes\"]", "\"eyes\", \"talker\"]");
   std::ofstream(config_, std::ios::app)
       << "[actuator.talker]\nprotocol = \"ros2_lifecycle\"\nstates = "
-         "[\"SetUp\", \"TearDown\", \"Active\", \"LowPower\"]\ntimes = [20000, 5000, 5000, "
-         "5000]\ncommand = [\"sh\", \"-c\", \"env > "
+         "[\"SetUp\", \"TearDown\", \"Active\", \"LowPower\"]\ntimes = [60000, 20000, "
+         "20000, 20000]\ncommand = [\"sh\", \"-c\", \"env > "
       << file << "; exec " << BinDir() << "/managed_node talker\"]\n";
   const Ended up = UpDetached();
   ASSERT_EQ(up.exit, 0) << up.err << ReadFile(config_);

@@ -184,7 +184,7 @@ TEST_F(PageFromTheDesk, AProgramInPythonReachesTheRobotByTheOneNetworkThatIsLeft
          "with musher.Machine(interface='" +
              left.Desk() +
              "') as robot:\n"
-             "    print(robot.status().state, len(robot.estop('smoke', timeout_s=10)))\n"});
+             "    print(robot.status().state, len(robot.estop('smoke', timeout_s=60)))\n"});
     EXPECT_EQ(program.out, "Active 3\n") << program.err;
     EXPECT_TRUE(IsStopped());
     ASSERT_EQ(robot_->Run({"estop", "--release"}).exit, 0);

@@ -14,7 +14,7 @@ class Proxy(http.server.BaseHTTPRequestHandler):
         body = self.rfile.read(int(self.headers.get("Content-Length") or 0))
         headers = {name: value for name, value in self.headers.items()
                    if name.lower() not in ("host", "connection", "content-length")}
-        connection = http.client.HTTPConnection(TARGET, timeout=20)
+        connection = http.client.HTTPConnection(TARGET, timeout=120)
         connection.request(self.command, self.path, body or None, headers)
         response = connection.getresponse()
         answer = response.read()

@@ -137,7 +137,7 @@ class RobotAndDesk : public MachineByCli {
                                                 ::testing::HasSubstr("killed"))));
   }
 
-  static constexpr Duration kReachedWithin = std::chrono::seconds(30);
+  static constexpr Duration kReachedWithin = std::chrono::seconds(120);
 
   std::unique_ptr<Host> robot_;
   std::unique_ptr<Host> desk_;

@@ -49,9 +49,9 @@ TEST_F(SecondInterface, CarriesAStopWithATimeoutAndAWaitWhileTheFirstIsLostAndTh
   for (const TestNet& lost : {kEthernet, kWifi}) {
     SCOPED_TRACE(std::string(lost.robot) + " is down");
     Down(lost);
-    const Ended wait = desk_->Run({"--timeout", "20", "wait", "Active"});
+    const Ended wait = desk_->Run({"--timeout", "60", "wait", "Active"});
     EXPECT_EQ(wait.exit, 0) << wait.err;
-    const Ended estop = desk_->Run({"--timeout", "20", "estop", "--json"});
+    const Ended estop = desk_->Run({"--timeout", "60", "estop", "--json"});
     EXPECT_EQ(estop.exit, 0) << estop.err;
     EXPECT_EQ(robot_->Run({"estop", "--release"}).exit, 0);
     EXPECT_EQ(robot_->Run({"set", "Active"}).exit, 0);
@@ -66,7 +66,7 @@ TEST_F(SecondInterface, LeavesTimeToReportAStopThatNotAllHaveConfirmed) {
   Down(kEthernet);
   const std::string controller = std::to_string(pids_["controller"]);
   ASSERT_EQ(robot_->Do({"kill", "-STOP", controller}).exit, 0);
-  const Ended estop = desk_->Run({"--timeout", "6", "estop", "--json"});
+  const Ended estop = desk_->Run({"--timeout", "20", "estop", "--json"});
   ASSERT_EQ(robot_->Do({"kill", "-CONT", controller}).exit, 0);
   EXPECT_EQ(estop.exit, 1) << estop.err;
   EXPECT_THAT(estop.err, HasSubstr("no controller answers"));
@@ -86,8 +86,8 @@ TEST_F(SecondInterface, EndsAStopAtOnceThatOneActuatorDoesNotSupport) {
   Replace("\"eyes\"]", "\"eyes\", \"talker\"]");
   std::ofstream(config_, std::ios::app)
       << "[actuator.talker]\nprotocol = \"ros2_lifecycle\"\nstates = "
-         "[\"SetUp\", \"TearDown\", \"Active\", \"LowPower\"]\ntimes = [20000, 5000, 5000, "
-         "5000]\ncommand = [\""
+         "[\"SetUp\", \"TearDown\", \"Active\", \"LowPower\"]\ntimes = [60000, 20000, "
+         "20000, 20000]\ncommand = [\""
       << BinDir() << "/managed_node\", \"talker\"]\n";
   ASSERT_TRUE(made_);
   const Ended up = robot_->Run({"up", config_, "--detach"});
