@@ -107,7 +107,7 @@ int main(int argc, char** argv) {
   cancels = argc > 6;
   Open(argv[2]);
   bool sent = false;
-  const dds_time_t end = dds_time() + DDS_SECS(60);
+  const dds_time_t end = dds_time() + DDS_SECS(300);
   while (dds_time() < end && (!ended || awaits_cancel)) {  // the result may come first
     if (!sent && offered && Matched()) {
       SendGoal(argv[3], argv[4], argv[5]);

@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
                          "rq/%s/_action/cancel_goalRequest", action, false);
   dds_get_instance_handle(goal_writer, &client);
   bool sent = false;
-  const dds_time_t end = dds_time() + DDS_SECS(20);
+  const dds_time_t end = dds_time() + DDS_SECS(120);
   while (dds_time() < end && !rejected && (results < 3 || last_status < kSucceeded)) {
     if (!sent && Matched()) {
       GoalRequest request = {.client_id = client, .sequence_number = 1};

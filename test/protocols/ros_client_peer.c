@@ -22,7 +22,7 @@ typedef musher_msgs_srv_dds__SetState_Response_ Response;
 
 enum { kName = 256, kMost = 64, kOthers = 8 };
 
-static const dds_duration_t kLongest = DDS_SECS(10);
+static const dds_duration_t kLongest = DDS_SECS(120);
 
 static dds_qos_t* ServiceQos(const char* user_data) {
   dds_qos_t* qos = dds_create_qos();

@@ -85,7 +85,7 @@ TEST_F(Finding, FollowsAControllerThatIsKilledAtOnce) {
   const auto killed = std::chrono::steady_clock::now();
   kill(controller, SIGKILL);
   EXPECT_NE(lines.LineWith("controller lost"), "");
-  EXPECT_LT(std::chrono::steady_clock::now() - killed, std::chrono::seconds(5));
+  EXPECT_LT(std::chrono::steady_clock::now() - killed, std::chrono::seconds(9));
 }
 
 TEST_F(Finding, ShowsSinceWhenTheMachineIsInItsState) {

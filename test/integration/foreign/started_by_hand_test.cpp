@@ -46,7 +46,7 @@ TEST_F(StartedByHand, ANodeThatIsKilledIsKnownToBeDeadAtOnce) {
   const auto status = statuses.Await([](const nlohmann::json& now) {
     return now["actuators"]["planner"]["presence"] == "lost" && now["state"] == "Protected";
   });
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(5));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(9));
   EXPECT_THAT(status["actuators"]["planner"]["message"].get<std::string>(),
               HasSubstr("its process " + std::to_string(node.pid()) + " ended"));
   EXPECT_EQ(Musher({"down"}).exit, 0);
