@@ -51,15 +51,31 @@ TEST(AManagedNode, IsDrivenWithoutAnySettingWhenTheControllerStartsIt) {
   EXPECT_TRUE(controller.Switch("TearDown").done());
 }
 
-// Milliseconds that the call of a fresh ROS 2 process takes; negative where it has failed.
-double FirstCall(const std::string& service) {
+// Of a fresh ROS 2 process: how long it takes to discover a service, and then its first call.
+struct FirstCall {
+  double available_ms = 0;
+  double reply_ms = -1;  // negative where it has failed
+};
+
+FirstCall CallFirst(const std::string& service) {
   const std::string line = std::string("CYCLONEDDS_URI='") + transport::kRosOnLoopback + "' exec " +
                            BinDir() + "/ros_client_peer " + service;
   FILE* const program = popen(line.c_str(), "r");
-  double available_ms = 0, reply_ms = -1;
-  if (program == nullptr) return -1;
-  if (std::fscanf(program, "available %lf reply %lf", &available_ms, &reply_ms) != 2) reply_ms = -1;
-  return pclose(program) == 0 ? reply_ms : -1;
+  FirstCall call;
+  if (program == nullptr) return call;
+  const int read =
+      std::fscanf(program, "available %lf reply %lf", &call.available_ms, &call.reply_ms);
+  const bool is_done = pclose(program) == 0;
+  return read == 2 && is_done ? call : FirstCall();
+}
+
+// The share of calls that took longer than that, and longer than so many times their discovery: a
+// slow computer takes its time for both.
+double ShareOver(const std::vector<FirstCall>& calls, double limit_ms, double times) {
+  const auto over = std::count_if(calls.begin(), calls.end(), [&](const FirstCall& call) {
+    return call.reply_ms > std::max(limit_ms, times * call.available_ms);
+  });
+  return double(over) / double(calls.size());
 }
 
 // As an actuator's: the profile local, timing for many processes. Its reply or the request was lost
@@ -82,21 +98,20 @@ TEST(ARos2Client, IsAnsweredSoonTheFirstTimeItCalls) {
           reply(response);
         }));
   });
-  std::vector<double> took_ms;
-  double median_ms = 0, p86_ms = 0;
-  do {
+  std::vector<FirstCall> calls;
+  double not_soon = 1, late = 1;
+  while (calls.size() < kMostCalls && (not_soon > 0.5 || late > 0.1)) {
     for (std::size_t i = 0; i < kCalls; ++i) {
-      took_ms.push_back(FirstCall("arm/set_state"));
-      EXPECT_GE(took_ms.back(), 0) << "no reply";
+      calls.push_back(CallFirst("arm/set_state"));
+      EXPECT_GE(calls.back().reply_ms, 0) << "no reply";
     }
-    std::sort(took_ms.begin(), took_ms.end());
-    median_ms = took_ms[took_ms.size() / 2];
-    p86_ms = took_ms[took_ms.size() * 18 / 21];
-  } while (took_ms.size() < kMostCalls && (median_ms > kSoonMs || p86_ms > kLateMs));
-  RecordProperty("median_ms", std::to_string(median_ms));
-  RecordProperty("p86_ms", std::to_string(p86_ms));
-  EXPECT_LE(median_ms, kSoonMs);
-  EXPECT_LE(p86_ms, kLateMs) << "also on a busy computer";
+    not_soon = ShareOver(calls, kSoonMs, 2);
+    late = ShareOver(calls, kLateMs, 4);
+  }
+  RecordProperty("not_soon", std::to_string(not_soon));
+  RecordProperty("late", std::to_string(late));
+  EXPECT_LE(not_soon, 0.5);
+  EXPECT_LE(late, 0.1) << "also on a busy computer";
   thread->RunOnLoop([&] { server.reset(); });
 }
 
@@ -137,10 +152,11 @@ TEST(ANewRos2Client, DoesNotSlowTheOtherClientsOfTheService) {
   alone_ms.clear();  // until its own reader is no longer new
   for (int i = 0; i < kNewClients; ++i) {
     ASSERT_NO_FATAL_FAILURE(call_for_a_while(alone_ms));
-    ASSERT_GE(FirstCall("arm/set_state"), 0);
+    ASSERT_GE(CallFirst("arm/set_state").reply_ms, 0);
     ASSERT_NO_FATAL_FAILURE(call_for_a_while(beside_new_ms));
   }
-  EXPECT_LE(median(beside_new_ms), median(alone_ms) + kSlowMs);
+  const double alone = median(alone_ms);
+  EXPECT_LE(median(beside_new_ms), alone + std::max(kSlowMs, alone / 2));
   thread->RunOnLoop([&] { server.reset(); });
 }
 
