@@ -136,13 +136,15 @@ class EmptyBattery : public MachineFixture {
     node_->RunOnLoop([&] { frames = frames_; });
     return frames;
   }
-  // What was under way has arrived then.
+  // What was under way has arrived then: the end of the stream, or nothing for a second.
   void AwaitEndOfStream() {
-    EXPECT_TRUE(testing::Until([this] {
-      bool walks = true;
-      node_->RunOnLoop([&] { walks = walks_; });
-      return !walks;
-    })) << "its stream has no end";
+    int begin = 0;
+    node_->RunOnLoop([&] { begin = reports_; });
+    EXPECT_TRUE(testing::Until([&] {
+      bool ended = false;
+      node_->RunOnLoop([&] { ended = !walks_ || reports_ >= begin + 20; });
+      return ended;
+    }));
   }
   // The frames that come during the next `reports` of the body, 20 of which are a second.
   int FramesDuring(int reports) {
@@ -182,6 +184,7 @@ TEST_F(EmptyBattery, OfARaceStopsItAndChargedItStandsInItsStart) {
   Await("LowPower");
   AwaitEndOfStream();
   EXPECT_EQ(FramesDuring(30), 0) << "it walks on";
+  node_->RunOnLoop([this] { EXPECT_FALSE(walks_) << "its stream has no end"; });
   Charge(80, true);
   Await("Active");
   EXPECT_EQ(FramesDuring(30), 0) << "it moves by itself";
