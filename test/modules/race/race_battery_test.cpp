@@ -136,7 +136,7 @@ class EmptyBattery : public MachineFixture {
     node_->RunOnLoop([&] { frames = frames_; });
     return frames;
   }
-  // What was under way has arrived then: the end of the stream, or nothing for a second.
+  // What was under way has arrived then: the end of the stream, or a second is over.
   void AwaitEndOfStream() {
     int begin = 0;
     node_->RunOnLoop([&] { begin = reports_; });
