@@ -133,10 +133,10 @@ void ProcessChecker::CheckKill(const SimulatedController& controller, std::int32
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
     if (robot_.processes().PidOf(name, controller.host()) != pid) continue;
+    if (machine.actuators[i].restart.requested) return;
     const ActuatorReport* report = robot_.processes().ReportOf(name, controller.host());
     if (report != nullptr && report->state == kTearDown) continue;  // torn down alone
-    const KnownActuator& known = machine.actuators[i];
-    if (known.restart.requested || !IsWell(controller, name)) return;
+    if (!IsWell(controller, name)) return;
     killed = name;
   }
   if (killed.empty()) return;

@@ -177,8 +177,8 @@ void SimulatedProcesses::OnFinished(const std::string& name, std::uint64_t seria
   LeaveLater(serial);
 }
 
-// As a program does whose main() waits for its actuators in turn, a.Wait() and then b.Wait(): the
-// shell of one that is torn down ends, and the process runs on for the next.
+// As in a program whose main() waits for its actuators in turn, a.Wait() and then b.Wait(): the
+// shell of a ends with its TearDown, and the process runs on for b.
 void SimulatedProcesses::LeaveLater(std::uint64_t serial) {
   environment_->loop().Post([this, serial] {
     const auto process = alive_.find(serial);

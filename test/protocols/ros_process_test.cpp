@@ -80,7 +80,7 @@ double ShareOver(const std::vector<FirstCall>& calls, double limit_ms, double ti
 
 // As an actuator's: the profile local, timing for many processes. Its reply or the request was lost
 // in a quarter of all first calls, and came 200 to 800 ms later.
-// The limits are those of all calls, of which a computer that is busy for a while makes more.
+// A computer that is busy for a while makes more calls: the limits are those of all.
 TEST(ARos2Client, IsAnsweredSoonTheFirstTimeItCalls) {
   constexpr std::size_t kCalls = 21;
   constexpr std::size_t kMostCalls = 8 * kCalls;

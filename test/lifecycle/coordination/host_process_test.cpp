@@ -234,7 +234,10 @@ TEST_F(CriticalHostProcess, ThatIsHeardAgainAndAnswersTakesTheMachineNowhere) {
   Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
   Pass(Milliseconds(1100));
   Do(event::HealthChanged{1, kFirst + 1, Health::kWell, false, "heartbeat received again"});
-  ComeB();
+  ActuatorReport report = ReportOfB(kPid, "there", kActive);
+  report.epoch = machine_.epoch;
+  report.number = Of(1).report.number;
+  Do(event::Replied{1, report.number, true, Verdict::kDone, kCodeOk, "", report});
   Pass(std::chrono::seconds(5));
   EXPECT_FALSE(Of(1).exit_by);
   EXPECT_EQ(machine_.state, kActive);
