@@ -465,6 +465,9 @@ class InjectionSampler {
     injection.random = random_.Next();
     if (kind == InjectionKind::kBattery) injection.state = AtBattery(injection);
     if (kind == InjectionKind::kBattery && !config_.policy) injection.kind = InjectionKind::kSet;
+    // Much comes after a TearDown of one actuator.
+    const bool ends_one = kind == InjectionKind::kSetOne && injection.random % 8 == 0;
+    if (ends_one && config_.HasState(kTearDown)) injection.state = State(kTearDown);
     injections_.push_back(injection);
     return injections_.back();
   }
