@@ -59,7 +59,9 @@ void ProcessChecker::CheckRunsNowhereElse(const SimulatedController& controller,
     const bool known =
         in_reach(endpoint, controller.endpoint()) && in_reach(controller.endpoint(), endpoint) &&
         processes.StartOf(name, host) <= now - kReceivedAfter && !processes.IsFrozen(name, host);
-    if (!known) {
+    // Nothing says that an actuator without a command runs in the process that this one has left.
+    const bool left = report->state == kTearDown && processes.CoreOf(name, host) == nullptr;
+    if (!known || left) {
       const ActuatorIndex process = robot_.layout().ProcessOf(*config_.IndexOf(name));
       for (const ActuatorIndex i : config_.actuators.Indices()) {
         if (robot_.layout().ProcessOf(i) == process) duplicated_.insert(config_.actuators[i].name);

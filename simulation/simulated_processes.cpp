@@ -84,7 +84,9 @@ const SimulatedProcesses::Part& SimulatedProcesses::PartOf(const Process& proces
 
 std::size_t SimulatedProcesses::CountOf(const std::string& name) const {
   const auto running = running_.find(name);
-  return running == running_.end() ? 0 : running->second.size();
+  if (running == running_.end()) return 0;
+  return static_cast<std::size_t>(std::ranges::count_if(
+      running->second, [&](const Process* process) { return !PartOf(*process, name).left; }));
 }
 
 std::int32_t SimulatedProcesses::Launch(const std::string& name, std::size_t host,

@@ -85,7 +85,8 @@ class SimulatedProcesses {
   bool IsAlive(const std::string& name, std::size_t host) const {
     return Find(name, host) != nullptr;
   }
-  std::size_t CountOf(const std::string& name) const;  // processes of it, on all hosts
+  // Processes in which it runs, on all hosts: not those that it has left by its TearDown.
+  std::size_t CountOf(const std::string& name) const;
   void End(const std::string& name, const ProcessExit& exit);
   void End(const std::string& name, std::size_t host, const ProcessExit& exit);
   void EndAllOn(std::size_t host);
