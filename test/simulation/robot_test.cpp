@@ -309,6 +309,22 @@ TEST(SimRobot, ActuatorsThatShareAProcessAreFrozenAndEndTogether) {
   EXPECT_FALSE(robot.IsAlive("a"));
 }
 
+// A regression: its heartbeats end with its TearDown, and the process was killed as one that hangs.
+TEST(SimRobot, AProcessRunsOnForTheSecondOfItsActuatorsWhenTheFirstIsTornDown) {
+  MachineConfig config = MachineOf(2);
+  config.actuators[0].command = {"run", "a"};
+  config.actuators[0].restart.policy = RestartPolicy::kOnFailure;
+  simulation::Layout layout;
+  layout.process_of = {0, 0};
+  SimRobot robot(1, config, {}, layout);
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  ASSERT_TRUE(robot.Set(State(kTearDown), "a"));
+  robot.RunFor(std::chrono::seconds(20));
+  ASSERT_TRUE(robot.IsAlive("b"));
+  EXPECT_EQ(robot.ReportOf("b")->state, "Active");
+}
+
 // A regression: the first controller was started while the second one of its host was listening,
 // with the lock on their folder.
 TEST(SimRobot, ASecondControllerThatListensKeepsTheFirstOfItsHostFromStarting) {
