@@ -44,6 +44,7 @@ class ChoiceList {
       if (world_.machine.phase != Phase::kStopping) Fault(ChoiceKind::kRequestTearDown);
     }
     if (model_.other_machine) ListOtherMachine();
+    for (std::size_t host = 0; host < world_.links.size(); ++host) ListLink(host);
     ListRelease();
     return std::move(choices_);
   }
@@ -101,12 +102,25 @@ class ChoiceList {
     if (Leads() && world_.machine.epoch > 0) Fault(ChoiceKind::kOtherHeartbeat);
   }
 
+  // Of the release of a stop with another host nothing is searched.
+  void ListLink(std::size_t host) {
+    if (!Leads() || model_.releases) return;
+    const Link& link = world_.links[host];
+    ActuatorIndex first = 0;
+    while (model_.host_of[first] != host) ++first;
+    if (link.cut) return Free(link.silent_by ? ChoiceKind::kSilence : ChoiceKind::kReach, first);
+    Fault(ChoiceKind::kCutLink, first);
+    Fault(ChoiceKind::kRebootHost, first);
+  }
+
   void ListSending() {
     const Message& first = world_.outbox.front();
     const SimActuator& actuator = world_.actuators[first.to];
     Free(ChoiceKind::kDeliver, first.to);
     ListStop();
     ListStarts();
+    if (IsOut(first.to)) return;
+    if (model_.host_of[first.to] != kHere) ListLink(model_.host_of[first.to]);
     if (!actuator.alive || !actuator.visible) return;
     Fault(ChoiceKind::kLose, first.to);
     Fault(ChoiceKind::kHold, first.to);
@@ -116,6 +130,9 @@ class ChoiceList {
 
   void ListActuator(ActuatorIndex i) {
     const SimActuator& actuator = world_.actuators[i];
+    if (IsOut(i)) return ListOutOfReach(i);
+    if (actuator.unit_news != UnitNews::kNone && !actuator.end) Free(ChoiceKind::kUnitNews, i);
+    if (actuator.silent) Free(ChoiceKind::kHeard, i);
     if (actuator.end) Free(ChoiceKind::kEnd, i);
     for (std::size_t k = 0; k < actuator.late.size(); ++k) Free(ChoiceKind::kLate, i, k);
     if (!actuator.replies.empty()) {
@@ -147,16 +164,52 @@ class ChoiceList {
     Fault(ChoiceKind::kEndReplyDuplicated, i);
   }
 
+  // Its callback ends, or its process, and nothing of that arrives.
+  void ListOutOfReach(ActuatorIndex i) {
+    const SimActuator& actuator = world_.actuators[i];
+    if (actuator.await_by && Leads()) Free(ChoiceKind::kAwait, i);
+    if (!actuator.alive) return;
+    Fault(ChoiceKind::kCrash, i);
+    if (actuator.work == Work::kNone) return;
+    Free(ChoiceKind::kEndOk, i);
+    Fault(ChoiceKind::kEndFailed, i);
+    const bool has_codes = ToleratesSomeCodes(model_.config.actuators[i]);
+    if (has_codes && actuator.core.report.target == kSelfCheck) Fault(ChoiceKind::kEndTolerated, i);
+    if (actuator.work == Work::kOverdue && actuator.stop_requested)
+      Free(ChoiceKind::kEndOnRequest, i);
+  }
+
+  bool IsOut(ActuatorIndex i) const { return IsOutOfReach(model_, world_, i); }
+
+  // Whether something is under way from the actuator.
+  bool IsSending(ActuatorIndex i) const {
+    const SimActuator& actuator = world_.actuators[i];
+    if (IsOut(i)) return false;
+    return actuator.end || actuator.status_due || !actuator.replies.empty() || actuator.silent ||
+           actuator.unit_news != UnitNews::kNone;
+  }
+
+  // Whether a host that is out of reach is noticed before `next`.
+  bool IsNoticedBefore(Time next) const {
+    return std::ranges::any_of(
+               world_.links,
+               [&](const Link& link) { return link.silent_by && *link.silent_by < next; }) ||
+           std::ranges::any_of(world_.actuators, [&](const SimActuator& one) {
+             return one.await_by && *one.await_by < next;
+           });
+  }
+
   // Time passes when no message is under way; a callback that still runs then is overdue.
   void ListTime() {
     if (world_.stop_seen_due && Leads()) return;
     std::uint8_t cost = 0;
-    for (const SimActuator& actuator : world_.actuators) {
-      if (actuator.end || actuator.status_due || !actuator.replies.empty()) return;
-      if (actuator.work == Work::kRunning) ++cost;
+    for (const ActuatorIndex i : world_.actuators.Indices()) {
+      if (IsSending(i)) return;
+      if (world_.actuators[i].work == Work::kRunning) ++cost;
     }
     if (cost > 0 && !IsSearched(ChoiceKind::kTime)) return;
-    if (cost > world_.faults_left || !NextDeadline(model_.config, world_.machine)) return;
+    const auto next = NextDeadline(model_.config, world_.machine);
+    if (cost > world_.faults_left || !next || IsNoticedBefore(*next)) return;
     choices_.push_back({ChoiceKind::kTime, 0, 0, cost});
   }
 
@@ -182,7 +235,8 @@ bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
                       (std::holds_alternative<Message>(late[choice.index]) ||
                        std::holds_alternative<event::Replied>(late[choice.index]));
     const bool by_hand = choice.kind == ChoiceKind::kRelease || choice.kind == ChoiceKind::kRepeat;
-    return choice.cost > 0 || lost || overdue || by_hand;
+    const bool never = choice.kind == ChoiceKind::kReach;
+    return choice.cost > 0 || lost || overdue || by_hand || never;
   });
 }
 

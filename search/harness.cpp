@@ -14,6 +14,12 @@ constexpr Duration kClockAhead = Milliseconds(1);
 constexpr StopId kStopId = 5;
 constexpr Sender kOtherMachine(99);  // more than controllers that take over
 
+// A host is silent once heartbeats have been missing for 500 ms (health_monitor.hpp), by a loop
+// that may be late.
+constexpr Duration kSilentWithin = Milliseconds(1000);
+// A start waits for its host for 10 s before that is reported (host_units.hpp).
+constexpr Duration kAwaitedWithin = Milliseconds(10'000);
+
 }  // namespace
 
 bool FromActuator(const Late& late) {
@@ -26,6 +32,11 @@ void Harness::Log(const std::string& sentence) {
 }
 
 void Harness::StepController(const Event& event) {
+  const auto* begin = std::get_if<event::Begin>(&event);
+  begin != nullptr ? StepWith(BeginHere(*begin)) : StepWith(event);
+}
+
+void Harness::StepWith(const Event& event) {
   Machine& machine = world_.machine;
   // The controller has ended, or is about to and can only refuse.
   const bool requested = std::holds_alternative<event::SetStateRequested>(event);
@@ -36,7 +47,11 @@ void Harness::StepController(const Event& event) {
   for (const Action& action : actions) {
     const auto* send = std::get_if<action::SendSwitch>(&action);
     if (send != nullptr) CheckCommand(model_, world_, *send, notes_);
-    Apply(action);
+    if (std::holds_alternative<action::FindProcesses>(action)) {
+      Feed(FindProcesses());
+    } else {
+      Apply(action);
+    }
   }
   CheckStep(model_, world_, before, notes_);
 }
@@ -61,6 +76,13 @@ void Harness::RestartController(bool by_person) {
     actuator.end.reset();
     actuator.status_due = actuator.alive;  // latched for the next controller
     std::erase_if(actuator.late, FromActuator);
+    actuator.unit_news = UnitNews::kNone;
+    actuator.wanted = actuator.killed = actuator.silent = false;
+    actuator.await_by.reset();
+  }
+  for (Link& link : w.links) link.silent_by.reset();
+  for (const ActuatorIndex i : w.actuators.Indices()) {
+    if (IsElsewhere(i) && w.actuators[i].alive) w.actuators[i].unit_news = UnitNews::kFound;
   }
   BeginController(false, /*restarted=*/!by_person, /*supervised=*/!by_person);
 }
@@ -75,6 +97,7 @@ void Harness::FeedReply(ActuatorIndex i) {
 void Harness::FeedStatus(ActuatorIndex i) {
   world_.actuators[i].status_due = false;
   FeedStatus(event::StatusSeen{i, Report(i)});
+  if (world_.actuators[i].silent) FeedHeard(i);
 }
 
 // Of a process whose end was detected, the shell finds none with its pid, and its writer is lost.
@@ -83,14 +106,171 @@ void Harness::FeedStatus(event::StatusSeen seen) {
   const Incarnation incarnation = seen.report.incarnation;
   const bool of_present = incarnation == actuator.core.report.incarnation;
   const bool ended = !of_present || (!actuator.alive && !actuator.end);
-  if (ended) seen.report.pid = 0;
+  if (ended && !IsElsewhere(seen.actuator)) seen.report.pid = 0;
   Feed(seen);
   if (ended) Feed(event::Vanished{seen.actuator, incarnation, false, "its writer is lost"});
 }
 
 void Harness::FeedEnd(ActuatorIndex i) {
   const bool clean = *std::exchange(world_.actuators[i].end, std::nullopt);
+  if (IsElsewhere(i)) return FeedUnitEnd(i, clean);
   FeedExit({i, world_.actuators[i].pid(), clean, clean ? "exit code 0" : "killed"});
+}
+
+// --- links to other hosts ---
+
+// systemd reports the exit of a process after that it runs, and none of a process that it would
+// only have reported as found: that one is missed by its heartbeats, or started if it was to be.
+void Harness::FeedUnitEnd(ActuatorIndex i, bool clean) {
+  SimActuator& actuator = world_.actuators[i];
+  const std::int32_t pid = actuator.pid();
+  const bool wanted = std::exchange(actuator.wanted, false);
+  const UnitNews news = std::exchange(actuator.unit_news, UnitNews::kNone);
+  if (news == UnitNews::kStarted) {
+    Feed(event::ProcessStarted{i, pid, actuator.core.report.host, false});
+  }
+  if (world_.machine.actuators[i].process.pid == pid) {
+    return Feed(event::ProcessEnded{i, pid, clean, clean ? "exit code 0" : "killed"});
+  }
+  if (wanted) return StartLate(i);
+  const Incarnation incarnation = actuator.core.report.incarnation;
+  Feed(event::HealthChanged{i, incarnation, Health::kCrashed, true, "no heartbeat"});
+}
+
+// Whether heartbeats are expected of it: it has published a status.
+bool Harness::IsMonitored(ActuatorIndex i) const {
+  const KnownActuator& known = world_.machine.actuators[i];
+  return known.report.incarnation != 0 && known.report.incarnation != known.process.dead;
+}
+
+// A start whose end was not reported yet is one that waits.
+void Harness::CutLink(std::size_t host) {
+  Link& link = world_.links[host];
+  link.cut = true;
+  for (const ActuatorIndex i : world_.actuators.Indices()) {
+    if (HostOf(i) != host) continue;
+    SimActuator& actuator = world_.actuators[i];
+    actuator.replies.clear();
+    if (IsMonitored(i)) link.silent_by = world_.now + kSilentWithin;
+    actuator.unit_news = UnitNews::kNone;
+    if (actuator.wanted) actuator.await_by = world_.now + kAwaitedWithin;
+  }
+}
+
+void Harness::RebootHost(std::size_t host) {
+  for (const ActuatorIndex i : world_.actuators.Indices()) {
+    if (HostOf(i) == host && world_.actuators[i].alive) EndProcess(i, false);
+  }
+  ++world_.links[host].boots;
+  CutLink(host);
+}
+
+void Harness::NoticeCut(std::size_t host) {
+  world_.links[host].silent_by.reset();
+  for (const ActuatorIndex i : world_.actuators.Indices()) {
+    if (HostOf(i) != host || !IsMonitored(i)) continue;
+    const Incarnation incarnation = world_.machine.actuators[i].report.incarnation;
+    SimActuator& actuator = world_.actuators[i];
+    actuator.silent = actuator.alive && incarnation == actuator.core.report.incarnation;
+    Feed(event::HealthChanged{i, incarnation, Health::kPartitioned, true, "no heartbeat"});
+  }
+}
+
+// What systemd knows of a process that this controller does not is reported. Signals and starts
+// that have waited are carried out, if they are still wanted.
+void Harness::Reach(std::size_t host) {
+  world_.links[host].cut = false;
+  const Phase phase = world_.machine.phase;
+  for (const ActuatorIndex i : world_.actuators.Indices()) {
+    if (HostOf(i) != host) continue;
+    SimActuator& actuator = world_.actuators[i];
+    actuator.await_by.reset();
+    const ActuatorProcess& known = world_.machine.actuators[i].process;
+    const bool still_ends = phase == Phase::kStopping ||
+                            (known.termination && known.termination->pid == actuator.pid());
+    if (std::exchange(actuator.killed, false) && still_ends) EndProcess(i, false);
+    actuator.status_due = actuator.alive;
+    const bool wanted = std::exchange(actuator.wanted, false);
+    if (actuator.alive) {
+      if (wanted || known.pid != actuator.pid()) actuator.unit_news = UnitNews::kFound;
+    } else if (wanted) {
+      StartLate(i);
+    }
+  }
+}
+
+void Harness::StartLate(ActuatorIndex i) {
+  if (world_.machine.phase != Phase::kStopping) return StartUnit(i);
+  Feed(event::ProcessNotStarted{i, "the machine is torn down", false});
+}
+
+void Harness::FeedUnitNews(ActuatorIndex i) {
+  SimActuator& actuator = world_.actuators[i];
+  const bool found = std::exchange(actuator.unit_news, UnitNews::kNone) == UnitNews::kFound;
+  actuator.wanted = false;
+  Feed(event::ProcessStarted{i, actuator.pid(), actuator.core.report.host, found});
+}
+
+void Harness::FeedWaits(ActuatorIndex i) {
+  world_.actuators[i].await_by.reset();
+  Feed(event::ProcessNotStarted{i, "host " + HostName(i) + " is out of reach", true});
+}
+
+void Harness::FeedHeard(ActuatorIndex i) {
+  SimActuator& actuator = world_.actuators[i];
+  actuator.silent = false;
+  Feed(event::HealthChanged{i, actuator.core.report.incarnation, Health::kWell, false,
+                            "heartbeat received again"});
+}
+
+// The controller finds the processes of its own host at once; those of others are reported.
+event::Begin Harness::BeginHere(const event::Begin& begin) const {
+  event::Begin here = begin;
+  for (const ActuatorIndex i : world_.actuators.Indices()) {
+    if (!IsElsewhere(i)) continue;
+    here.running[i] = false;
+    here.processes[i] = 0;
+  }
+  return here;
+}
+
+event::ProcessesFound Harness::FindProcesses() const {
+  event::ProcessesFound found;
+  const std::size_t count = world_.actuators.size();
+  found.processes.resize(count);
+  if (!world_.links.empty()) {
+    found.hosts.resize(count);
+    found.unreached.resize(count);
+  }
+  for (const ActuatorIndex i : world_.actuators.Indices()) {
+    const SimActuator& actuator = world_.actuators[i];
+    if (IsElsewhere(i)) found.hosts[i] = actuator.core.report.host;
+    if (IsOut(i)) {
+      found.unreached[i] = "it does not answer";
+    } else if (actuator.alive) {
+      found.processes[i] = actuator.pid();
+    }
+  }
+  return found;
+}
+
+void Harness::StartUnit(ActuatorIndex i) {
+  const bool found = world_.actuators[i].alive && !IsOut(i);
+  if (!found && !IsOut(i)) StartActuator(i);
+  SimActuator& actuator = world_.actuators[i];
+  actuator.wanted = true;
+  if (IsOut(i)) {
+    actuator.await_by = world_.now + kAwaitedWithin;
+  } else {
+    actuator.unit_news = found ? UnitNews::kFound : UnitNews::kStarted;
+  }
+}
+
+void Harness::SignalProcess(const action::SignalProcess& signal) {
+  SimActuator& actuator = world_.actuators[signal.actuator];
+  if (!actuator.alive || actuator.pid() != signal.pid) return;
+  if (!IsOut(signal.actuator)) return EndProcess(signal.actuator, false);
+  actuator.killed = true;
 }
 
 void Harness::StartActuator(ActuatorIndex i) {
@@ -101,8 +281,19 @@ void Harness::StartActuator(ActuatorIndex i) {
   next.done = actuator.done;
   actuator = std::move(next);
   actuator.Launch(actuator.processes);
+  if (IsElsewhere(i)) {
+    const int boots = world_.links[HostOf(i)].boots;
+    actuator.core.report.host = HostName(i) + "/" + std::to_string(boots);
+  }
   StepActuator(i, actuator_event::Started{});
   if (world_.stopped && !world_.released) ReceiveStop(i);  // its topic is latched
+}
+
+void Harness::Transmit(const Message& message) {
+  if (!IsOut(message.to)) return Deliver(message);
+  const bool arrives = std::holds_alternative<SwitchCommand>(message.what);
+  if (arrives && world_.actuators[message.to].visible)
+    world_.actuators[message.to].late.emplace_back(message);
 }
 
 void Harness::DeliverLate(const Message& message) {
@@ -156,20 +347,25 @@ void Harness::Crash(ActuatorIndex i) {
   SimActuator& actuator = world_.actuators[i];
   actuator.status_due = false;
   EndProcess(i, false);
-  FeedEnd(i);
+  if (!IsOut(i)) FeedEnd(i);
 }
 
 void Harness::EndProcess(ActuatorIndex i, bool clean) {
   SimActuator& actuator = world_.actuators[i];
   actuator.alive = actuator.visible = false;
   actuator.work = Work::kNone;
+  actuator.silent = actuator.killed = false;
   actuator.end = clean;
 }
 
 void Harness::EngageStop(std::optional<ActuatorIndex> except) {
   world_.stopped = world_.stop_seen_due = true;
   for (const ActuatorIndex i : world_.actuators.Indices()) {
-    if (i != except) ReceiveStop(i);
+    if (IsOut(i) && world_.actuators[i].alive && i != except) {
+      world_.actuators[i].late.emplace_back(StopMessage{});
+    } else if (i != except) {
+      ReceiveStop(i);
+    }
   }
 }
 
@@ -224,6 +420,7 @@ void Harness::Do(ActuatorIndex i, const ActuatorAction& action) {
   } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
     const std::uint64_t token = answer->token.value();
     if (Sender(token & 127) != world_.sender()) return;  // its caller has ended
+    if (IsOut(i)) return;
     actuator.replies.push_back({i, CommandNumber(token >> 8), (token >> 7 & 1) != 0,
                                 answer->verdict, answer->code, answer->message, Report(i)});
   } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
@@ -247,7 +444,11 @@ void Harness::PublishToActuators(const action::PublishEmergencyStop& published) 
       StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, world_.sender(), "", "",
                                                             published.last_command});
     } else if (std::none_of(late.begin(), late.end(), of_stop)) {
-      ReceiveStop(i);
+      if (!IsOut(i)) {
+        ReceiveStop(i);
+      } else if (world_.actuators[i].alive && world_.actuators[i].core.stops.empty()) {
+        world_.actuators[i].late.emplace_back(StopMessage{});
+      }
     }
   }
 }
@@ -256,11 +457,11 @@ void Harness::Do(const Action& action) {
   World& w = world_;
   if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     CheckStart(model_, w, start->actuator, notes_);
+    if (IsElsewhere(start->actuator)) return StartUnit(start->actuator);
     StartActuator(start->actuator);
     Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].pid()});
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
-    const SimActuator& actuator = w.actuators[signal->actuator];
-    if (actuator.alive && actuator.pid() == signal->pid) EndProcess(signal->actuator, false);
+    SignalProcess(*signal);
   } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
     CheckAnswer(model_, w, *answer, notes_);
     const bool switched = answer->result.outcome == SwitchOutcome::kDone ||

@@ -23,13 +23,22 @@ class Harness : public FakeRobot {
   void FeedStatus(ActuatorIndex i);  // with the actuator's present report
   void FeedStatus(event::StatusSeen seen);
   void FeedEnd(ActuatorIndex i);  // of its process
+  // Of a link to another host, and of the actuators there.
+  void NoticeCut(std::size_t host);
+  void Reach(std::size_t host);
+  void FeedUnitNews(ActuatorIndex i);
+  void FeedWaits(ActuatorIndex i);  // for its host
+  void FeedHeard(ActuatorIndex i);
 
   // Events for actuators.
   void StartActuator(ActuatorIndex i);
+  void Transmit(const Message& message);     // unless its host is out of reach
   void DeliverLate(const Message& message);  // its callback is overdue from the start
   void EndCallback(ActuatorIndex i, std::int32_t code, const std::string& text);
   void ReceiveStop(ActuatorIndex i);
   void Crash(ActuatorIndex i);
+  void CutLink(std::size_t host);
+  void RebootHost(std::size_t host);
   // What another machine sends it.
   void ReceiveOtherCommand(ActuatorIndex i, const State& target);
   void ReceiveOtherRelease(ActuatorIndex i);
@@ -41,6 +50,10 @@ class Harness : public FakeRobot {
   World& world() { return world_; }
   const MachineConfig& config() const { return config_; }
   const State& Target() const { return model_.target; }
+  // The other host that it runs on; kHere: none.
+  std::size_t HostOf(ActuatorIndex i) const { return model_.host_of[i]; }
+  const std::string& HostName(ActuatorIndex i) const { return model_.hosts[model_.host_of[i]]; }
+  bool IsOut(ActuatorIndex i) const { return IsOutOfReach(model_, world_, i); }
 
  private:
   void StepController(const Event& event) override;
@@ -51,6 +64,16 @@ class Harness : public FakeRobot {
   void Save(Stored what, SaveNumber save, std::function<void(Disk&)> write) override;
   void Do(const Action& action) override;
   void Do(ActuatorIndex i, const ActuatorAction& action);
+
+  void StepWith(const Event& event);
+  bool IsMonitored(ActuatorIndex i) const;
+  event::Begin BeginHere(const event::Begin& begin) const;
+  event::ProcessesFound FindProcesses() const;
+  void StartUnit(ActuatorIndex i);
+  void StartLate(ActuatorIndex i);  // not in a TearDown
+  void FeedUnitEnd(ActuatorIndex i, bool clean);
+  void SignalProcess(const action::SignalProcess& signal);
+  bool IsElsewhere(ActuatorIndex i) const { return model_.host_of[i] != kHere; }
 
   void PublishToActuators(const action::PublishEmergencyStop& published);
   void EndProcess(ActuatorIndex i, bool clean);

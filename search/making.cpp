@@ -84,7 +84,7 @@ bool IsOver(const World& world, const SimActuator& actuator, const KnownActuator
 void Tidy(Harness& harness) {
   World& world = harness.world();
   if (world.faults_left == 0) {
-    for (const Message& message : std::exchange(world.outbox, {})) harness.Deliver(message);
+    for (const Message& message : std::exchange(world.outbox, {})) harness.Transmit(message);
   }
   const bool stopped = world.machine.phase == Phase::kStopped;
   for (const ActuatorIndex i : world.actuators.Indices()) {
@@ -96,12 +96,18 @@ void Tidy(Harness& harness) {
     if (IsKnown(world, known, report) || IsAwaited(world, actuator, known)) {
       actuator.status_due = false;
     }
+    if (harness.IsOut(i)) actuator.status_due = false;  // due once it is reached
     if (!stopped) continue;
     actuator.status_due = false;
     actuator.replies.clear();
     actuator.end.reset();
     std::erase_if(actuator.late, FromActuator);
+    actuator.unit_news = UnitNews::kNone;
+    actuator.wanted = actuator.killed = actuator.silent = false;
+    actuator.await_by.reset();
   }
+  if (!stopped) return;
+  for (Link& link : world.links) link.silent_by.reset();
 }
 
 // The names of other actuators, with those of `one` and `other` exchanged; their order is none.
@@ -153,6 +159,9 @@ class ChoiceMaker {
       return Status();
     if (choice_.kind >= ChoiceKind::kLose && choice_.kind <= ChoiceKind::kUnannounced)
       return Sent();
+    if (choice_.kind >= ChoiceKind::kSilence && choice_.kind <= ChoiceKind::kHeard) return OfLink();
+    if (choice_.kind == ChoiceKind::kCutLink || choice_.kind == ChoiceKind::kRebootHost)
+      return LoseHost();
     Simple();
   }
 
@@ -225,6 +234,38 @@ class ChoiceMaker {
     }
   }
 
+  void OfLink() {
+    const std::size_t host = harness_.HostOf(i_);
+    switch (choice_.kind) {
+      case ChoiceKind::kSilence:
+        harness_.Log("the controller notices that host " + harness_.HostName(i_) +
+                     " is out of reach");
+        return harness_.NoticeCut(host);
+      case ChoiceKind::kReach:
+        harness_.Log("host " + harness_.HostName(i_) + " is reached again");
+        return harness_.Reach(host);
+      case ChoiceKind::kUnitNews:
+        harness_.Log("host " + harness_.HostName(i_) + " reports the process of " + name());
+        return harness_.FeedUnitNews(i_);
+      case ChoiceKind::kAwait:
+        harness_.Log("the start of " + name() + " waits for host " + harness_.HostName(i_));
+        return harness_.FeedWaits(i_);
+      default:
+        harness_.Log("heartbeats of " + name() + " arrive again");
+        return harness_.FeedHeard(i_);
+    }
+  }
+
+  void LoseHost() {
+    const std::size_t host = harness_.HostOf(i_);
+    if (choice_.kind == ChoiceKind::kRebootHost) {
+      harness_.Log("FAULT: host " + harness_.HostName(i_) + " goes down, and boots again");
+      return harness_.RebootHost(host);
+    }
+    harness_.Log("FAULT: the link to host " + harness_.HostName(i_) + " is cut");
+    harness_.CutLink(host);
+  }
+
   void PassTime() {
     const Time next = *NextDeadline(harness_.config(), world_.machine);
     harness_.Log(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
@@ -278,13 +319,14 @@ class ChoiceMaker {
       case ChoiceKind::kDuplicate:
         actuator().late.emplace_back(message);
         harness_.Log("FAULT: duplicated: " + Text(message));
-        return harness_.Deliver(message);
+        return harness_.Transmit(message);
       case ChoiceKind::kUnannounced:
         harness_.Log("FAULT: before the controller was announced: " + Text(message));
         return harness_.Deliver(message, false);
       default:
-        harness_.Log(Text(message));
-        return harness_.Deliver(message);
+        harness_.Log(Text(message) +
+                     (harness_.IsOut(i_) ? ", while its host is out of reach" : ""));
+        return harness_.Transmit(message);
     }
   }
 
@@ -391,6 +433,11 @@ Model::Model(MachineConfig machine, State wanted, Rules decisions)
       kinds(config.actuators.size()) {
   MUSHER_CHECK(config.actuators.size() <= kMostSearchedActuators, "too many actuators to search");
   for (const ActuatorIndex i : config.actuators.Indices()) {
+    host_of.push_back(kHere);
+    if (const std::string& host = config.actuators[i].host; !host.empty()) {
+      host_of[i] = static_cast<std::size_t>(std::ranges::find(hosts, host) - hosts.begin());
+      if (host_of[i] == hosts.size()) hosts.push_back(host);
+    }
     kinds[i] = i;
     for (ActuatorIndex k; k < i && kinds[i] == i; ++k) {
       if (AreAlike(config, k, i)) kinds[i] = k;
@@ -402,6 +449,7 @@ World NewWorld(const Model& model) {
   World world;
   world.machine = MakeMachine(model.config);
   world.actuators.resize(model.config.actuators.size());
+  world.links.resize(model.hosts.size());
   return world;
 }
 

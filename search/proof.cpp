@@ -419,9 +419,9 @@ std::vector<std::string> LeftOutOf(const MachineConfig& config) {
   add_if(config.permit.has_value(), "[safety] permit_ms");
   add_if(!config.capabilities.empty(), "[capability]");
   add_if(config.ros2.started_by_manager, "[ros2] start = \"manager\"");
-  add_if(config.transport == TransportProfile::kLan, "[transport]: all run on one host");
+  add_if(config.transport == TransportProfile::kLan,
+         "[transport]: actuators without `host` run on the controller's");
   add_if(!config.keys.empty(), "[security]");
-  add_of("host", [](const ActuatorConfig& actuator) { return !actuator.host.empty(); });
   add_of("restart_prevent_exit_codes (a process ends without an exit code)",
          [](const ActuatorConfig& actuator) {
            return actuator.restart.prevent_exit_codes != RestartConfig().prevent_exit_codes;
@@ -443,9 +443,7 @@ MachineConfig SearchableConfig(const MachineConfig& config) {
   searched.view.reset();
   searched.capabilities.clear();
   searched.ros2.started_by_manager = false;
-  searched.hosts.clear();
   for (ActuatorConfig& actuator : searched.actuators) {
-    actuator.host.clear();
     actuator.limits = {};
     actuator.protocol = Protocol::kMusher;
     actuator.ros2_states.clear();

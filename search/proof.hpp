@@ -3,8 +3,9 @@
 // machine reaches to every state that its flow allows, and of its start; first without a fault,
 // then with one, and so on.
 //
-// What the search leaves out of a config: LeftOutOf(). All actuators run on one host, in a process
-// each, and speak Musher's protocol. docs/proof.md says what a proof is worth.
+// What the search leaves out of a config: LeftOutOf(). Actuators with `host` run on other hosts,
+// all others on the controller's, in a process each; they speak Musher's protocol. docs/proof.md
+// says what a proof is worth.
 
 #include <functional>
 #include <optional>

@@ -38,6 +38,16 @@ bool EndIsUnknown(const SimActuator& actuator) {
   return !actuator.alive && actuator.end.has_value();
 }
 
+// Whether the machine has to go on without it: its process has exited, or it was in use and is out
+// of reach. One that has never run was not lost.
+bool IsLost(const Model& model, const World& world, ActuatorIndex i) {
+  const SimActuator& actuator = world.actuators[i];
+  if (!actuator.alive) return actuator.processes > 0 || model.host_of[i] == kHere;
+  return IsOutOfReach(model, world, i) &&
+         world.machine.actuators[i].presence != Presence::kPresent &&
+         model.config.RankOf(actuator.core.report.state).has_value();
+}
+
 bool IsOfLaterStage(const MachineConfig& config, ActuatorIndex i) {
   return std::ranges::any_of(config.actuators, [&](const ActuatorConfig& other) {
     return other.stage < config.actuators[i].stage;
@@ -58,6 +68,12 @@ void CheckDone(const Model& model, const World& world, const SwitchResult& resul
     if (!model.config.actuators[i].Lists(result.target)) continue;
     // TearDown need not wait for an actuator that is not attached to the controller.
     const bool follows = world.machine.actuators[i].presence == Presence::kPresent;
+    const bool runs_on = IsOutOfReach(model, world, i) && actuator.alive &&
+                         report.state != kTearDown && !Listed(result, name);
+    if (result.target == kTearDown && runs_on) {
+      notes.violations.push_back("TearDown is reported as done while " + name +
+                                 " runs on a host out of reach");
+    }
     // One of a later stage that comes up meanwhile joins the machine after the switch.
     const bool joins = IsOfLaterStage(model.config, i) && !model.config.RankOf(report.state);
     if (world.in_start && joins) continue;
@@ -115,7 +131,7 @@ void CheckFallback(const Model& model, const World& world, ActuatorIndex i, Note
   if (!world.actuators[i].alive || own.Lists(place) || !IsHigher(config, state, place)) return;
   if (IsRequested(world, place) || place == world.from) return;
   for (const ActuatorIndex k : world.actuators.Indices()) {
-    if (world.actuators[k].alive || config.actuators[k].on_lost != place) continue;
+    if (!IsLost(model, world, k) || config.actuators[k].on_lost != place) continue;
     notes.violations.push_back(own.name + " stays in " + state + " while the machine is in " +
                                place + ", the on_lost of " + config.actuators[k].name +
                                ", which is lost: " + place + " is not among the states of " +
@@ -174,19 +190,24 @@ void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& 
     notes.violations.push_back("in a stable state " + own.name + " is held by a released stop, " +
                                "although the switch has been requested again");
   }
+  if (IsOutOfReach(model, world, i) && actuator.alive && known.presence == Presence::kPresent) {
+    notes.violations.push_back("in a stable state " + own.name +
+                               " is out of reach, but the controller has it as present");
+  }
   const bool knows = known.state() == state && known.report.busy() == actuator.core.report.busy();
   if (actuator.alive && !known.fault && !knows) {
     notes.violations.push_back("in a stable state " + own.name + " is in " + state +
                                ", but the controller has it in " + known.state());
   }
-  if (!own.on_lost.empty() && !actuator.alive && place && *place > *config.RankOf(own.on_lost)) {
+  const bool lost = IsLost(model, world, i);
+  if (!own.on_lost.empty() && lost && place && *place > *config.RankOf(own.on_lost)) {
     // A person may continue without an actuator that is not critical.
     const bool continued =
         !own.critical && world.requests.size() > 1 && IsRequested(world, machine.state);
     if (continued) return;
     notes.violations.push_back(own.name + " is lost, and the machine is in " + machine.state);
   }
-  const bool gone = !actuator.alive && known.presence != Presence::kPresent && place;
+  const bool gone = lost && known.presence != Presence::kPresent && place;
   const bool of_later_stage = known.presence == Presence::kAbsent && machine.emergency.stop;
   // What was torn down and has not come back was not lost.
   const bool torn_down = IsRequested(world, State(kTearDown));
@@ -287,8 +308,9 @@ bool DependOnEachOther(const MachineConfig& config) {
   });
 }
 
-// Without an order among the actuators each fault makes at most one degraded; an emergency stop all
-// that it holds below or beside the state of the machine, until that is requested again.
+// Without an order among the actuators each fault makes at most one degraded, or all those of a
+// host; an emergency stop all that it holds below or beside the state of the machine, until that is
+// requested again.
 void CheckDegraded(const Model& model, const World& world, Notes& notes) {
   const auto names = Degraded(model.config, world.machine);
   const auto degraded = std::ranges::count_if(names, [&](const std::string& name) {
@@ -299,7 +321,12 @@ void CheckDegraded(const Model& model, const World& world, Notes& notes) {
     return !ended || world.repeat != Repeat::kNotYet;
   });
   if (IsRequested(world, State(kTearDown))) return;  // an actuator that has exited counts as absent
-  if (DependOnEachOther(model.config) || degraded <= world.faults - world.faults_left) return;
+  std::ptrdiff_t of_a_fault = 1;
+  for (std::size_t host = 0; host < model.hosts.size(); ++host) {
+    of_a_fault = std::max(of_a_fault, std::ranges::count(model.host_of, host));
+  }
+  const auto most = of_a_fault * (world.faults - world.faults_left);
+  if (DependOnEachOther(model.config) || degraded <= most) return;
   notes.violations.push_back(std::to_string(degraded) +
                              " actuators are degraded, more than had a fault");
 }

@@ -30,6 +30,19 @@
 //   - An emergency stop reaches all actuators at once, also between two commands of one wave; the
 //     controller receives it at any time. An actuator that receives it later is another fault.
 //   - Before the first request the only fault is an emergency stop: the rest is another start.
+//
+// Actuators with `host` run on other hosts, whose systemd starts them and reports their exits by
+// the link to it. While the link is cut, or the host boots again:
+//   - The controller notices it within a time (Link::silent_by), before or after any deadline until
+//     then, of all actuators of the host in one step. A link that works again before that has lost
+//     or delayed single messages, which are other faults.
+//   - Commands are held: each arrives at any time after the link works again, or never. Queries and
+//     replies are lost, statuses and stops are latched, exits are reported afterwards.
+//   - It works again at any time, or never. Its systemd and the latched statuses are reached then in
+//     any order.
+//   - Where the controller has ended, neither changes anything that is checked.
+//   - It is cut between two commands of one step only before one to that host: it commutes with the
+//     others.
 // Actuators are interchangeable where the config stays the same when their names are exchanged: of
 // states that differ by their names only one is searched (fingerprint.hpp).
 
@@ -56,6 +69,10 @@ using Late = std::variant<Message, event::Replied, event::StatusSeen, StopMessag
 
 enum class Work { kNone, kRunning, kOverdue };
 
+// What the systemd of another host is about to report of a process that runs there: the controller
+// has started it, or it is found running.
+enum class UnitNews : std::uint8_t { kNone, kStarted, kFound };
+
 struct SimActuator : FakeActuator {
   Work work = Work::kNone;
   bool stop_requested = false;  // of the running callback
@@ -65,6 +82,12 @@ struct SimActuator : FakeActuator {
   std::vector<event::Replied> replies;
   std::optional<bool> end;  // of its process, cleanly or not, on its way to the controller
   std::vector<Late> late;
+  // On another host.
+  UnitNews unit_news = UnitNews::kNone;
+  bool wanted = false;           // it is to be started, which was not reported yet
+  std::optional<Time> await_by;  // by then it is reported that this waits for its host
+  bool killed = false;           // it is, once its host is reached
+  bool silent = false;           // the controller was told, and receives heartbeats once it can
   // For the rules of commands: the highest epoch and numbers so far.
   Epoch epoch = 0;
   CommandNumber begun = 0;    // of a begun callback
@@ -76,6 +99,13 @@ struct Request {
   State target;
   int replies = 0;
   bool abandoned = false;  // its controller has ended, which the caller knows
+};
+
+// To another host.
+struct Link {
+  bool cut = false;
+  std::optional<Time> silent_by;  // the controller has not noticed the cut yet, but does by then
+  int boots = 0;                  // of the host, since the machine started
 };
 
 // The same switch, requested again after the release of the stop.
@@ -100,6 +130,7 @@ struct World : FakeController {
   // A supervisor has started the controller after a TearDown, and no person has since.
   bool stays_down = false;
   Repeat repeat = Repeat::kNotYet;
+  std::vector<Link> links;  // to Model::hosts
 };
 
 enum class ChoiceKind : std::uint8_t {
@@ -117,6 +148,12 @@ enum class ChoiceKind : std::uint8_t {
   kRepeat,        // and then requests the same switch again
   kTime,          // to the next deadline
   kLate,          // a delayed message arrives
+  // Of the link to another host: to that of the actuator.
+  kSilence,   // the controller notices that it is cut
+  kReach,     // it works again
+  kUnitNews,  // systemd reports the actuator's process
+  kAwait,     // the actuator's start waits for the host, which is reported
+  kHeard,     // heartbeats of the actuator arrive again
   // Each of these is a fault.
   kLose,
   kHold,
@@ -145,7 +182,10 @@ enum class ChoiceKind : std::uint8_t {
   kOtherCommand,    // to an actuator, with a higher epoch, unannounced
   kOtherRelease,    // of the emergency stop, to an actuator
   kOtherHeartbeat,  // to the controller, with a lower epoch
+  kCutLink,         // to the host of the actuator
+  kRebootHost,      // that of the actuator
 };
+static_assert(static_cast<int>(ChoiceKind::kRebootHost) < 64, "Model::faults has a bit for each");
 
 struct Choice {
   ChoiceKind kind = ChoiceKind::kRequest;
@@ -177,6 +217,8 @@ constexpr std::uint64_t OnlyFaults(std::initializer_list<ChoiceKind> kinds) {
   return bits;
 }
 
+inline constexpr std::size_t kHere = ~std::size_t{0};
+
 struct Model {
   explicit Model(MachineConfig machine, State wanted = {}, Rules decisions = {});
 
@@ -184,6 +226,8 @@ struct Model {
   State target;  // of the first request
   Rules rules;
   PerActuator<ActuatorIndex> kinds;      // equal for interchangeable actuators
+  std::vector<std::string> hosts;        // beside the controller's
+  PerActuator<std::size_t> host_of;      // among them; kHere: the controller's
   std::uint64_t faults = kAllFaults;     // the kinds that are choices, a bit for each
   bool releases = false;                 // whether kRelease and kRepeat are choices
   bool releases_early = false;           // whether kRelease is one while anything is under way
@@ -199,6 +243,12 @@ struct Notes {
   // Of each rule of the user, where these are to be counted.
   std::vector<RuleCoverage>* rule_coverage = nullptr;
 };
+
+// Whether the actuator is on a host to which the link is cut.
+inline bool IsOutOfReach(const Model& model, const World& world, ActuatorIndex i) {
+  const std::size_t host = model.host_of[i];
+  return host != kHere && world.links[host].cut;
+}
 
 // All choices in this state. Faults only while some are left.
 std::vector<Choice> Choices(const Model& model, const World& world);

@@ -19,7 +19,7 @@ class PlantedFault : public ::testing::Test {
               const Scenario& machine = ScenarioNamed("Parallel")) {
     const Model correct(machine.config, to);
     Model model(correct.config, to, std::move(rules));
-    model.releases = true;
+    model.releases = releases_;
     model.other_machine = other_machine_;
     model.faults = faults_;
     World root = WorldIn(correct, from);
@@ -28,6 +28,7 @@ class PlantedFault : public ::testing::Test {
     if (searched_.fault) scenario_ = ScenarioOf(model, root, searched_.fault->path);
   }
 
+  bool releases_ = true;
   bool other_machine_ = false;
   std::uint64_t faults_ = kAllFaults;
   Searched searched_;
@@ -307,6 +308,75 @@ TEST_F(PlantedFault, FindsARestartBySupervisorThatStartsTheMachineAfterATearDown
          "Active", "TearDown", 1, ScenarioNamed("Restarted"));
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("after a TearDown, by no person")));
+}
+
+// The controller hears nothing of another host, and takes no notice of that.
+TEST_F(PlantedFault, FindsAHostOutOfReachThatIsNotNoticed) {
+  releases_ = false;
+  Search(WithEvent<event::HealthChanged>(
+             [](event::HealthChanged& changed, const Machine&) { changed.incarnation = 0; }),
+         "Active", "Active", 1, TwoHosts());
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("the link to host board is cut"));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("the controller has it as present")));
+}
+
+// b is critical: without it the machine has to go to Protected.
+TEST_F(PlantedFault, FindsAMachineThatStaysActiveWithoutAHost) {
+  releases_ = false;
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    const bool lost = std::holds_alternative<event::HealthChanged>(event);
+    MachineConfig without = config;
+    if (lost) without.actuators[1].on_lost = "Active";
+    return Step(without, machine, event, now);
+  };
+  Search(rules, "Active", "Active", 1, TwoHosts());
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("the controller notices that host board is out of reach"));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("b is lost, and the machine is in Active")));
+}
+
+TEST_F(PlantedFault, FindsATearDownThatIsDoneBesideAHostOutOfReach) {
+  releases_ = false;
+  faults_ = OnlyFaults({ChoiceKind::kCutLink});
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    auto actions = Step(config, machine, event, now);
+    for (Action& action : actions) {
+      auto* answer = std::get_if<action::AnswerSetState>(&action);
+      if (answer == nullptr || answer->result.target != kTearDown) continue;
+      answer->result.outcome = SwitchOutcome::kDone;
+      answer->result.degraded.clear();
+      answer->result.actuators.clear();
+    }
+    return actions;
+  };
+  Search(rules, "Active", "TearDown", 1, TwoHosts());
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("the link to host board is cut"));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("TearDown is reported as done while b runs")));
+}
+
+// An actuator that stores no numbers: one fault is enough, which holds its command.
+TEST_F(PlantedFault, FindsAnOutdatedCommandOfACutLink) {
+  releases_ = false;
+  faults_ = OnlyFaults({ChoiceKind::kCutLink});
+  Rules rules;
+  rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,
+                      Time now) {
+    if (std::holds_alternative<actuator_event::SwitchArrived>(event)) {
+      core.report.number = core.report.outcome_number = 0;
+    }
+    return Step(config, i, core, event, now);
+  };
+  Search(rules, "Active", "LowPower", 1, TwoHosts());
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("host board is reached again"));
+  EXPECT_THAT(scenario_, HasSubstr("a delayed message arrives"));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("which is outdated")));
 }
 
 TEST_F(PlantedFault, ReportsTheShortestScenario) {

@@ -11,6 +11,7 @@
 #include "musher/search/fingerprint_set.hpp"
 #include "musher/search/rules.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
+#include "musher/test/search/scenarios.hpp"
 
 namespace musher::search::proof_test {
 
@@ -326,6 +327,72 @@ TEST(ProofOfAConfig, FindsAnActuatorThatIsLostWithoutOnLost) {
   EXPECT_THAT(proof.counter_example->violations, Contains(HasSubstr("b has no on_lost")));
 }
 
+// --- other hosts ---
+
+TEST(OtherHosts, AreCutOffAndBootAgainAsOneFault) {
+  const Proof proof = ProofOf(TwoHosts().config, 1);
+  EXPECT_EQ(proof.end, ProofEnd::kProved) << Sentences(proof);
+  EXPECT_THAT(LeftOutOf(TwoHosts().config),
+              ElementsAre("[transport]: actuators without `host` run on the controller's"));
+  MachineConfig on_one = TwoHosts().config;
+  on_one.actuators[1].host.clear();
+  EXPECT_GT(proof.figures.nodes, ProofOf(on_one, 1).figures.nodes);
+}
+
+// The robot may go on without b, which its config does not say.
+TEST(OtherHosts, NeedAnOnLostOfTheirActuators) {
+  MachineConfig config = TwoHosts().config;
+  config.actuators[1].critical = false;
+  config.actuators[1].on_lost = {};
+  const Proof proof = ProofOf(config, 1);
+  ASSERT_EQ(proof.end, ProofEnd::kViolated);
+  EXPECT_THAT(Sentences(proof), HasSubstr("host board is out of reach"));
+  EXPECT_THAT(proof.counter_example->violations, Contains(HasSubstr("b has no on_lost")));
+  config.actuators[1].on_lost = "Active";
+  EXPECT_EQ(ProofOf(config, 1).end, ProofEnd::kProved);
+}
+
+// A machine of two hosts in Active, after a fault that the controller has noticed.
+class AfterTheLossOfAHost : public ::testing::Test {
+ protected:
+  void Lose(ChoiceKind fault) {
+    world_.faults = world_.faults_left = 1;
+    for (const ChoiceKind kind : {ChoiceKind::kRequest, fault, ChoiceKind::kSilence}) {
+      const std::vector<Choice> choices = Choices(model_, world_);
+      const auto next = std::ranges::find(choices, kind, &Choice::kind);
+      ASSERT_NE(next, choices.end()) << static_cast<int>(kind);
+      Make(model_, world_, *next, notes_);
+    }
+    EXPECT_FALSE(world_.machine.actuators[1].presence == Presence::kPresent);
+  }
+  void ExpectBothInProtected() {
+    EXPECT_TRUE(RunUntilStable(model_, world_, notes_));
+    EXPECT_THAT(notes_.violations, IsEmpty());
+    EXPECT_EQ(world_.machine.state, kProtected);
+    for (const SimActuator& actuator : world_.actuators) {
+      EXPECT_TRUE(actuator.alive);
+      EXPECT_EQ(actuator.core.report.state, kProtected);
+    }
+  }
+
+  const Model model_{TwoHosts().config, State(kActive)};
+  World world_ = WorldIn(model_, State(kActive));
+  Notes notes_;
+};
+
+TEST_F(AfterTheLossOfAHost, TheSameProcessIsUsedOnceItIsReachedAgain) {
+  Lose(ChoiceKind::kCutLink);
+  ExpectBothInProtected();
+  EXPECT_EQ(world_.actuators[1].processes, 1);
+}
+
+TEST_F(AfterTheLossOfAHost, ANewProcessIsStartedOnceItHasBootedAgain) {
+  Lose(ChoiceKind::kRebootHost);
+  ExpectBothInProtected();
+  EXPECT_EQ(world_.actuators[1].processes, 2);
+  EXPECT_EQ(world_.actuators[1].core.report.host, "board/1");
+}
+
 // --- depth first and breadth first ---
 
 TEST(DepthFirst, VisitsTheSameNodesAsBreadthFirst) {
@@ -582,15 +649,16 @@ TEST(SearchableConfig, HasNoPolicyAndNoOtherProtocol) {
   EXPECT_EQ(searched.actuators[0].command, searched.actuators[1].command);
 }
 
-// Where a process runs, and what it may use, is left out; without that two actuators may be alike.
-TEST(SearchableConfig, HasOneHost) {
-  MachineConfig config = testing::Ours(2);
+// What a process may use is left out; without that two actuators of a host may be alike.
+TEST(SearchableConfig, HasTheHostsOfItsActuators) {
+  MachineConfig config = testing::Ours(3);
   config.hosts.push_back({"board", "10.0.0.2", "", "", ""});
-  config.actuators[1].host = "board";
-  config.actuators[1].limits.nice = 5;
+  config.actuators[1].host = config.actuators[2].host = "board";
+  config.actuators[2].limits.nice = 5;
   const Model model(SearchableConfig(config));
-  EXPECT_EQ(model.kinds[1], model.kinds[0]);
-  EXPECT_TRUE(model.config.hosts.empty());
+  EXPECT_THAT(model.hosts, ElementsAre("board"));
+  EXPECT_EQ(model.kinds[2], model.kinds[1]);
+  EXPECT_NE(model.kinds[1], model.kinds[0]);
 }
 
 TEST(SearchableConfig, SaysWhatIsLeftOutOfIt) {
@@ -611,7 +679,7 @@ TEST(SearchableConfig, SaysWhatIsLeftOutOfIt) {
   EXPECT_THAT(
       LeftOutOf(config),
       ElementsAre("[policy]", "[safety] permit_ms", "[capability]", "[ros2] start = \"manager\"",
-                  "[transport]: all run on one host", "[security]", "host of b",
+                  "[transport]: actuators without `host` run on the controller's", "[security]",
                   "restart_prevent_exit_codes (a process ends without an exit code) of a",
                   "checkpoints of a, b", "controller_lost_ms of b",
                   "protocol (Musher's is searched) of a"));

@@ -37,6 +37,15 @@ MachineConfig WithRestarts() {
   return config;
 }
 
+MachineConfig WithAnotherHost() {
+  MachineConfig config = testing::OursWithCriticalB(2);
+  ActuatorNamed(config, "a").on_lost = "Active";
+  ActuatorNamed(config, "b").host = "board";
+  config.hosts.emplace_back().name = "board";
+  config.transport = TransportProfile::kLan;
+  return config;
+}
+
 bool IsStable(const State& state) {
   static const std::vector<State> places = {"Active", "Protected", "DeActive", "LowPower", "OTA"};
   return std::find(places.begin(), places.end(), state) != places.end();
@@ -56,6 +65,11 @@ const std::vector<Scenario>& Scenarios() {
 const Scenario& EqualRanks() {
   static const Scenario equal_ranks = {"EqualRanks", testing::WithDancing(MachineOf(kActuators))};
   return equal_ranks;
+}
+
+const Scenario& TwoHosts() {
+  static const Scenario two_hosts = {"TwoHosts", WithAnotherHost()};
+  return two_hosts;
 }
 
 const Scenario& ScenarioNamed(const std::string& name) {

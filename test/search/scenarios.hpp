@@ -17,6 +17,8 @@ struct Scenario {
 const std::vector<Scenario>& Scenarios();
 // With Dancing, a state of its own that is as active as Active.
 const Scenario& EqualRanks();
+// a runs on the controller's host and b, which is critical, on another one.
+const Scenario& TwoHosts();
 const Scenario& ScenarioNamed(const std::string& name);
 
 // Every state of the machine, in CyberDog's order.

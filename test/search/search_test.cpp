@@ -155,6 +155,26 @@ TEST(ExhaustiveSearchBesideAnotherMachine, FindsNoViolation) {
   }
 }
 
+// With an actuator on another host, whose link is cut and works again, and which boots again.
+TEST(ExhaustiveSearchOfTwoHosts, FindsNoViolation) {
+  std::vector<std::pair<State, State>> switches = {
+      {"Active", "Active"}, {"Active", "LowPower"}, {"LowPower", "Active"}, {"Active", "TearDown"}};
+  if (musher::testing::Nightly()) {
+    switches.emplace_back("Protected", "DeActive");
+    switches.emplace_back("DeActive", "Active");
+    switches.emplace_back("Active", "SelfCheck");
+  }
+  for (const auto& [from, to] : switches) {
+    const Model model(TwoHosts().config, to);
+    World root = WorldIn(model, from);
+    root.faults = root.faults_left = FaultsOf(TwoHosts());
+    const Searched searched = SearchAll(model, root);
+    EXPECT_FALSE(searched.fault) << "from " << from << " to " << to << "\n"
+                                 << ScenarioOf(model, root, searched.fault->path);
+    std::cout << from << " to " << to << ": " << searched.figures.nodes << " nodes\n";
+  }
+}
+
 // While the start leads to Active. Where b is critical, it can fail there.
 TEST(ExhaustiveSearchOfAStart, FindsNoViolation) {
   for (const Scenario& scenario : Scenarios()) {
