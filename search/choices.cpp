@@ -36,12 +36,16 @@ class ChoiceList {
       return std::move(choices_);
     }
     for (const ActuatorIndex i : world_.actuators.Indices()) ListActuator(i);
+    if (world_.battery_due && Leads()) Free(ChoiceKind::kBattery);
     if (world_.stop_seen_due && Leads()) Free(ChoiceKind::kSeeStop);
     ListTime();
     if (world_.faults_left > 0 && Leads()) {
       ListStarts();
       Fault(ChoiceKind::kRequestError);
-      if (world_.machine.phase != Phase::kStopping) Fault(ChoiceKind::kRequestTearDown);
+      if (world_.machine.phase != Phase::kStopping) {
+        Fault(ChoiceKind::kRequestTearDown);
+        ListBattery();
+      }
     }
     if (model_.other_machine) ListOtherMachine();
     for (std::size_t host = 0; host < world_.links.size(); ++host) ListLink(host);
@@ -56,9 +60,10 @@ class ChoiceList {
     choices_.push_back(
         {kind, static_cast<std::uint8_t>(i.value()), static_cast<std::uint8_t>(index), 0});
   }
-  void Fault(ChoiceKind kind, ActuatorIndex i = 0) {
+  void Fault(ChoiceKind kind, ActuatorIndex i = 0, std::size_t index = 0) {
     if (world_.faults_left > 0 && IsSearched(kind))
-      choices_.push_back({kind, static_cast<std::uint8_t>(i.value()), 0, 1});
+      choices_.push_back(
+          {kind, static_cast<std::uint8_t>(i.value()), static_cast<std::uint8_t>(index), 1});
   }
 
   bool IsSearched(ChoiceKind fault) const {
@@ -102,6 +107,14 @@ class ChoiceList {
     if (Leads() && world_.machine.epoch > 0) Fault(ChoiceKind::kOtherHeartbeat);
   }
 
+  void ListBattery() {
+    if (!model_.config.policy) return;
+    const std::vector<std::int32_t> levels = BatteryLevels(model_.config);
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      if (!world_.battery || levels[k] < *world_.battery) Fault(ChoiceKind::kBatteryFalls, 0, k);
+    }
+  }
+
   // Of the release of a stop with another host nothing is searched.
   void ListLink(std::size_t host) {
     if (!Leads() || model_.releases) return;
@@ -131,8 +144,9 @@ class ChoiceList {
   void ListActuator(ActuatorIndex i) {
     const SimActuator& actuator = world_.actuators[i];
     if (IsOut(i)) return ListOutOfReach(i);
-    if (actuator.unit_news != UnitNews::kNone && !actuator.end) Free(ChoiceKind::kUnitNews, i);
-    if (actuator.silent) Free(ChoiceKind::kHeard, i);
+    if (actuator.unit_report != UnitReport::kNone && !actuator.end)
+      Free(ChoiceKind::kUnitReport, i);
+    if (actuator.silent) Free(ChoiceKind::kHeartbeat, i);
     if (actuator.end) Free(ChoiceKind::kEnd, i);
     for (std::size_t k = 0; k < actuator.late.size(); ++k) Free(ChoiceKind::kLate, i, k);
     if (!actuator.replies.empty()) {
@@ -186,7 +200,7 @@ class ChoiceList {
     const SimActuator& actuator = world_.actuators[i];
     if (IsOut(i)) return false;
     return actuator.end || actuator.status_due || !actuator.replies.empty() || actuator.silent ||
-           actuator.unit_news != UnitNews::kNone;
+           actuator.unit_report != UnitReport::kNone;
   }
 
   // Whether a host that is out of reach is noticed before `next`.
@@ -201,7 +215,7 @@ class ChoiceList {
 
   // Time passes when no message is under way; a callback that still runs then is overdue.
   void ListTime() {
-    if (world_.stop_seen_due && Leads()) return;
+    if ((world_.stop_seen_due || world_.battery_due) && Leads()) return;
     std::uint8_t cost = 0;
     for (const ActuatorIndex i : world_.actuators.Indices()) {
       if (IsSending(i)) return;
@@ -219,6 +233,12 @@ class ChoiceList {
 };
 
 }  // namespace
+
+std::vector<std::int32_t> BatteryLevels(const MachineConfig& config) {
+  if (!config.policy || !config.policy->battery) return {};
+  const BatteryPolicy& battery = *config.policy->battery;
+  return {battery.protected_at, battery.low_power_at, battery.tear_down_at};
+}
 
 std::vector<Choice> Choices(const Model& model, const World& world) {
   return ChoiceList(model, world).Make();

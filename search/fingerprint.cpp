@@ -260,7 +260,7 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, known, reply);
   AddLate(mixer, known, a.late);
-  mixer.Add(a.unit_news, a.wanted, a.await_by, a.killed, a.silent);
+  mixer.Add(a.unit_report, a.wanted, a.await_by, a.killed, a.silent);
   for (std::size_t k = 0; k < world.outbox.size(); ++k) {
     if (world.outbox[k].to == i) mixer.Add(k, world.outbox[k]);
   }
@@ -284,7 +284,7 @@ Identity IdentityOf(const Model& model, const World& w) {
   std::sort(actuators.begin(), actuators.end());
   mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.disk.epoch,
             w.disk.stop_intent, w.stays_down, w.at_start, w.stopped, w.stop_seen_due, w.released,
-            w.repeat);
+            w.repeat, w.battery, w.battery_due);
   for (const Link& link : w.links) mixer.Add(link.cut, link.silent_by, link.boots);
   mixer.Add(m, m.policy.clock.time_since_epoch().count(), m.emergency.stop.has_value(),
             m.emergency.others.size());

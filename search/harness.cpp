@@ -76,15 +76,25 @@ void Harness::RestartController(bool by_person) {
     actuator.end.reset();
     actuator.status_due = actuator.alive;  // latched for the next controller
     std::erase_if(actuator.late, FromActuator);
-    actuator.unit_news = UnitNews::kNone;
+    actuator.unit_report = UnitReport::kNone;
     actuator.wanted = actuator.killed = actuator.silent = false;
     actuator.await_by.reset();
   }
   for (Link& link : w.links) link.silent_by.reset();
+  w.battery_due = w.battery.has_value();
   for (const ActuatorIndex i : w.actuators.Indices()) {
-    if (IsElsewhere(i) && w.actuators[i].alive) w.actuators[i].unit_news = UnitNews::kFound;
+    if (IsElsewhere(i) && w.actuators[i].alive) w.actuators[i].unit_report = UnitReport::kFound;
   }
   BeginController(false, /*restarted=*/!by_person, /*supervised=*/!by_person);
+}
+
+// One sample lowers the machine; so many decide that the battery is empty.
+void Harness::FeedBattery() {
+  world_.battery_due = false;
+  const bool empty = *world_.battery == BatteryLevels(config_).back();
+  for (int sample = 0; sample < (empty ? kConfirmingSamples : 1); ++sample) {
+    Feed(event::BatterySeen{*world_.battery, false, 0});
+  }
 }
 
 void Harness::FeedReply(ActuatorIndex i) {
@@ -97,7 +107,7 @@ void Harness::FeedReply(ActuatorIndex i) {
 void Harness::FeedStatus(ActuatorIndex i) {
   world_.actuators[i].status_due = false;
   FeedStatus(event::StatusSeen{i, Report(i)});
-  if (world_.actuators[i].silent) FeedHeard(i);
+  if (world_.actuators[i].silent) FeedHeartbeat(i);
 }
 
 // Of a process whose end was detected, the shell finds none with its pid, and its writer is lost.
@@ -119,14 +129,15 @@ void Harness::FeedEnd(ActuatorIndex i) {
 
 // --- links to other hosts ---
 
-// systemd reports the exit of a process after that it runs, and none of a process that it would
-// only have reported as found: that one is missed by its heartbeats, or started if it was to be.
+// systemd reports first that a process has started, then its exit. Of a process that it has not
+// reported as found yet it reports no exit: a start finds none, and else its heartbeats are
+// missing.
 void Harness::FeedUnitEnd(ActuatorIndex i, bool clean) {
   SimActuator& actuator = world_.actuators[i];
   const std::int32_t pid = actuator.pid();
   const bool wanted = std::exchange(actuator.wanted, false);
-  const UnitNews news = std::exchange(actuator.unit_news, UnitNews::kNone);
-  if (news == UnitNews::kStarted) {
+  const UnitReport report = std::exchange(actuator.unit_report, UnitReport::kNone);
+  if (report == UnitReport::kStarted) {
     Feed(event::ProcessStarted{i, pid, actuator.core.report.host, false});
   }
   if (world_.machine.actuators[i].process.pid == pid) {
@@ -152,7 +163,7 @@ void Harness::CutLink(std::size_t host) {
     SimActuator& actuator = world_.actuators[i];
     actuator.replies.clear();
     if (IsMonitored(i)) link.silent_by = world_.now + kSilentWithin;
-    actuator.unit_news = UnitNews::kNone;
+    actuator.unit_report = UnitReport::kNone;
     if (actuator.wanted) actuator.await_by = world_.now + kAwaitedWithin;
   }
 }
@@ -192,7 +203,7 @@ void Harness::Reach(std::size_t host) {
     actuator.status_due = actuator.alive;
     const bool wanted = std::exchange(actuator.wanted, false);
     if (actuator.alive) {
-      if (wanted || known.pid != actuator.pid()) actuator.unit_news = UnitNews::kFound;
+      if (wanted || known.pid != actuator.pid()) actuator.unit_report = UnitReport::kFound;
     } else if (wanted) {
       StartLate(i);
     }
@@ -204,9 +215,9 @@ void Harness::StartLate(ActuatorIndex i) {
   Feed(event::ProcessNotStarted{i, "the machine is torn down", false});
 }
 
-void Harness::FeedUnitNews(ActuatorIndex i) {
+void Harness::FeedUnitReport(ActuatorIndex i) {
   SimActuator& actuator = world_.actuators[i];
-  const bool found = std::exchange(actuator.unit_news, UnitNews::kNone) == UnitNews::kFound;
+  const bool found = std::exchange(actuator.unit_report, UnitReport::kNone) == UnitReport::kFound;
   actuator.wanted = false;
   Feed(event::ProcessStarted{i, actuator.pid(), actuator.core.report.host, found});
 }
@@ -216,7 +227,7 @@ void Harness::FeedWaits(ActuatorIndex i) {
   Feed(event::ProcessNotStarted{i, "host " + HostName(i) + " is out of reach", true});
 }
 
-void Harness::FeedHeard(ActuatorIndex i) {
+void Harness::FeedHeartbeat(ActuatorIndex i) {
   SimActuator& actuator = world_.actuators[i];
   actuator.silent = false;
   Feed(event::HealthChanged{i, actuator.core.report.incarnation, Health::kWell, false,
@@ -262,7 +273,7 @@ void Harness::StartUnit(ActuatorIndex i) {
   if (IsOut(i)) {
     actuator.await_by = world_.now + kAwaitedWithin;
   } else {
-    actuator.unit_news = found ? UnitNews::kFound : UnitNews::kStarted;
+    actuator.unit_report = found ? UnitReport::kFound : UnitReport::kStarted;
   }
 }
 

@@ -19,6 +19,7 @@ class Harness : public FakeRobot {
   void RequestSwitch(const State& target);
   // The controller is killed, and another starts.
   void RestartController(bool by_person);
+  void FeedBattery();
   void FeedReply(ActuatorIndex i);   // the first one under way
   void FeedStatus(ActuatorIndex i);  // with the actuator's present report
   void FeedStatus(event::StatusSeen seen);
@@ -26,9 +27,9 @@ class Harness : public FakeRobot {
   // Of a link to another host, and of the actuators there.
   void NoticeCut(std::size_t host);
   void Reach(std::size_t host);
-  void FeedUnitNews(ActuatorIndex i);
+  void FeedUnitReport(ActuatorIndex i);
   void FeedWaits(ActuatorIndex i);  // for its host
-  void FeedHeard(ActuatorIndex i);
+  void FeedHeartbeat(ActuatorIndex i);
 
   // Events for actuators.
   void StartActuator(ActuatorIndex i);

@@ -102,7 +102,7 @@ void Tidy(Harness& harness) {
     actuator.replies.clear();
     actuator.end.reset();
     std::erase_if(actuator.late, FromActuator);
-    actuator.unit_news = UnitNews::kNone;
+    actuator.unit_report = UnitReport::kNone;
     actuator.wanted = actuator.killed = actuator.silent = false;
     actuator.await_by.reset();
   }
@@ -151,6 +151,8 @@ class ChoiceMaker {
     world_.faults_left -= choice_.cost;
     if (choice_.kind == ChoiceKind::kTime) return PassTime();
     if (choice_.kind == ChoiceKind::kLate) return ReceiveLate();
+    if (choice_.kind == ChoiceKind::kBattery || choice_.kind == ChoiceKind::kBatteryFalls)
+      return Battery();
     if (choice_.kind >= ChoiceKind::kEndFailed && choice_.kind <= ChoiceKind::kEndCrash)
       return End();
     if (choice_.kind >= ChoiceKind::kReplyLost && choice_.kind <= ChoiceKind::kReplyDuplicated)
@@ -159,7 +161,8 @@ class ChoiceMaker {
       return Status();
     if (choice_.kind >= ChoiceKind::kLose && choice_.kind <= ChoiceKind::kUnannounced)
       return Sent();
-    if (choice_.kind >= ChoiceKind::kSilence && choice_.kind <= ChoiceKind::kHeard) return OfLink();
+    if (choice_.kind >= ChoiceKind::kSilence && choice_.kind <= ChoiceKind::kHeartbeat)
+      return OfLink();
     if (choice_.kind == ChoiceKind::kCutLink || choice_.kind == ChoiceKind::kRebootHost)
       return LoseHost();
     Simple();
@@ -244,16 +247,24 @@ class ChoiceMaker {
       case ChoiceKind::kReach:
         harness_.Log("host " + harness_.HostName(i_) + " is reached again");
         return harness_.Reach(host);
-      case ChoiceKind::kUnitNews:
+      case ChoiceKind::kUnitReport:
         harness_.Log("host " + harness_.HostName(i_) + " reports the process of " + name());
-        return harness_.FeedUnitNews(i_);
+        return harness_.FeedUnitReport(i_);
       case ChoiceKind::kAwait:
         harness_.Log("the start of " + name() + " waits for host " + harness_.HostName(i_));
         return harness_.FeedWaits(i_);
       default:
         harness_.Log("heartbeats of " + name() + " arrive again");
-        return harness_.FeedHeard(i_);
+        return harness_.FeedHeartbeat(i_);
     }
+  }
+
+  void Battery() {
+    const bool falls = choice_.kind == ChoiceKind::kBatteryFalls;
+    if (falls) world_.battery = BatteryLevels(harness_.config())[choice_.index];
+    harness_.Log((falls ? "FAULT: the battery falls to " : "the battery is at ") +
+                 std::to_string(*world_.battery) + " %");
+    harness_.FeedBattery();
   }
 
   void LoseHost() {

@@ -415,7 +415,9 @@ std::vector<std::string> LeftOutOf(const MachineConfig& config) {
     }
     if (!names.empty()) left_out.push_back(what + " of " + Joined(names, ""));
   };
-  add_if(config.policy.has_value(), "[policy]");
+  const bool has_battery = config.policy && config.policy->battery;
+  add_if(config.policy.has_value(),
+         has_battery ? "[policy] but for a battery that falls" : "[policy]");
   add_if(config.permit.has_value(), "[safety] permit_ms");
   add_if(!config.capabilities.empty(), "[capability]");
   add_if(config.ros2.started_by_manager, "[ros2] start = \"manager\"");
@@ -439,6 +441,10 @@ std::vector<std::string> LeftOutOf(const MachineConfig& config) {
 MachineConfig SearchableConfig(const MachineConfig& config) {
   MachineConfig searched = config;
   searched.policy.reset();
+  if (config.policy && config.policy->battery) {
+    searched.policy.emplace().battery = config.policy->battery;
+    searched.clock = ClockSource::kSteady;
+  }
   searched.permit.reset();
   searched.view.reset();
   searched.capabilities.clear();

@@ -331,6 +331,26 @@ void CheckDegraded(const Model& model, const World& world, Notes& notes) {
                              " actuators are degraded, more than had a fault");
 }
 
+// The machine is no more active than the level of its battery permits, if it has such a state.
+void CheckBattery(const Model& model, const World& world, Notes& notes) {
+  const MachineConfig& config = model.config;
+  const Machine& machine = world.machine;
+  const auto rank = config.RankOf(machine.state);
+  if (!world.battery || !rank) return;
+  const BatteryPolicy& battery = *config.policy->battery;
+  const bool low = *world.battery <= battery.low_power_at;
+  const Rank most = *BuiltInRank(low ? kLowPower : kProtected);
+  const bool may_fall = std::ranges::any_of(config.states, [&](const State& state) {
+    const bool has_other_purpose = state == kError || state == kOta || state == kTearDown;
+    const auto of_state = config.RankOf(state);
+    return !has_other_purpose && of_state && *of_state <= most;
+  });
+  const bool empty = *world.battery <= battery.tear_down_at && config.HasState(kTearDown);
+  if (!empty && (!may_fall || *rank <= most)) return;
+  notes.violations.push_back("the battery is at " + std::to_string(*world.battery) +
+                             " %, and the machine stays in " + machine.state);
+}
+
 void CheckStableRules(const Model& model, const World& world, Notes& notes) {
   const auto state_of = [&](std::optional<ActuatorIndex> actuator) {
     if (!actuator) return world.machine.state;
@@ -480,7 +500,8 @@ void CheckAnswer(const Model& model, const World& world, const action::AnswerSet
     case SwitchOutcome::kUndone:
       return CheckUndone(model, world, result, notes);
     case SwitchOutcome::kSuperseded:
-      if (!IsRequested(world, State(kError)) && !IsRequested(world, State(kTearDown))) {
+      if (!IsRequested(world, State(kError)) && !IsRequested(world, State(kTearDown)) &&
+          !world.battery) {
         notes.violations.emplace_back("superseded by nothing");
       }
       return;
@@ -508,6 +529,7 @@ void CheckRest(const Model& model, const World& world, Notes& notes) {
   CheckStarted(model, world, notes);
   if (!ends) CheckStableRules(model, world, notes);
   if (world.machine.phase != Phase::kRunning) return;
+  CheckBattery(model, world, notes);
   CheckDegraded(model, world, notes);
   for (const ActuatorIndex i : world.actuators.Indices()) {
     CheckPlace(model, world, i, notes);

@@ -43,6 +43,10 @@
 //   - Where the controller has ended, neither changes anything that is checked.
 //   - It is cut between two commands of one step only before one to that host: it commutes with the
 //     others.
+//
+// A battery falls to one of the levels of [policy.battery], and never rises. Its samples go on: the
+// three that confirm an empty one come at once, and a controller that takes over receives them.
+//
 // Actuators are interchangeable where the config stays the same when their names are exchanged: of
 // states that differ by their names only one is searched (fingerprint.hpp).
 
@@ -71,7 +75,7 @@ enum class Work { kNone, kRunning, kOverdue };
 
 // What the systemd of another host is about to report of a process that runs there: the controller
 // has started it, or it is found running.
-enum class UnitNews : std::uint8_t { kNone, kStarted, kFound };
+enum class UnitReport : std::uint8_t { kNone, kStarted, kFound };
 
 struct SimActuator : FakeActuator {
   Work work = Work::kNone;
@@ -83,11 +87,11 @@ struct SimActuator : FakeActuator {
   std::optional<bool> end;  // of its process, cleanly or not, on its way to the controller
   std::vector<Late> late;
   // On another host.
-  UnitNews unit_news = UnitNews::kNone;
+  UnitReport unit_report = UnitReport::kNone;
   bool wanted = false;           // it is to be started, which was not reported yet
   std::optional<Time> await_by;  // by then it is reported that this waits for its host
   bool killed = false;           // it is, once its host is reached
-  bool silent = false;           // the controller was told, and receives heartbeats once it can
+  bool silent = false;           // it is reported as silent, until a heartbeat arrives
   // For the rules of commands: the highest epoch and numbers so far.
   Epoch epoch = 0;
   CommandNumber begun = 0;    // of a begun callback
@@ -130,7 +134,9 @@ struct World : FakeController {
   // A supervisor has started the controller after a TearDown, and no person has since.
   bool stays_down = false;
   Repeat repeat = Repeat::kNotYet;
-  std::vector<Link> links;  // to Model::hosts
+  std::vector<Link> links;              // to Model::hosts
+  std::optional<std::int32_t> battery;  // in percent; none: it is full, and not published
+  bool battery_due = false;             // the controller has received no sample of it
 };
 
 enum class ChoiceKind : std::uint8_t {
@@ -148,12 +154,13 @@ enum class ChoiceKind : std::uint8_t {
   kRepeat,        // and then requests the same switch again
   kTime,          // to the next deadline
   kLate,          // a delayed message arrives
+  kBattery,       // a controller that takes over receives its sample
   // Of the link to another host: to that of the actuator.
-  kSilence,   // the controller notices that it is cut
-  kReach,     // it works again
-  kUnitNews,  // systemd reports the actuator's process
-  kAwait,     // the actuator's start waits for the host, which is reported
-  kHeard,     // heartbeats of the actuator arrive again
+  kSilence,     // the controller notices that it is cut
+  kReach,       // it works again
+  kUnitReport,  // systemd reports the actuator's process
+  kAwait,       // the actuator's start waits for the host, which is reported
+  kHeartbeat,   // heartbeats of the actuator arrive again
   // Each of these is a fault.
   kLose,
   kHold,
@@ -184,13 +191,14 @@ enum class ChoiceKind : std::uint8_t {
   kOtherHeartbeat,  // to the controller, with a lower epoch
   kCutLink,         // to the host of the actuator
   kRebootHost,      // that of the actuator
+  kBatteryFalls,    // to the level of `index`: 0 the highest
 };
-static_assert(static_cast<int>(ChoiceKind::kRebootHost) < 64, "Model::faults has a bit for each");
+static_assert(static_cast<int>(ChoiceKind::kBatteryFalls) < 64, "Model::faults has a bit for each");
 
 struct Choice {
   ChoiceKind kind = ChoiceKind::kRequest;
   std::uint8_t actuator = 0;
-  std::uint8_t index = 0;  // of the delayed message
+  std::uint8_t index = 0;  // of the delayed message, or of the level of the battery
   std::uint8_t cost = 0;   // in faults
 
   ActuatorIndex which() const { return ActuatorIndex(std::size_t{actuator}); }
@@ -252,6 +260,9 @@ inline bool IsOutOfReach(const Model& model, const World& world, ActuatorIndex i
 
 // All choices in this state. Faults only while some are left.
 std::vector<Choice> Choices(const Model& model, const World& world);
+
+// The levels of the battery in percent, highest first; empty: the config has none.
+std::vector<std::int32_t> BatteryLevels(const MachineConfig& config);
 
 // Makes one of the Choices().
 void Make(const Model& model, World& world, const Choice& choice, Notes& notes);

@@ -310,7 +310,21 @@ TEST_F(PlantedFault, FindsARestartBySupervisorThatStartsTheMachineAfterATearDown
   EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("after a TearDown, by no person")));
 }
 
-// The controller hears nothing of another host, and takes no notice of that.
+// A sample that arrives during a switch is forgotten.
+TEST_F(PlantedFault, FindsABatteryThatFallsDuringASwitchAndIsForgotten) {
+  Scenario machine = ScenarioNamed("Parallel");
+  machine.config.policy.emplace().battery.emplace();
+  faults_ = OnlyFaults({ChoiceKind::kBatteryFalls});
+  Search(WithEvent<event::BatterySeen>([](event::BatterySeen& seen, const Machine& controller) {
+           if (controller.current) seen.percent = 100;
+         }),
+         "LowPower", "Active", 1, machine);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("FAULT: the battery falls to "));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("and the machine stays in Active")));
+}
+
+// The controller receives nothing from another host, and takes no notice of that.
 TEST_F(PlantedFault, FindsAHostOutOfReachThatIsNotNoticed) {
   releases_ = false;
   Search(WithEvent<event::HealthChanged>(

@@ -393,6 +393,39 @@ TEST_F(AfterTheLossOfAHost, ANewProcessIsStartedOnceItHasBootedAgain) {
   EXPECT_EQ(world_.actuators[1].core.report.host, "board/1");
 }
 
+// --- the battery ---
+
+TEST(Battery, FallsToEachOfTheLevelsOfTheConfigAsOneFault) {
+  MachineConfig config = testing::MachineOf(2);
+  const Proof without = ProofOf(config, 1);
+  config.policy.emplace().battery.emplace().protected_at = 31;
+  const Proof proof = ProofOf(config, 1);
+  EXPECT_EQ(proof.end, ProofEnd::kProved) << Sentences(proof);
+  EXPECT_GT(proof.figures.nodes, without.figures.nodes);
+  EXPECT_THAT(BatteryLevels(SearchableConfig(config)), ElementsAre(31, 5, 0));
+}
+
+// The battery is empty once three samples have reported it.
+TEST(Battery, ThatIsEmptyTearsTheMachineDown) {
+  MachineConfig config = testing::MachineOf(2);
+  config.policy.emplace().battery.emplace();
+  const Model model(config, State(kActive));
+  World world = WorldIn(model, State(kActive));
+  world.faults = world.faults_left = 1;
+  Notes notes;
+  Make(model, world, Choices(model, world).front(), notes);
+  const std::vector<Choice> choices = Choices(model, world);
+  const auto falls = std::ranges::find_if(choices, [](const Choice& choice) {
+    return choice.kind == ChoiceKind::kBatteryFalls && choice.index == 2;
+  });
+  ASSERT_NE(falls, choices.end());
+  Make(model, world, *falls, notes);
+  EXPECT_TRUE(RunUntilStable(model, world, notes));
+  EXPECT_THAT(notes.violations, IsEmpty());
+  EXPECT_EQ(world.machine.phase, Phase::kStopped);
+  EXPECT_EQ(world.machine.state, kTearDown);
+}
+
 // --- depth first and breadth first ---
 
 TEST(DepthFirst, VisitsTheSameNodesAsBreadthFirst) {
@@ -640,12 +673,17 @@ TEST(Symmetry, FindsAPlantedFaultAsThePlainSearchDoes) {
 
 // --- what is searched ---
 
-TEST(SearchableConfig, HasNoPolicyAndNoOtherProtocol) {
+TEST(SearchableConfig, HasOfThePolicyTheBatteryAloneAndNoOtherProtocol) {
   MachineConfig config = testing::Ours(2);
   config.policy.emplace();
   config.actuators[0].protocol = Protocol::kCyberdog;
+  EXPECT_FALSE(SearchableConfig(config).policy);
+  config.policy->low_power.emplace();
+  config.policy->battery.emplace().protected_at = 31;
   const MachineConfig searched = SearchableConfig(config);
-  EXPECT_FALSE(searched.policy);
+  ASSERT_TRUE(searched.policy);
+  EXPECT_EQ(searched.policy->battery, config.policy->battery);
+  EXPECT_FALSE(searched.policy->low_power);
   EXPECT_EQ(searched.actuators[0].command, searched.actuators[1].command);
 }
 
