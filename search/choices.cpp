@@ -15,6 +15,11 @@ bool Expects(const World& world, const SimActuator& actuator) {
   });
 }
 
+// Whether a hang of its work thread is noticed.
+bool HasCheckpoint(const ActuatorConfig& actuator, const SimActuator& now) {
+  return actuator.checkpoint || actuator.checkpoint_in.contains(now.core.report.target);
+}
+
 // With an empty list every failure of a self-check is tolerated: it has no other one.
 bool ToleratesSomeCodes(const ActuatorConfig& actuator) {
   return actuator.critical_codes && !actuator.critical_codes->empty();
@@ -163,6 +168,7 @@ class ChoiceList {
     }
     if (!actuator.alive) return;
     Fault(ChoiceKind::kCrash, i);
+    if (ListHang(i)) return;
     if (actuator.work == Work::kNone) return;
     Free(ChoiceKind::kEndOk, i);
     if (actuator.core.report.target == kTearDown) Free(ChoiceKind::kEndFirst, i);
@@ -178,13 +184,29 @@ class ChoiceList {
     Fault(ChoiceKind::kEndReplyDuplicated, i);
   }
 
+  // Returns whether it hangs.
+  bool ListHang(ActuatorIndex i) {
+    const SimActuator& actuator = world_.actuators[i];
+    const KnownActuator& known = world_.machine.actuators[i];
+    const bool is_known = known.report.incarnation == actuator.core.report.incarnation;
+    if (!actuator.hung) {
+      const bool noticed = is_known && HasCheckpoint(model_.config.actuators[i], actuator);
+      if (noticed && Leads()) Fault(ChoiceKind::kHang, i);
+      return false;
+    }
+    if (actuator.hang_due && is_known && Leads()) Free(ChoiceKind::kHangReport, i);
+    if (actuator.backtrace_due) Free(ChoiceKind::kBacktrace, i);
+    Free(ChoiceKind::kProgress, i);
+    return true;
+  }
+
   // Its callback ends, or its process, and nothing of that arrives.
   void ListOutOfReach(ActuatorIndex i) {
     const SimActuator& actuator = world_.actuators[i];
     if (actuator.await_by && Leads()) Free(ChoiceKind::kAwait, i);
     if (!actuator.alive) return;
     Fault(ChoiceKind::kCrash, i);
-    if (actuator.work == Work::kNone) return;
+    if (actuator.work == Work::kNone || actuator.hung) return;
     Free(ChoiceKind::kEndOk, i);
     Fault(ChoiceKind::kEndFailed, i);
     const bool has_codes = ToleratesSomeCodes(model_.config.actuators[i]);
@@ -200,7 +222,7 @@ class ChoiceList {
     const SimActuator& actuator = world_.actuators[i];
     if (IsOut(i)) return false;
     return actuator.end || actuator.status_due || !actuator.replies.empty() || actuator.silent ||
-           actuator.unit_report != UnitReport::kNone;
+           actuator.unit_report != UnitReport::kNone || actuator.backtrace_due;
   }
 
   // Whether a host that is out of reach is noticed before `next`.
@@ -255,7 +277,7 @@ bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
                       (std::holds_alternative<Message>(late[choice.index]) ||
                        std::holds_alternative<event::Replied>(late[choice.index]));
     const bool by_hand = choice.kind == ChoiceKind::kRelease || choice.kind == ChoiceKind::kRepeat;
-    const bool never = choice.kind == ChoiceKind::kReach;
+    const bool never = choice.kind == ChoiceKind::kReach || choice.kind == ChoiceKind::kProgress;
     return choice.cost > 0 || lost || overdue || by_hand || never;
   });
 }

@@ -260,6 +260,7 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, known, reply);
   AddLate(mixer, known, a.late);
+  mixer.Add(a.hung, a.hang_due, a.backtrace_due);
   mixer.Add(a.unit_report, a.wanted, a.await_by, a.killed, a.silent);
   for (std::size_t k = 0; k < world.outbox.size(); ++k) {
     if (world.outbox[k].to == i) mixer.Add(k, world.outbox[k]);

@@ -76,6 +76,8 @@ void Harness::RestartController(bool by_person) {
     actuator.end.reset();
     actuator.status_due = actuator.alive;  // latched for the next controller
     std::erase_if(actuator.late, FromActuator);
+    actuator.hang_due = actuator.hung;
+    actuator.backtrace_due = false;
     actuator.unit_report = UnitReport::kNone;
     actuator.wanted = actuator.killed = actuator.silent = false;
     actuator.await_by.reset();
@@ -361,11 +363,40 @@ void Harness::Crash(ActuatorIndex i) {
   if (!IsOut(i)) FeedEnd(i);
 }
 
+void Harness::Hang(ActuatorIndex i) {
+  SimActuator& actuator = world_.actuators[i];
+  actuator.hung = true;
+  if (actuator.work == Work::kRunning) actuator.work = Work::kOverdue;
+  FeedHang(i);
+}
+
+void Harness::FeedHang(ActuatorIndex i) {
+  SimActuator& actuator = world_.actuators[i];
+  actuator.hang_due = false;
+  Feed(event::HealthChanged{i, actuator.core.report.incarnation, Health::kHung, false,
+                            "no checkpoint from its work thread"});
+}
+
+void Harness::TakeBacktrace(ActuatorIndex i) {
+  world_.actuators[i].backtrace_due = false;
+  Feed(event::BacktraceTaken{i, world_.actuators[i].pid(), "stacks"});
+}
+
+// A controller that has not noticed the hang notices nothing of its end either.
+void Harness::MakeProgress(ActuatorIndex i) {
+  SimActuator& actuator = world_.actuators[i];
+  actuator.hung = false;
+  if (std::exchange(actuator.hang_due, false)) return;
+  Feed(event::HealthChanged{i, actuator.core.report.incarnation, Health::kWell, false,
+                            "its work thread makes progress again"});
+}
+
 void Harness::EndProcess(ActuatorIndex i, bool clean) {
   SimActuator& actuator = world_.actuators[i];
   actuator.alive = actuator.visible = false;
   actuator.work = Work::kNone;
   actuator.silent = actuator.killed = false;
+  actuator.hung = actuator.hang_due = actuator.backtrace_due = false;
   actuator.end = clean;
 }
 
@@ -395,7 +426,7 @@ void Harness::StepActuator(ActuatorIndex i, const ActuatorEvent& event) {
       const CommandNumber number = actuator.core.report.busy_number;
       CheckBegin(model_, world_, i, run->target, epoch, number, notes_);
       actuator.begun = std::max(actuator.begun, number);
-      actuator.work = Work::kRunning;
+      actuator.work = actuator.hung ? Work::kOverdue : Work::kRunning;
       actuator.stop_requested = false;
     }
     if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
@@ -473,6 +504,8 @@ void Harness::Do(const Action& action) {
     Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].pid()});
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     SignalProcess(*signal);
+  } else if (const auto* taken = std::get_if<action::TakeBacktrace>(&action)) {
+    w.actuators[taken->actuator].backtrace_due = w.actuators[taken->actuator].hung;
   } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
     CheckAnswer(model_, w, *answer, notes_);
     const bool switched = answer->result.outcome == SwitchOutcome::kDone ||

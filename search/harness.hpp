@@ -38,6 +38,10 @@ class Harness : public FakeRobot {
   void EndCallback(ActuatorIndex i, std::int32_t code, const std::string& text);
   void ReceiveStop(ActuatorIndex i);
   void Crash(ActuatorIndex i);
+  void Hang(ActuatorIndex i);
+  void FeedHang(ActuatorIndex i);
+  void TakeBacktrace(ActuatorIndex i);
+  void MakeProgress(ActuatorIndex i);
   void CutLink(std::size_t host);
   void RebootHost(std::size_t host);
   // What another machine sends it.

@@ -102,6 +102,7 @@ void Tidy(Harness& harness) {
     actuator.replies.clear();
     actuator.end.reset();
     std::erase_if(actuator.late, FromActuator);
+    actuator.hang_due = actuator.backtrace_due = false;
     actuator.unit_report = UnitReport::kNone;
     actuator.wanted = actuator.killed = actuator.silent = false;
     actuator.await_by.reset();
@@ -151,6 +152,9 @@ class ChoiceMaker {
     world_.faults_left -= choice_.cost;
     if (choice_.kind == ChoiceKind::kTime) return PassTime();
     if (choice_.kind == ChoiceKind::kLate) return ReceiveLate();
+    if (choice_.kind == ChoiceKind::kHang) return Hang();
+    if (choice_.kind >= ChoiceKind::kHangReport && choice_.kind <= ChoiceKind::kProgress)
+      return AfterHang();
     if (choice_.kind == ChoiceKind::kBattery || choice_.kind == ChoiceKind::kBatteryFalls)
       return Battery();
     if (choice_.kind >= ChoiceKind::kEndFailed && choice_.kind <= ChoiceKind::kEndCrash)
@@ -256,6 +260,25 @@ class ChoiceMaker {
       default:
         harness_.Log("heartbeats of " + name() + " arrive again");
         return harness_.FeedHeartbeat(i_);
+    }
+  }
+
+  void Hang() {
+    harness_.Log("FAULT: the work thread of " + name() + " hangs");
+    harness_.Hang(i_);
+  }
+
+  void AfterHang() {
+    switch (choice_.kind) {
+      case ChoiceKind::kHangReport:
+        harness_.Log("the controller notices that " + name() + " hangs");
+        return harness_.FeedHang(i_);
+      case ChoiceKind::kBacktrace:
+        harness_.Log("the backtrace of " + name() + " is taken");
+        return harness_.TakeBacktrace(i_);
+      default:
+        harness_.Log("the work thread of " + name() + " makes progress again");
+        return harness_.MakeProgress(i_);
     }
   }
 

@@ -428,9 +428,6 @@ std::vector<std::string> LeftOutOf(const MachineConfig& config) {
          [](const ActuatorConfig& actuator) {
            return actuator.restart.prevent_exit_codes != RestartConfig().prevent_exit_codes;
          });
-  add_of("checkpoints", [](const ActuatorConfig& actuator) {
-    return actuator.checkpoint || !actuator.checkpoint_in.empty();
-  });
   add_of("controller_lost_ms",
          [](const ActuatorConfig& actuator) { return actuator.controller_lost.has_value(); });
   add_of("protocol (Musher's is searched)",
@@ -451,6 +448,8 @@ MachineConfig SearchableConfig(const MachineConfig& config) {
   searched.ros2.started_by_manager = false;
   for (ActuatorConfig& actuator : searched.actuators) {
     actuator.limits = {};
+    // Another program is queried instead.
+    if (actuator.protocol != Protocol::kMusher) actuator.checkpoint.reset();
     actuator.protocol = Protocol::kMusher;
     actuator.ros2_states.clear();
     actuator.heartbeat_name.clear();

@@ -190,6 +190,10 @@ void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& 
     notes.violations.push_back("in a stable state " + own.name + " is held by a released stop, " +
                                "although the switch has been requested again");
   }
+  if (actuator.alive && actuator.hung && !known.fault) {
+    notes.violations.push_back("in a stable state " + own.name +
+                               " hangs, without a recorded reason");
+  }
   if (IsOutOfReach(model, world, i) && actuator.alive && known.presence == Presence::kPresent) {
     notes.violations.push_back("in a stable state " + own.name +
                                " is out of reach, but the controller has it as present");
@@ -331,12 +335,13 @@ void CheckDegraded(const Model& model, const World& world, Notes& notes) {
                              " actuators are degraded, more than had a fault");
 }
 
-// The machine is no more active than the level of its battery permits, if it has such a state.
+// The machine is no more active than the level of its battery permits, if it has such a state. An
+// upgrade is not interrupted.
 void CheckBattery(const Model& model, const World& world, Notes& notes) {
   const MachineConfig& config = model.config;
   const Machine& machine = world.machine;
   const auto rank = config.RankOf(machine.state);
-  if (!world.battery || !rank) return;
+  if (!world.battery || !rank || machine.state == kOta) return;
   const BatteryPolicy& battery = *config.policy->battery;
   const bool low = *world.battery <= battery.low_power_at;
   const Rank most = *BuiltInRank(low ? kLowPower : kProtected);

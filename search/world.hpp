@@ -44,6 +44,9 @@
 //   - It is cut between two commands of one step only before one to that host: it commutes with the
 //     others.
 //
+// The work thread of an actuator with a checkpoint hangs: no callback of it ends until it makes
+// progress again, which it may never. Its heartbeats report that.
+//
 // A battery falls to one of the levels of [policy.battery], and never rises. Its samples go on: the
 // three that confirm an empty one come at once, and a controller that takes over receives them.
 //
@@ -86,6 +89,9 @@ struct SimActuator : FakeActuator {
   std::vector<event::Replied> replies;
   std::optional<bool> end;  // of its process, cleanly or not, on its way to the controller
   std::vector<Late> late;
+  bool hung = false;           // its work thread makes no progress
+  bool hang_due = false;       // the controller does not know that
+  bool backtrace_due = false;  // the controller waits for it
   // On another host.
   UnitReport unit_report = UnitReport::kNone;
   bool wanted = false;           // it is to be started, which was not reported yet
@@ -154,6 +160,9 @@ enum class ChoiceKind : std::uint8_t {
   kRepeat,        // and then requests the same switch again
   kTime,          // to the next deadline
   kLate,          // a delayed message arrives
+  kHangReport,    // a controller that takes over notices that an actuator hangs
+  kBacktrace,     // of one that hangs, is taken
+  kProgress,      // it makes progress again
   kBattery,       // a controller that takes over receives its sample
   // Of the link to another host: to that of the actuator.
   kSilence,     // the controller notices that it is cut
@@ -192,8 +201,9 @@ enum class ChoiceKind : std::uint8_t {
   kCutLink,         // to the host of the actuator
   kRebootHost,      // that of the actuator
   kBatteryFalls,    // to the level of `index`: 0 the highest
+  kHang,            // the work thread of the actuator
 };
-static_assert(static_cast<int>(ChoiceKind::kBatteryFalls) < 64, "Model::faults has a bit for each");
+static_assert(static_cast<int>(ChoiceKind::kHang) < 64, "Model::faults has a bit for each");
 
 struct Choice {
   ChoiceKind kind = ChoiceKind::kRequest;

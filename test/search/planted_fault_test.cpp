@@ -310,6 +310,19 @@ TEST_F(PlantedFault, FindsARestartBySupervisorThatStartsTheMachineAfterATearDown
   EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("after a TearDown, by no person")));
 }
 
+TEST_F(PlantedFault, FindsAHangThatIsNotNoticed) {
+  Scenario machine = ScenarioNamed("Restarted");
+  machine.config.actuators[0].checkpoint = Milliseconds(500);
+  faults_ = OnlyFaults({ChoiceKind::kHang});
+  Search(WithEvent<event::HealthChanged>(
+             [](event::HealthChanged& changed, const Machine&) { changed.incarnation = 0; }),
+         "Active", "LowPower", 1, machine);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("FAULT: the work thread of a hangs"));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("a hangs, without a recorded reason")));
+}
+
 // A sample that arrives during a switch is forgotten.
 TEST_F(PlantedFault, FindsABatteryThatFallsDuringASwitchAndIsForgotten) {
   Scenario machine = ScenarioNamed("Parallel");

@@ -393,6 +393,40 @@ TEST_F(AfterTheLossOfAHost, ANewProcessIsStartedOnceItHasBootedAgain) {
   EXPECT_EQ(world_.actuators[1].core.report.host, "board/1");
 }
 
+// --- a hang ---
+
+// a is restarted; b, which nothing starts, is not.
+TEST(Hang, OfAnActuatorWithACheckpointIsAFault) {
+  MachineConfig config = testing::Ours(2);
+  for (ActuatorConfig& actuator : config.actuators) actuator.on_lost = "Active";
+  config.actuators[1].command.clear();
+  const Proof without = ProofOf(config, 1);
+  for (ActuatorConfig& actuator : config.actuators) actuator.checkpoint = Milliseconds(500);
+  const Proof proof = ProofOf(config, 1);
+  EXPECT_EQ(proof.end, ProofEnd::kProved) << Sentences(proof);
+  EXPECT_GT(proof.figures.nodes, without.figures.nodes);
+}
+
+TEST(Hang, EndsWithAnotherProcess) {
+  MachineConfig config = testing::Ours(2);
+  for (ActuatorConfig& actuator : config.actuators) actuator.on_lost = "Active";
+  config.actuators[0].checkpoint = Milliseconds(500);
+  const Model model(config, State(kActive));
+  World world = WorldIn(model, State(kActive));
+  world.faults = world.faults_left = 1;
+  Notes notes;
+  Make(model, world, Choices(model, world).front(), notes);
+  const std::vector<Choice> choices = Choices(model, world);
+  const auto hang = std::ranges::find(choices, ChoiceKind::kHang, &Choice::kind);
+  ASSERT_NE(hang, choices.end());
+  EXPECT_EQ(hang->actuator, 0);
+  Make(model, world, *hang, notes);
+  EXPECT_TRUE(RunUntilStable(model, world, notes));
+  EXPECT_THAT(notes.violations, IsEmpty());
+  EXPECT_EQ(world.actuators[0].processes, 2);
+  EXPECT_EQ(world.actuators[0].core.report.state, kActive);
+}
+
 // --- the battery ---
 
 TEST(Battery, FallsToEachOfTheLevelsOfTheConfigAsOneFault) {
@@ -711,16 +745,13 @@ TEST(SearchableConfig, SaysWhatIsLeftOutOfIt) {
   config.actuators[1].host = "board";
   config.actuators[0].restart.prevent_exit_codes = {2, 3};
   config.actuators[0].protocol = Protocol::kCyberdog;
-  config.actuators[0].checkpoint = Milliseconds(500);
-  config.actuators[1].checkpoint_in[kActive] = Milliseconds(500);
   config.actuators[1].controller_lost = Milliseconds(5000);
   EXPECT_THAT(
       LeftOutOf(config),
       ElementsAre("[policy]", "[safety] permit_ms", "[capability]", "[ros2] start = \"manager\"",
                   "[transport]: actuators without `host` run on the controller's", "[security]",
                   "restart_prevent_exit_codes (a process ends without an exit code) of a",
-                  "checkpoints of a, b", "controller_lost_ms of b",
-                  "protocol (Musher's is searched) of a"));
+                  "controller_lost_ms of b", "protocol (Musher's is searched) of a"));
 }
 
 TEST(SearchableConfig, IsOneOfAtMost32ActuatorsAndFromAStateThatItHas) {
