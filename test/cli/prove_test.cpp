@@ -225,6 +225,19 @@ TEST_F(Proving, WhatIsLeftOutOfTheConfigIsNamed) {
   EXPECT_EQ(nlohmann::json::parse(json.out)["left_out"].size(), 2U) << json.out;
 }
 
+TEST_F(Proving, ARobotOfTwoComputersIsProvedWhereItsLinkIsCut) {
+  std::string text = ReadFile(SourceDir() + "/examples/two_computers/robot.toml");
+  const Ran ran = RunProgram({"prove", Config(text), "--from", "Active"});
+  EXPECT_EQ(ran.exit, 0) << ran.out << ran.err;
+  const std::size_t line = text.find("on_lost = \"Active\"");
+  ASSERT_NE(line, std::string::npos);
+  text.erase(line, text.find('\n', line) - line);
+  const Ran without = RunProgram({"prove", Config(text), "--from", "Active"});
+  EXPECT_EQ(without.exit, 1) << without.out << without.err;
+  EXPECT_THAT(without.out, AllOf(HasSubstr("the controller notices that host vision is out of"),
+                                 HasSubstr("eyes has no on_lost")));
+}
+
 TEST_F(Proving, MessagesOfAnotherMachineAreFaultsWhereTheyAreToBeSearched) {
   const std::vector<std::string> words = {"prove", Valid(), "--from", "DeActive", "--json"};
   std::vector<std::string> with = words;
