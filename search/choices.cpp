@@ -189,13 +189,13 @@ class ChoiceList {
     const SimActuator& actuator = world_.actuators[i];
     const KnownActuator& known = world_.machine.actuators[i];
     const bool is_known = known.report.incarnation == actuator.core.report.incarnation;
+    if (actuator.backtrace_due) Free(ChoiceKind::kBacktrace, i);
     if (!actuator.hung) {
       const bool noticed = is_known && HasCheckpoint(model_.config.actuators[i], actuator);
       if (noticed && Leads()) Fault(ChoiceKind::kHang, i);
       return false;
     }
     if (actuator.hang_due && is_known && Leads()) Free(ChoiceKind::kHangReport, i);
-    if (actuator.backtrace_due) Free(ChoiceKind::kBacktrace, i);
     Free(ChoiceKind::kProgress, i);
     return true;
   }

@@ -22,6 +22,20 @@ bool IsStarting(const World& world) {
   return checked && current && current->purpose == Purpose::kStartUpActivate;
 }
 
+// The rank that the battery permits at most; none: any.
+std::optional<Rank> MostByBattery(const Model& model, const World& world) {
+  if (!world.battery) return std::nullopt;
+  const bool low = *world.battery <= model.config.policy->battery->low_power_at;
+  return BuiltInRank(low ? kLowPower : kProtected);
+}
+
+// A start in which the battery falls leads as far up as the battery permits.
+bool IsRestOfStart(const Model& model, const World& world, const State& target) {
+  const auto most = MostByBattery(model, world);
+  const auto rank = model.config.RankOf(target);
+  return world.in_start && most && rank && *rank <= *most;
+}
+
 // Whether the result lists the actuator as degraded, lost or skipped.
 bool Listed(const SwitchResult& result, const std::string& name) {
   const auto& degraded = result.degraded;
@@ -342,16 +356,14 @@ void CheckBattery(const Model& model, const World& world, Notes& notes) {
   const Machine& machine = world.machine;
   const auto rank = config.RankOf(machine.state);
   if (!world.battery || !rank || machine.state == kOta) return;
-  const BatteryPolicy& battery = *config.policy->battery;
-  const bool low = *world.battery <= battery.low_power_at;
-  const Rank most = *BuiltInRank(low ? kLowPower : kProtected);
+  const Rank most = *MostByBattery(model, world);
   const bool may_fall = std::ranges::any_of(config.states, [&](const State& state) {
     const bool has_other_purpose = state == kError || state == kOta || state == kTearDown;
     const auto of_state = config.RankOf(state);
     return !has_other_purpose && of_state && *of_state <= most;
   });
-  const bool empty = *world.battery <= battery.tear_down_at && config.HasState(kTearDown);
-  if (!empty && (!may_fall || *rank <= most)) return;
+  const bool empty = *world.battery <= config.policy->battery->tear_down_at;
+  if (!(empty && config.HasState(kTearDown)) && (!may_fall || *rank <= most)) return;
   notes.violations.push_back("the battery is at " + std::to_string(*world.battery) +
                              " %, and the machine stays in " + machine.state);
 }
@@ -411,7 +423,7 @@ void CheckCommand(const Model& model, const World& world, const action::SendSwit
   const auto& current = machine.current;
   const bool wanted = current && current->target == send.command.target &&
                       !current->rollback.under_way && IsRequested(world, send.command.target);
-  if (wanted || IsStarting(world)) return;
+  if (wanted || IsStarting(world) || IsRestOfStart(model, world, send.command.target)) return;
   notes.violations.push_back(model.config.actuators[send.actuator].name + " is commanded up from " +
                              state + " to " + send.command.target + ", which was not requested");
 }
@@ -437,7 +449,8 @@ void CheckBegin(const Model& model, const World& world, ActuatorIndex i, const S
     notes.violations.push_back(what + " by command " + ToString(number) + ", which is outdated");
   }
   const bool wanted = IsRequested(world, target) || target == world.machine.state ||
-                      target == world.from || IsStarting(world);
+                      target == world.from || IsStarting(world) ||
+                      IsRestOfStart(model, world, target);
   if (IsHigher(model.config, target, report.state) && !wanted) {
     notes.violations.push_back(what + " from " + report.state + ", which was not requested");
   }
@@ -459,7 +472,7 @@ void CheckStep(const Model& model, const World& world, const Before& before, Not
                                " after a TearDown, by no person's start");
   }
   const bool rises = IsHigher(config, machine.state, before.state);
-  if (rises && !IsRequested(world, machine.state)) {
+  if (rises && !IsRequested(world, machine.state) && !IsRestOfStart(model, world, machine.state)) {
     notes.violations.push_back("the machine switches up to " + machine.state +
                                ", which was not requested");
   }

@@ -327,6 +327,15 @@ TEST(ProofOfAConfig, FindsAnActuatorThatIsLostWithoutOnLost) {
   EXPECT_THAT(proof.counter_example->violations, Contains(HasSubstr("b has no on_lost")));
 }
 
+// Makes the first choice of this kind, with this index.
+void MakeOne(const Model& model, World& world, ChoiceKind kind, Notes& notes, int index = 0) {
+  const std::vector<Choice> choices = Choices(model, world);
+  const auto next = std::ranges::find_if(
+      choices, [&](const Choice& choice) { return choice.kind == kind && choice.index == index; });
+  ASSERT_NE(next, choices.end()) << static_cast<int>(kind);
+  Make(model, world, *next, notes);
+}
+
 // --- other hosts ---
 
 TEST(OtherHosts, AreCutOffAndBootAgainAsOneFault) {
@@ -358,10 +367,7 @@ class AfterTheLossOfAHost : public ::testing::Test {
   void Lose(ChoiceKind fault) {
     world_.faults = world_.faults_left = 1;
     for (const ChoiceKind kind : {ChoiceKind::kRequest, fault, ChoiceKind::kSilence}) {
-      const std::vector<Choice> choices = Choices(model_, world_);
-      const auto next = std::ranges::find(choices, kind, &Choice::kind);
-      ASSERT_NE(next, choices.end()) << static_cast<int>(kind);
-      Make(model_, world_, *next, notes_);
+      MakeOne(model_, world_, kind, notes_);
     }
     EXPECT_FALSE(world_.machine.actuators[1].presence == Presence::kPresent);
   }
@@ -415,12 +421,10 @@ TEST(Hang, EndsWithAnotherProcess) {
   World world = WorldIn(model, State(kActive));
   world.faults = world.faults_left = 1;
   Notes notes;
-  Make(model, world, Choices(model, world).front(), notes);
-  const std::vector<Choice> choices = Choices(model, world);
-  const auto hang = std::ranges::find(choices, ChoiceKind::kHang, &Choice::kind);
-  ASSERT_NE(hang, choices.end());
-  EXPECT_EQ(hang->actuator, 0);
-  Make(model, world, *hang, notes);
+  for (const ChoiceKind kind : {ChoiceKind::kRequest, ChoiceKind::kHang}) {
+    MakeOne(model, world, kind, notes);
+  }
+  EXPECT_TRUE(world.actuators[0].hung);
   EXPECT_TRUE(RunUntilStable(model, world, notes));
   EXPECT_THAT(notes.violations, IsEmpty());
   EXPECT_EQ(world.actuators[0].processes, 2);
@@ -447,13 +451,8 @@ TEST(Battery, ThatIsEmptyTearsTheMachineDown) {
   World world = WorldIn(model, State(kActive));
   world.faults = world.faults_left = 1;
   Notes notes;
-  Make(model, world, Choices(model, world).front(), notes);
-  const std::vector<Choice> choices = Choices(model, world);
-  const auto falls = std::ranges::find_if(choices, [](const Choice& choice) {
-    return choice.kind == ChoiceKind::kBatteryFalls && choice.index == 2;
-  });
-  ASSERT_NE(falls, choices.end());
-  Make(model, world, *falls, notes);
+  MakeOne(model, world, ChoiceKind::kRequest, notes);
+  MakeOne(model, world, ChoiceKind::kBatteryFalls, notes, 2);
   EXPECT_TRUE(RunUntilStable(model, world, notes));
   EXPECT_THAT(notes.violations, IsEmpty());
   EXPECT_EQ(world.machine.phase, Phase::kStopped);
