@@ -166,7 +166,8 @@ bool SwitchConclusion::IsAway(ActuatorIndex i, const State& target) const {
 
 // The current place of an actuator whose part of the switch was done, or that was already in the
 // target, and that has left the target while other actuators were still switching: it has exited,
-// and may have been restarted. Empty: it is in the target, or was not expected.
+// and may have been restarted. Or of one that was lost when the switch began, and is back in
+// another state. Empty: it is in the target, or was not expected.
 std::string SwitchConclusion::LeftSince(const Switch& s, ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   if (known.fault || known.held || known.suspended || s.target == kTearDown) return {};
@@ -176,7 +177,12 @@ std::string SwitchConclusion::LeftSince(const Switch& s, ActuatorIndex i) const 
   const bool was_there = std::any_of(s.others.begin(), s.others.end(), [&](const auto& other) {
     return other.name == ConfigOf(i).name && other.outcome == ActuatorOutcome::kDone;
   });
-  if (!had_done && !was_there) return {};
+  if (!had_done && !was_there) {
+    const bool is_back = known.due && known.presence == Presence::kPresent &&
+                         !known.restart.requested && s.direction != Direction::kCheck &&
+                         known.state() != s.target && ConfigOf(i).Lists(s.target);
+    return is_back ? "it is back since, in " + known.state() + ", and follows" : "";
+  }
   if (known.presence != Presence::kPresent) return "its process has exited since; it is starting";
   const bool there = s.direction == Direction::kCheck ? known.checked : known.state() == s.target;
   return there ? "" : "it has switched to " + known.state() + " since, and is being driven back";

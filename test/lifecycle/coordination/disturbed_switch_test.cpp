@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::disturbed_switch_test {
@@ -11,6 +12,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // Time
+
+using BackInASwitch = OneController;
 
 TEST_F(Switching, AnOverdueActuatorIsQueriedAndItsOutcomeNotGuessed) {
   Harness& t = In("Active");
@@ -155,6 +158,27 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
       EXPECT_EQ(t.StateOf("b"), t.machine().state) << target << critical;
     }
   }
+}
+
+// Error was reported as done beside legs that had been lost, were back in Active, and took part in
+// nothing.
+TEST_F(BackInASwitch, AnActuatorThatIsBackInAnotherStateIsMissingInTheOutcome) {
+  StartUp();
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  ASSERT_EQ(Of(0).presence, Presence::kLost);
+  Do(event::SetStateRequested{1, kError, {}});
+  Do(event::HealthChanged{0, kFirst, Health::kWell, false, "heartbeat received again"});
+  ActuatorReport report = Report(0, kActive);
+  report.epoch = machine_.epoch;
+  report.number = Of(0).report.number;
+  Do(event::Replied{0, report.number, true, Verdict::kDone, kCodeOk, "", report});
+  ASSERT_EQ(Of(0).presence, Presence::kPresent);
+  Obey(1);
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(answers[0].result.reason, "a: it is back since, in Active, and follows");
+  EXPECT_EQ(Of(0).command.value().target, kError);
 }
 
 TEST_F(Switching, ACriticalActuatorThatCrashesAfterItsPartIsMissingAndTakesTheMachineDown) {
