@@ -3,18 +3,25 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "musher/base/host.hpp"
+#include "musher/base/words.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/console/error_json.hpp"
 #include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/grammar/grammar.hpp"
+#include "musher/cli/machine/host_clocks.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/process_facts.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -25,10 +32,12 @@ namespace {
 struct StatusOptions {
   bool follow = false;
   bool failed = false;
+  bool hosts = false;
 };
 
 constexpr Duration kStatusTime = Milliseconds(300);
 constexpr Duration kHistoryTime = std::chrono::seconds(1);
+constexpr Duration kClocksWithin = std::chrono::seconds(8);  // ssh gives up after 5 s
 constexpr std::uint32_t kRecent = 200;  // entries in which the last change of the state is searched
 constexpr const char* kRedraw = "\x1b[H\x1b[2J";  // from the top of an empty screen
 
@@ -143,12 +152,50 @@ StatusTimes TimesOf(const StatusSince& since) {
   return times;
 }
 
+void PrintStatus(const msg::MachineStatus& status, const Uncontrolled& unlisted,
+                 const StatusSince& since, const std::optional<std::vector<HostClock>>& hosts,
+                 Console& console) {
+  const bool colour = console.mode().colour;
+  if (console.mode().json) {
+    console.Print(StatusJson(status, unlisted, since, hosts));
+  } else {
+    console.Print(StatusText(status, colour, TimesOf(since)) +
+                  (console.mode().terminal ? StatusLegend(status, colour) : "") +
+                  (hosts ? HostsText(*hosts, colour) : ""));
+  }
+  if (!hosts) return;
+  for (const HostClock& host : *hosts) {
+    if (!host.trouble.empty()) console.PrintError(host.trouble);
+  }
+}
+
 // Those that a person has to look at.
 void KeepFailed(msg::MachineStatus& status) {
   std::erase_if(status.actuators, [](const msg::ActuatorInfo& actuator) {
     return !actuator.degraded && actuator.health == HealthName(Health::kWell) &&
            !actuator.restarting && actuator.presence != PresenceName(Presence::kLost);
   });
+}
+
+// By ssh, in the environment of this user, which has the keys. Only the config knows the hosts.
+std::variant<std::vector<HostClock>, Failure> ReadClocks(Link& link,
+                                                         const msg::MachineStatus& status) {
+  if (status.host != HostId()) {
+    return Failure{ExitCode::kUsage,
+                   {kCodeParametersInvalid,
+                    "--hosts needs the config, which is on the computer of the controller: run it "
+                    "there"}};
+  }
+  const ConfigReading reading = ReadConfigFile(status.config_file);
+  if (!reading.config) {
+    return Failure{ExitCode::kUsage,
+                   {kCodeParametersInvalid, "--hosts needs the config; see `musher check " +
+                                                ShellWord(status.config_file) + "`"}};
+  }
+  const HostClocks clocks(link.loop(), *reading.config);
+  link.RunUntil([&] { return clocks.Complete(); }, kClocksWithin);
+  if (link.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
+  return clocks.Now(kClocksWithin);
 }
 
 // Where the controller of this host answers by itself, nothing unlisted can be known without a
@@ -190,12 +237,14 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   AddCredentialHints(status, global);
   const Uncontrolled unlisted = running ? AwaitUnlisted(*link, *running, status) : Uncontrolled{};
   const StatusSince since = SinceWhen(*link, status);
+  std::optional<std::vector<HostClock>> hosts;
+  if (options.hosts) {
+    auto clocks = ReadClocks(*link, status);
+    if (const auto* failure = std::get_if<Failure>(&clocks)) return console.Fail(*failure);
+    hosts = std::get<std::vector<HostClock>>(std::move(clocks));
+  }
   if (options.failed) KeepFailed(status);
-  console.Print(
-      console.mode().json
-          ? StatusJson(status, unlisted, since)
-          : StatusText(status, console.mode().colour, TimesOf(since)) +
-                (console.mode().terminal ? StatusLegend(status, console.mode().colour) : ""));
+  PrintStatus(status, unlisted, since, hosts, console);
   if (!unlisted.empty()) {
     console.PrintError(RunningNames(unlisted) + (unlisted.size() == 1 ? " runs" : " run") +
                        " in this namespace and " + (unlisted.size() == 1 ? "is" : "are") +
@@ -214,6 +263,11 @@ void AddStatus(Grammar& grammar) {
   auto* follow = app.add_flag("-f,--follow", options.follow, "Show every change as it happens");
   app.add_flag("--failed", options.failed,
                "Only the actuators that are degraded, not well, lost or being restarted")
+      ->excludes(follow);
+  app.add_flag(
+         "--hosts", options.hosts,
+         "Also how far the clocks of the other hosts are from this computer's,\nby ssh; 8 s at "
+         "most")
       ->excludes(follow);
 }
 

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 #include <vector>
 
 #include "musher/base/joined.hpp"
 #include "musher/cli/doctor/checks.hpp"
+#include "musher/cli/machine/host_clocks.hpp"
 
 namespace musher::cli {
 namespace {
@@ -14,14 +14,6 @@ namespace {
 constexpr int kOldestSystemd = 248;
 constexpr std::int64_t kLittle = 100 << 20;  // bytes
 constexpr Duration kAhead = Milliseconds(1000);
-
-std::string ClockText(Duration ahead) {
-  const double seconds = ToSeconds(ahead);
-  const double size = std::abs(seconds);
-  const std::string side = seconds < 0 ? "behind" : "ahead";
-  if (size < 1) return fmt::format("its clock is {:.0f} ms {}", size * 1000, side);
-  return fmt::format("its clock is {:.1f} s {}", size, side);
-}
 
 // The actuators of the host with such a limit.
 template <typename Has>
@@ -151,13 +143,14 @@ DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
   }
   if (host.clock_ahead && (*host.clock_ahead > kAhead || *host.clock_ahead < -kAhead)) {
     return fault(CheckStatus::kWarning,
-                 on + ClockText(*host.clock_ahead) +
+                 on + "its clock is " + ClockText(*host.clock_ahead) +
                      ": Musher depends on no clock, but the stamps of topics such as /tf differ",
                  fmt::format("{} timedatectl set-ntp true", ssh));
   }
-  check.reason = fmt::format("{}, {}, systemd {}{}{}", host.login, host.architecture, host.systemd,
-                             host.clock_ahead ? ", " + ClockText(*host.clock_ahead) : "",
-                             host.root ? "" : "; not root: polkit must permit it to start units");
+  check.reason =
+      fmt::format("{}, {}, systemd {}{}{}", host.login, host.architecture, host.systemd,
+                  host.clock_ahead ? ", its clock is " + ClockText(*host.clock_ahead) : "",
+                  host.root ? "" : "; not root: polkit must permit it to start units");
   return check;
 }
 

@@ -114,6 +114,18 @@ OrderedJson Of(const msg::PolicyInfo& p) {
           {"power", Known(p.power)}};
 }
 
+OrderedJson Of(const std::vector<HostClock>& hosts) {
+  OrderedJson json = OrderedJson::object();
+  for (const HostClock& host : hosts) {
+    json[host.name] = {
+        {"login", host.login},
+        {"runs", host.actuators},
+        {"clock_ahead_s", host.ahead ? OrderedJson(ToSeconds(*host.ahead)) : OrderedJson()},
+        {"trouble", Known(host.trouble)}};
+  }
+  return json;
+}
+
 }  // namespace
 
 OrderedJson ActuatorJson(const msg::ActuatorInfo& a) {
@@ -153,7 +165,8 @@ OrderedJson StopJson(const msg::ActuatorStatus& status) {
 
 std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, RunningActuators::Actuator>& unlisted,
-                       const StatusSince& since) {
+                       const StatusSince& since,
+                       const std::optional<std::vector<HostClock>>& hosts) {
   OrderedJson actuators = OrderedJson::object();
   for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = ActuatorJson(a);
   return JsonLine({{"machine", status.machine},
@@ -185,7 +198,8 @@ std::string StatusJson(const msg::MachineStatus& status,
                                                   : OrderedJson()},
                    {"uptime_s", since.up_s ? OrderedJson(*since.up_s) : OrderedJson()},
                    {"violated_rules", status.violated_rules},
-                   {"not_stopped", status.not_stopped}});
+                   {"not_stopped", status.not_stopped},
+                   {"hosts", hosts ? Of(*hosts) : OrderedJson()}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {

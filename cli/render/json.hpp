@@ -14,6 +14,7 @@
 #include "musher/cli/console/exit_code.hpp"
 #include "musher/cli/console/json_line.hpp"
 #include "musher/cli/machine/direct_tear_down.hpp"
+#include "musher/cli/machine/host_clocks.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/why.hpp"
 #include "musher/cli/start/progress.hpp"
@@ -39,10 +40,12 @@ struct StatusSince {
   std::optional<std::int64_t> state_since_ns;
   std::optional<double> up_s;
 };
-// `unlisted`: running actuators of the namespace that are not in the machine's config.
+// `unlisted`: running actuators of the namespace that are not in the machine's config. `hosts`: its
+// other hosts; nullopt: they were not looked at.
 std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, RunningActuators::Actuator>& unlisted = {},
-                       const StatusSince& since = {});
+                       const StatusSince& since = {},
+                       const std::optional<std::vector<HostClock>>& hosts = {});
 // A failure, and the actuators that run without a controller.
 std::string RunningJson(const Failure& failure,
                         const std::map<std::string, RunningActuators::Actuator>& running);

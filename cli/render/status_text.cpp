@@ -198,6 +198,20 @@ std::string StatusText(const msg::MachineStatus& shown, bool colour, const Statu
   return text + table.Text(colour);
 }
 
+std::string HostsText(const std::vector<HostClock>& hosts, bool colour) {
+  constexpr Duration kLittle = Milliseconds(1000);
+  if (hosts.empty()) return "no actuator has a host of its own\n";
+  Table table({"HOST", "LOGIN", "CLOCK", "ACTUATORS"});
+  for (const HostClock& host : hosts) {
+    const bool near = host.ahead && *host.ahead >= -kLittle && *host.ahead <= kLittle;
+    table.Add({{host.name},
+               {host.login},
+               {host.ahead ? ClockText(*host.ahead) : "-", near ? Style::kPlain : Style::kBusy},
+               {Joined(host.actuators)}});
+  }
+  return table.Text(colour);
+}
+
 std::string StatusLine(const msg::MachineStatus& shown, std::int64_t wall_ns) {
   const msg::MachineStatus status = Printable(shown);
   std::string line = LocalTime(wall_ns) + "  " + status.machine + "  " + status.state;

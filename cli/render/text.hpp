@@ -8,6 +8,7 @@
 
 #include "musher/cli/console/console.hpp"
 #include "musher/cli/machine/direct_tear_down.hpp"
+#include "musher/cli/machine/host_clocks.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/why.hpp"
 #include "musher/cli/start/progress.hpp"
@@ -32,6 +33,8 @@ std::string StatusText(const msg::MachineStatus& status, bool colour,
                        const StatusTimes& times = {});
 // What its marks mean; empty: there are none.
 std::string StatusLegend(const msg::MachineStatus& status, bool colour);
+// The other hosts of a machine, with how far their clocks are from this computer's.
+std::string HostsText(const std::vector<HostClock>& hosts, bool colour);
 // The status on one line, for output that is not a terminal.
 std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 

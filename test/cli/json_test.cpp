@@ -23,7 +23,7 @@ TEST(Json, HasTheStatusOfAMachine) {
       R"("unlisted":{},"phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
       R"("config":"dog.toml","config_hash":"cafe","host":"here",)"
       R"("emergency_stop":{"engaged":false,"by":null,"reason":""},"held_by_stop":[],"not_on_disk":[],"policy":null,)"
-      R"("machine_id":null,"other_machines":[],"other_vendors":[],"requested_by":null,"since":null,"uptime_s":null,"violated_rules":[],"not_stopped":[]})");
+      R"("machine_id":null,"other_machines":[],"other_vendors":[],"requested_by":null,"since":null,"uptime_s":null,"violated_rules":[],"not_stopped":[],"hosts":null})");
 }
 
 TEST(Json, HasAnEmergencyStopAndItsRelease) {

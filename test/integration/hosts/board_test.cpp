@@ -287,6 +287,10 @@ TEST_F(Board, ShowsItsLogAndWhatItsProcessUses) {
     EXPECT_GT(row["memory_bytes"], 0);
   }
   EXPECT_TRUE(found) << top;
+  // It has the clock of this computer.
+  const nlohmann::json hosts = Json(robot_->Run({"status", "--hosts", "--json"}).out)["hosts"];
+  EXPECT_NEAR(hosts["board"]["clock_ahead_s"].get<double>(), 0, 30) << hosts;
+  EXPECT_EQ(hosts["board"]["runs"], nlohmann::json::array({"eyes"}));
   Cut();
   const Ended without = robot_->Run({"logs", "--config", config_});
   EXPECT_EQ(without.exit, 0);
