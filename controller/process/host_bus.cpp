@@ -27,9 +27,8 @@ namespace {
 
 constexpr Duration kFirstBackOff = Milliseconds(250);
 constexpr Duration kLongestBackOff = Milliseconds(10'000);
-constexpr Duration kConnectWithin = Milliseconds(8'000);  // ssh's own limit for TCP is 5 s
-constexpr int kEndsWithinMS = 100;                        // of ssh, after SIGKILL
-constexpr std::size_t kLongestGreeting = 65'536;          // with what a login may print before it
+constexpr int kEndsWithinMS = 100;                // of ssh, after SIGKILL
+constexpr std::size_t kLongestGreeting = 65'536;  // with what a login may print before it
 constexpr std::size_t kMostErrors = 4'096;
 constexpr std::string_view kGreeting = "musher-host ";
 constexpr std::size_t kBootIdLength = 36;
@@ -160,8 +159,9 @@ void HostBus::Connect() {
   stream_watch_ = loop_.WhenReadable(stream_.get(), [this] { ReadGreeting(); });
   errors_watch_ = loop_.WhenReadable(errors_pipe_.get(), [this] { ReadErrors(); });
   exit_watch_ = loop_.WhenReadable(pidfd_.get(), [this] { Ended(); });
-  deadline_ = loop_.At(loop_.Now() + kConnectWithin, [this] {
-    End("no answer within " + std::to_string(ToMilliseconds(kConnectWithin) / 1000) + " s");
+  deadline_ = loop_.At(loop_.Now() + options_.connect_within, [this] {
+    End("no answer within " + std::to_string(ToMilliseconds(options_.connect_within) / 1000) +
+        " s");
   });
 }
 

@@ -36,9 +36,10 @@ using BusMessage = std::shared_ptr<sd_bus_message>;
 class HostBus {
  public:
   struct Options {
-    std::vector<std::string> ssh;           // with its arguments, up to the command
-    std::string login;                      // for people: "root@10.0.0.2"
-    std::vector<std::string> matches = {};  // of the signals that are received
+    std::vector<std::string> ssh;                   // with its arguments, up to the command
+    std::string login;                              // for people: "root@10.0.0.2"
+    std::vector<std::string> matches = {};          // of the signals that are received
+    Duration connect_within = Milliseconds(8'000);  // ssh's own limit for TCP is 5 s
   };
   struct Hooks {
     std::function<void()> on_up;

@@ -40,12 +40,13 @@ class HostConnection : public ::testing::Test {
     bool for_good = false;
   };
 
-  HostBus Make(const std::string& shell) {
+  HostBus Make(const std::string& shell, Duration connect_within = Milliseconds(8'000)) {
     HostBus::Hooks hooks;
     hooks.on_up = [this] { ++ups_; };
     hooks.on_down = [this](bool was_up, bool for_good) { downs_.push_back({was_up, for_good}); };
     hooks.on_signal = [](const BusMessage&) {};
-    return HostBus(loop_, {{"sh", "-c", shell}, "root@10.0.0.2"}, std::move(hooks));
+    return HostBus(loop_, {{"sh", "-c", shell}, "root@10.0.0.2", {}, connect_within},
+                   std::move(hooks));
   }
   void AwaitDown(std::size_t count = 1) {
     EXPECT_TRUE(loop_.RunUntil([&] { return downs_.size() >= count; }, testing::In(kSoon)));
@@ -74,6 +75,20 @@ TEST_F(HostConnection, ToAHostThatIsOffIsTriedAgain) {
   AwaitDown(3);
   EXPECT_FALSE(downs_.back().for_good);
   EXPECT_THAT(bus.trouble(), HasSubstr("No route to host; check that it runs"));
+}
+
+TEST_F(HostConnection, ToAHostThatHangsIsGivenUpWithItsNameAndTriedAgain) {
+  for (const std::string answer : {"", "echo 'Welcome.'; ", "printf 'musher-host '; "}) {
+    SCOPED_TRACE(answer);
+    downs_.clear();
+    HostBus bus = Make(answer + "exec sleep 1000", Milliseconds(1000));
+    bus.Open();
+    AwaitDown(answer.empty() ? 2 : 1);
+    EXPECT_FALSE(downs_.back().was_up);
+    EXPECT_FALSE(downs_.back().for_good);
+    EXPECT_THAT(bus.trouble(),
+                AllOf(HasSubstr("no answer within 1 s"), HasSubstr("`ssh root@10.0.0.2 true`")));
+  }
 }
 
 TEST_F(HostConnection, WithoutSshNamesThePackage) {
@@ -114,7 +129,7 @@ TEST_F(HostConnection, ToAHostThatDoesNotSayWhichItIsIsNotUsed) {
 TEST_F(HostConnection, ThatIsClosedEndsItsProgramAndCallsNothing) {
   const TempFolder folder;
   HostBus bus = Make("echo $$ > " + (folder / "pid.new") + "; mv " + (folder / "pid.new") + " " +
-                     (folder / "pid") + "; exec sleep 1000");
+                     (folder / "pid") + "; echo Welcome; exec sleep 1000");
   bus.Open();
   ASSERT_TRUE(
       loop_.RunUntil([&] { return !ReadFile(folder / "pid").empty(); }, testing::In(kSoon)));
