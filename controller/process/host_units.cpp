@@ -67,6 +67,18 @@ std::string TextOf(const SystemdError& error) {
   return error.text + (error.kind == SystemdError::Kind::kDenied ? kDeniedCure : "");
 }
 
+// Why systemd may execute nothing of a unit, however late its start is carried out: it cannot set
+// up the process that looks at the time.
+std::string WhySkipped(const std::string& unit, const ProcessSpec& spec) {
+  std::string causes;
+  if (!spec.cwd.empty()) causes = "its folder " + spec.cwd + " (`cwd`) may be missing there";
+  if (spec.limits.realtime_priority) {
+    causes += causes.empty() ? "" : ", or ";
+    causes += "its kernel may refuse `realtime_priority`";
+  }
+  return "systemd executes nothing of " + unit + (causes.empty() ? "" : ": " + causes);
+}
+
 // Whether the process is the unit's, also after its exit.
 bool IsOf(const UnitState& state, pid_t pid) {
   return static_cast<pid_t>(state.main_pid) == pid || static_cast<pid_t>(state.exec_pid) == pid;
@@ -85,7 +97,7 @@ struct HostUnits::Host {
   std::string seen = {};                 // its HostId() when its units were last examined
   bool reported = false;                 // its loss was reported
   std::optional<Duration> lost_at = {};  // since_boot() when its connection was lost
-  Duration gained = {};                  // by its clock, since that was read
+  Duration gained = {};                  // by its clock, since that was read, as a start has shown
 };
 
 struct HostUnits::Unit {
@@ -99,6 +111,7 @@ struct HostUnits::Unit {
   bool waits = false;                      // the start waits for the host, which was reported
   bool asked = false;                      // StartTransientUnit was sent
   std::string job = {};                    // its job
+  Duration gained = {};                    // by the host's clock, if that is why it was skipped
   bool given_up = false;                   // the start was given up and is to be ended
   int signal = 0;                          // to be sent, or sent and not confirmed
   bool refused = false;                    // a signal was refused, which was reported
@@ -237,6 +250,7 @@ void HostUnits::OnUp(Host& host) {
     unit->unread.clear();
     unit->asked = false;
     unit->given_up = false;
+    unit->gained = {};
     unit->job.clear();
     unit->asks_system = false;
     unit->again = nullptr;
@@ -452,6 +466,7 @@ void HostUnits::Start(const ProcessSpec& spec) {
   Unit& unit = *units_.at(spec.name);
   unit.wanted = spec;
   unit.waits = false;
+  unit.gained = {};
   ArmDeadline(unit);
   // Not inside this call.
   unit.again = loop_.At(loop_.Now(), [this, &unit] {
@@ -496,7 +511,8 @@ void HostUnits::StartUnit(Unit& unit) {
   start.process = *unit.wanted;
   // A start that waits in a lost connection is not carried out later, when it may not be wanted any
   // more.
-  start.until = unit.host.systemd->running() + unit.host.gained + kStartValid;
+  start.until =
+      unit.host.systemd->running() + std::max(unit.host.gained, unit.gained) + kStartValid;
   unit.asked = true;
   unit.given_up = false;
   unit.job.clear();
@@ -539,6 +555,8 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   unit.given_up = false;
   const auto pid = static_cast<pid_t>(unit.state.exec_pid);
   const bool done = result == kJobDone;
+  const Duration gained = std::max(unit.host.gained, std::exchange(unit.gained, {}));
+  if (done && pid != 0) unit.host.gained = gained;
   const bool not_executed = !done && unit.state.exec_code == CLD_EXITED &&
                             unit.state.exec_status >= kFirstOfSystemd &&
                             unit.state.exec_status <= kLastOfSystemd;
@@ -550,11 +568,11 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   }
   if (unit.state.active == "failed") Reset(unit);
   if (!unit.wanted) return;
-  // Nothing was executed, as for a late start: the clock there has gained on that of this host.
+  // Nothing was executed, as for a late start: the clock there has gained on that of this host, or
+  // the unit cannot be set up. That says nothing of the starts of other units.
   const bool skipped = result == kJobSkipped || (done && pid == 0);
-  Duration& gained = unit.host.gained;
   if (skipped && gained < kMostGained) {
-    gained = std::max(kStartValid, gained * 2);
+    unit.gained = std::max(kStartValid, gained * 2);
     return Examine(unit);
   }
   const ProcessSpec& spec = *unit.wanted;
@@ -564,7 +582,7 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
                                 "; make it there, or correct `user`");
   }
   std::string why = "the start of " + unit.name + " has ended as '" + result + "'";
-  if (skipped) why = "systemd executes nothing of " + unit.name;
+  if (skipped) why = WhySkipped(unit.name, spec);
   if (not_executed) {
     why = spec.argv.front() + " could not be executed there (systemd's exit code " +
           std::to_string(unit.state.exec_status) + ")";

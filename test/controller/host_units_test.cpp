@@ -135,6 +135,7 @@ class UnitOfAnotherHost : public ::testing::Test {
     ProcessSpec spec;
     spec.name = "eyes";
     spec.argv = config_.actuators[0].command;
+    spec.cwd = config_.actuators[0].cwd;
     spec.limits = config_.actuators[0].limits;
     units_->Start(spec);
   }
@@ -450,6 +451,41 @@ TEST_F(UnitOfAnotherHost, WhoseHostSkipsEachStartIsNotStarted) {
   Await([this] { return !not_started_.empty(); });
   EXPECT_THAT(not_started_,
               ElementsAre(HasSubstr("systemd executes nothing of musher-robot-eyes")));
+}
+
+// systemd skips a unit, too, where the process that looks at the time cannot be set up.
+TEST_F(UnitOfAnotherHost, WhoseHostSkipsEachStartNamesTheFolderThatMayBeMissing) {
+  config_.actuators[0].cwd = "/opt/robot";
+  config_.actuators[0].limits.realtime_priority = 40;
+  SetUnit("inactive", 0);
+  Write("uptime", "1000000");
+  Open();
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(not_started_,
+              ElementsAre(HasSubstr("eyes.service: its folder /opt/robot (`cwd`) may be missing "
+                                    "there, or its kernel may refuse `realtime_priority`; see")));
+}
+
+// Its starts were valid for an hour from then on, and those of all other units of the host.
+TEST_F(UnitOfAnotherHost, WhoseHostHasSkippedEachStartIsNotCarriedOutLaterForThat) {
+  SetUnit("inactive", 0);
+  Write("uptime", "1000000");
+  Open();
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  const auto skipped = [this] {
+    const std::string line = "StartTransientUnit skipped\n";
+    const std::string calls = Calls();
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = calls.find(line, at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  const std::size_t before = skipped();
+  Write("uptime", "1500");  // it was greeted with 1,000
+  Start();
+  AwaitCall("StartTransientUnit\n");
+  EXPECT_GT(skipped(), before);
 }
 
 // What waits in the one before would be carried out beside it.
