@@ -35,7 +35,9 @@ constexpr const char* kDeniedCure =
 // Exit codes of systemd itself: the program was not executed (systemd.exec(5)).
 constexpr int kFirstOfSystemd = 200;
 constexpr int kLastOfSystemd = 243;
+constexpr int kNotExecutable = 203;
 constexpr int kNoSuchUser = 217;
+constexpr int kNoNamespace = 226;
 
 ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limits) {
   ProcessExit exit;
@@ -65,6 +67,18 @@ std::string TroubleOf(const Systemd& systemd) {
 
 std::string TextOf(const SystemdError& error) {
   return error.text + (error.kind == SystemdError::Kind::kDenied ? kDeniedCure : "");
+}
+
+// Why systemd has not executed the program, by its exit code.
+std::string WhyNotExecuted(int status, const ProcessSpec& spec) {
+  const std::string what = spec.argv.front() + " could not be executed there";
+  if (status == kNotExecutable) {
+    return what + ": it is missing, not executable, or built for another processor";
+  }
+  if (status == kNoNamespace) {
+    return what + ": its kernel or container permits no mount namespaces, which `sandbox` needs";
+  }
+  return what + " (systemd's exit code " + std::to_string(status) + ")";
 }
 
 // Why systemd may execute nothing of a unit, however late its start is carried out: it cannot set
@@ -583,10 +597,7 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   }
   std::string why = "the start of " + unit.name + " has ended as '" + result + "'";
   if (skipped) why = WhySkipped(unit.name, spec);
-  if (not_executed) {
-    why = spec.argv.front() + " could not be executed there (systemd's exit code " +
-          std::to_string(unit.state.exec_status) + ")";
-  }
+  if (not_executed) why = WhyNotExecuted(unit.state.exec_status, spec);
   NotStarted(unit, "host " + unit.host.config.name + ": " + why + "; see `journalctl -u " +
                        unit.name + "` there");
 }

@@ -6,6 +6,8 @@
 //   FOLDER/system         SystemState; without it "running"
 //   FOLDER/uptime         for how many seconds the host has run: a start whose limit is less is
 //                         skipped; without it none is
+//   FOLDER/job            the job of a start ends with the result in it, after FOLDER/started has
+//                         become FOLDER/unit; without it no job ends that is not skipped
 //   FOLDER/ignore-MEMBER  the calls of this member are not answered
 //   FOLDER/refuse-MEMBER  the calls of this member are answered with the error in it
 //   FOLDER/late-MEMBER    the calls of this member are answered once it is removed
@@ -116,14 +118,20 @@ class FakeSystemd {
     const bool skipped = uptime_s > until_s_;
     Note(skipped ? "StartTransientUnit skipped" : "StartTransientUnit");
     sd_bus_reply_method_return(call, "o", kJob);
-    if (!skipped) return;
+    std::string result = skipped ? "done" : "";  // of systemd 248 and newer
+    if (!skipped && Has("job")) {
+      std::ifstream(folder_ + "/job") >> result;
+      std::rename((folder_ + "/started").c_str(), (folder_ + "/unit").c_str());
+      SendChange();
+    }
+    if (result.empty()) return;
     sd_bus_message* signal = nullptr;
     if (sd_bus_message_new_signal(bus_, &signal, "/org/freedesktop/systemd1",
                                   "org.freedesktop.systemd1.Manager", "JobRemoved") < 0) {
       return;
     }
     sd_bus_message_set_sender(signal, "org.freedesktop.systemd1");
-    sd_bus_message_append(signal, "uoss", 1U, kJob, unit.c_str(), "done");
+    sd_bus_message_append(signal, "uoss", 1U, kJob, unit.c_str(), result.c_str());
     sd_bus_send(bus_, signal, nullptr);
     sd_bus_message_unref(signal);
   }

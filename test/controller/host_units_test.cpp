@@ -488,6 +488,28 @@ TEST_F(UnitOfAnotherHost, WhoseHostHasSkippedEachStartIsNotCarriedOutLaterForTha
   EXPECT_GT(skipped(), before);
 }
 
+TEST_F(UnitOfAnotherHost, WhoseProgramIsNotExecutedSaysWhy) {
+  struct Cause {
+    const char* status;
+    const char* why;
+  };
+  for (const Cause& cause : {Cause{"203", "/opt/eyes could not be executed there: it is missing"},
+                             Cause{"217", " has no user robot; make it there"},
+                             Cause{"226", "mount namespaces, which `sandbox` needs; see"},
+                             Cause{"241", "(systemd's exit code 241); see `journalctl"}}) {
+    SCOPED_TRACE(cause.status);
+    not_started_.clear();
+    config_.actuators[0].limits.user = "robot";
+    SetUnit("inactive", 0);
+    Write("started", std::string("failed 41 ") + kOurs + " exit-code " + cause.status + "\n");
+    Write("job", "failed");
+    if (Calls().empty()) Open();
+    Start();
+    Await([this] { return !not_started_.empty(); });
+    EXPECT_THAT(not_started_, ElementsAre(HasSubstr(cause.why)));
+  }
+}
+
 // What waits in the one before would be carried out beside it.
 TEST_F(UnitOfAnotherHost, WhoseConnectionIsMadeAgainEndsTheOneBeforeThere) {
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
