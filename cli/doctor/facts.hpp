@@ -125,21 +125,24 @@ struct MemberFacts {
 // Another host that runs processes of the machine.
 struct OtherHostFacts {
   std::string name;
-  std::string login;                       // "root@10.0.0.2"
-  std::string trouble = {};                // why it did not answer, with what to do; empty: it did
-  std::optional<Duration> clock_ahead{};   // of this computer's
-  std::string architecture = {};           // "aarch64"
-  std::string init = {};                   // its first process: "systemd"
-  int systemd = 0;                         // its version; 0: there is none
-  std::string musher = {};                 // the version of `musher` there; empty: there is none
-  std::int64_t free_bytes = -1;            // of its root; -1: not known
-  bool root = false;                       // the login is root
-  int cgroups = 0;                         // their version, 1 or 2; 0: not known
-  std::vector<std::string> keeps = {};     // of "memory", "cpu", "quota" (of CPU time)
-  bool autogroups = false;                 // the kernel weighs sessions, not processes
-  std::vector<std::string> missing = {};   // "eyes: /opt/eyes is not there"
-  std::vector<std::string> no_users = {};  // that an actuator is to run as
-  std::vector<std::string> foreign = {};   // units of these names, of another machine
+  std::string login;                      // "root@10.0.0.2"
+  std::string trouble = {};               // why it did not answer, with what to do; empty: it did
+  std::optional<Duration> clock_ahead{};  // of this computer's
+  std::string architecture = {};          // "aarch64"
+  std::string init = {};                  // its first process: "systemd"
+  int systemd = 0;                        // its version; 0: there is none
+  std::string musher = {};                // the version of `musher` there; empty: there is none
+  std::int64_t free_bytes = -1;           // of its root; -1: not known
+  bool root = false;                      // the login is root
+  int cgroups = 0;                        // their version, 1 or 2; 0: not known
+  std::vector<std::string> keeps = {};    // of "memory", "cpu", "quota" (of CPU time)
+  bool autogroups = false;                // the kernel weighs sessions, not processes
+  std::vector<std::string> missing = {};  // "eyes: /opt/eyes is not there"
+  std::vector<std::string> no_folders = {};  // "eyes: /opt/robot"
+  std::vector<std::string> no_configs = {};  // "eyes: /opt/robot/robot.toml"
+  std::vector<std::string> no_devices = {};  // "eyes: /dev/video0"
+  std::vector<std::string> no_users = {};    // that an actuator is to run as
+  std::vector<std::string> foreign = {};     // units of these names, of another machine
 };
 
 // The multicast group of a motion board on LCM.

@@ -1,6 +1,7 @@
 #include "musher/cli/doctor/host_reach.hpp"
 
 #include <charconv>
+#include <filesystem>
 #include <sstream>
 
 #include "musher/base/version.hpp"
@@ -58,6 +59,11 @@ program() {
   is_elf "$path" && [ "$(kind "$path")" != "$(kind /proc/self/exe)" ] &&
     echo "missing $1: $path is built for another processor than this host's $(uname -m)"
 }
+# A login that is not root may see less than the process does.
+is_seen() { [ "$(id -u)" != 0 ] || [ "$1" "$2" ]; }
+folder() { is_seen -d "$2" || echo "nofolder $1: $2"; }
+config() { is_seen -e "$2" || echo "noconfig $1: $2"; }
+device() { [ -e "$2" ] || echo "nodevice $1: $2"; }
 unit() {
   state=$(systemctl show -p ActiveState --value "$1" 2>/dev/null)
   [ "$state" = inactive ] || echo "unit $1 $(systemctl show -p Environment --value "$1")"
@@ -76,6 +82,13 @@ bool IsForeign(const std::string& environment, const std::string& machine_id) {
   return environment.find("MUSHER_MACHINE_ID=" + machine_id) == std::string::npos;
 }
 
+// As the controller passes it.
+std::string ConfigThere(const MachineConfig& config, const ActuatorConfig& actuator) {
+  const auto named = actuator.env.find("MUSHER_CONFIG");
+  return named != actuator.env.end() ? named->second
+                                     : std::filesystem::absolute(config.file).string();
+}
+
 }  // namespace
 
 std::string HostFactsScript(const MachineConfig& config, const std::string& host) {
@@ -84,6 +97,14 @@ std::string HostFactsScript(const MachineConfig& config, const std::string& host
     if (actuator.host != host || actuator.command.empty()) continue;
     script += "program " + actuator.name + " " + ShellWord(actuator.command.front()) + "\n";
     script += "unit " + UnitNameOf(config.name, actuator.name) + "\n";
+    const auto look_for = [&](const char* what, const std::string& path) {
+      script += what + (" " + actuator.name) + " " + ShellWord(path) + "\n";
+    };
+    if (!actuator.cwd.empty()) look_for("folder", actuator.cwd);
+    look_for("config", ConfigThere(config, actuator));
+    for (const std::string& device : actuator.limits.devices.value_or(std::vector<std::string>())) {
+      look_for("device", device);
+    }
     const std::string& user = actuator.limits.user;
     if (user.empty()) continue;
     script += "id -u " + ShellWord(user) + " >/dev/null 2>&1 || echo nouser " + user + "\n";
@@ -116,6 +137,9 @@ void TakeHostLines(const std::vector<std::string>& lines, const std::string& mac
     }
     if (key == "autogroups") facts.autogroups = value == "1";
     if (key == "missing") facts.missing.push_back(value);
+    if (key == "nofolder") facts.no_folders.push_back(value);
+    if (key == "noconfig") facts.no_configs.push_back(value);
+    if (key == "nodevice") facts.no_devices.push_back(value);
     if (key == "nouser") facts.no_users.push_back(value);
     if (key == "unit" && IsForeign(value, machine_id)) {
       facts.foreign.push_back(value.substr(0, value.find(' ')));

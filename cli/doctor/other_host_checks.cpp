@@ -26,6 +26,7 @@ std::vector<std::string> Limited(const DoctorFacts& facts, const OtherHostFacts&
   return names;
 }
 
+// What the config needs of the host, and it does not have.
 struct Unkept {
   CheckStatus health = CheckStatus::kOk;
   std::string reason;
@@ -86,6 +87,40 @@ std::optional<Unkept> UnkeptLimit(const DoctorFacts& facts, const OtherHostFacts
   return std::nullopt;
 }
 
+// What no actuator is started without.
+std::optional<Unkept> MissingThere(const OtherHostFacts& host) {
+  if (!host.missing.empty()) {
+    return Unkept{CheckStatus::kError, Joined(host.missing),
+                  "copy the programs for its processor to the same path there"};
+  }
+  if (!host.no_folders.empty()) {
+    return Unkept{CheckStatus::kError,
+                  "the working directory is not there for " + Joined(host.no_folders),
+                  "make it there, correct `cwd`, or let `musher deploy` copy the files"};
+  }
+  if (!host.no_users.empty()) {
+    return Unkept{CheckStatus::kError, fmt::format("it has no user {}", Joined(host.no_users)),
+                  fmt::format("ssh {} useradd --system {}", host.login, host.no_users.front())};
+  }
+  return std::nullopt;
+}
+
+// A file that an actuator may do without.
+std::optional<Unkept> MissingFile(const OtherHostFacts& host) {
+  if (!host.no_configs.empty()) {
+    return Unkept{CheckStatus::kWarning, "the config is not there for " + Joined(host.no_configs),
+                  "copy it to the same path there, name another one by env.MUSHER_CONFIG, or let "
+                  "`musher deploy` copy it"};
+  }
+  if (!host.no_devices.empty()) {
+    return Unkept{CheckStatus::kWarning,
+                  "it has no such device for " + Joined(host.no_devices) +
+                      ", which stays closed to a process that is started before",
+                  "correct `devices`, or plug it in before the start"};
+  }
+  return std::nullopt;
+}
+
 DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
   DoctorCheck check{"host " + host.name};
   const auto fault = [&](CheckStatus health, std::string reason, std::string fix) {
@@ -109,13 +144,8 @@ DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
         on + fmt::format("systemd {} is too old: actuators need {}", host.systemd, kOldestSystemd),
         "upgrade its system");
   }
-  if (!host.missing.empty()) {
-    return fault(CheckStatus::kError, on + Joined(host.missing),
-                 "copy the programs for its processor to the same path there");
-  }
-  if (!host.no_users.empty()) {
-    return fault(CheckStatus::kError, on + fmt::format("it has no user {}", Joined(host.no_users)),
-                 fmt::format("{} useradd --system {}", ssh, host.no_users.front()));
+  if (const auto missing = MissingThere(host)) {
+    return fault(missing->health, on + missing->reason, missing->fix);
   }
   const auto unkept = UnkeptLimit(facts, host);
   if (unkept && unkept->health == CheckStatus::kError) {
@@ -134,7 +164,9 @@ DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
                  on + fmt::format("its disk has {} MiB left", host.free_bytes >> 20),
                  fmt::format("{} journalctl --vacuum-size=100M", ssh));
   }
-  if (unkept) return fault(unkept->health, on + unkept->reason, unkept->fix);
+  if (const auto found = unkept ? unkept : MissingFile(host)) {
+    return fault(found->health, on + found->reason, found->fix);
+  }
   if (!host.musher.empty() && !facts.version.empty() && host.musher != facts.version) {
     return fault(
         CheckStatus::kWarning,

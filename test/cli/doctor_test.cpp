@@ -12,7 +12,12 @@
 #include <fstream>
 #include <future>
 #include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
 
+#include "musher/base/files.hpp"
+#include "musher/base/program.hpp"
 #include "musher/cli/doctor/checks.hpp"
 #include "musher/cli/doctor/host_facts.hpp"
 #include "musher/cli/doctor/host_reach.hpp"
@@ -24,7 +29,9 @@
 
 namespace musher::cli::doctor_test {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr std::int64_t kNow = 1'790'000'000;
 
@@ -577,6 +584,12 @@ TEST(DoctorOfAnotherHost, NamesEachFaultWithItsHostAndWhatToDo) {
        "upgrade"},
       {[](auto& host) { host.missing = {"eyes: program not found there: /opt/eyes"}; },
        CheckStatus::kError, "eyes: program not found there: /opt/eyes", "copy the programs"},
+      {[](auto& host) { host.no_folders = {"eyes: /opt/robot"}; }, CheckStatus::kError,
+       "the working directory is not there for eyes: /opt/robot", "correct `cwd`"},
+      {[](auto& host) { host.no_configs = {"eyes: /opt/robot.toml"}; }, CheckStatus::kWarning,
+       "the config is not there for eyes: /opt/robot.toml", "env.MUSHER_CONFIG"},
+      {[](auto& host) { host.no_devices = {"eyes: /dev/video9"}; }, CheckStatus::kWarning,
+       "it has no such device for eyes: /dev/video9", "plug it in before the start"},
       {[](auto& host) { host.no_users = {"robot"}; }, CheckStatus::kError, "it has no user robot",
        "ssh root@10.0.0.2 useradd --system robot"},
       {[](auto& host) { host.foreign = {"musher-dog-eyes.service"}; }, CheckStatus::kError,
@@ -705,7 +718,8 @@ TEST(DoctorOfAnotherHost, ReadsWhatItsScriptPrints) {
   OtherHostFacts host;
   TakeHostLines({"arch aarch64", "init systemd", "systemd 252", "free 1024", "user 0",
                  "cgroups 2 cpuset memory", "autogroups 1", "version musher 1.2.3",
-                 "missing eyes: program not found there: x", "nouser robot",
+                 "missing eyes: program not found there: x", "nofolder eyes: /a b",
+                 "noconfig eyes: /c", "nodevice eyes: /dev/d", "nouser robot",
                  "unit musher-dog-eyes.service MUSHER_MACHINE_ID=theirs",
                  "unit musher-dog-ears.service A=b MUSHER_MACHINE_ID=ours"},
                 "ours", host);
@@ -718,8 +732,74 @@ TEST(DoctorOfAnotherHost, ReadsWhatItsScriptPrints) {
   EXPECT_TRUE(host.autogroups);
   EXPECT_EQ(host.musher, "1.2.3");
   EXPECT_EQ(host.missing, std::vector<std::string>{"eyes: program not found there: x"});
+  EXPECT_EQ(host.no_folders, std::vector<std::string>{"eyes: /a b"});
+  EXPECT_EQ(host.no_configs, std::vector<std::string>{"eyes: /c"});
+  EXPECT_EQ(host.no_devices, std::vector<std::string>{"eyes: /dev/d"});
   EXPECT_EQ(host.no_users, std::vector<std::string>{"robot"});
   EXPECT_EQ(host.foreign, std::vector<std::string>{"musher-dog-eyes.service"});
+}
+
+// What the script finds, run on this computer for a machine whose eyes run on host vision.
+class HostFacts : public ::testing::Test {
+ protected:
+  HostFacts() {
+    config_.name = "dog";
+    config_.file = folder_ / "robot.toml";
+    ActuatorConfig eyes;
+    eyes.name = "eyes";
+    eyes.host = "vision";
+    eyes.command = {"/bin/sh"};
+    config_.actuators.push_back(eyes);
+  }
+
+  ActuatorConfig& eyes() { return config_.actuators[0]; }
+  OtherHostFacts Look() const {
+    ProgramSpec spec;
+    spec.argv = {"sh", "-s"};
+    const auto ran = RunProgram(spec, HostFactsScript(config_, "vision"));
+    EXPECT_TRUE(ran && ran.value().status.ok());
+    std::vector<std::string> lines;
+    std::istringstream output(ran ? ran.value().output : "");
+    for (std::string line; std::getline(output, line);) lines.push_back(line);
+    OtherHostFacts host;
+    TakeHostLines(lines, "", host);
+    return host;
+  }
+
+  const TempFolder folder_;
+  MachineConfig config_;
+};
+
+// A start with a folder that is missing is skipped by systemd, and a device that is misspelt stays
+// closed: neither is named there.
+TEST_F(HostFacts, NameFoldersConfigsAndDevicesThatAreMissing) {
+  if (geteuid() != 0) GTEST_SKIP() << "a login that is not root may not see them";
+  eyes().cwd = folder_ / "a folder";
+  eyes().limits.devices = {"/dev/null", "/dev/no-such-device"};
+  const OtherHostFacts without = Look();
+  EXPECT_THAT(without.missing, IsEmpty());
+  EXPECT_THAT(without.no_folders, ElementsAre("eyes: " + (folder_ / "a folder")));
+  EXPECT_THAT(without.no_configs, ElementsAre("eyes: " + (folder_ / "robot.toml")));
+  EXPECT_THAT(without.no_devices, ElementsAre("eyes: /dev/no-such-device"));
+  std::filesystem::create_directory(folder_ / "a folder");
+  eyes().env["MUSHER_CONFIG"] = folder_ / "other.toml";
+  std::ofstream(folder_ / "other.toml") << "# as it was copied";
+  const OtherHostFacts with = Look();
+  EXPECT_THAT(with.no_folders, IsEmpty());
+  EXPECT_THAT(with.no_configs, IsEmpty());
+}
+
+TEST_F(HostFacts, NameAProgramForAnotherProcessorAndOneThatIsMissing) {
+  std::string program = ReadFile("/bin/sh");
+  program.resize(64);
+  program[18] ^= 1;  // for which processor it is
+  std::ofstream(folder_ / "eyes") << program;
+  std::filesystem::permissions(folder_ / "eyes", std::filesystem::perms::owner_all);
+  eyes().command = {folder_ / "eyes"};
+  EXPECT_THAT(Look().missing,
+              ElementsAre(HasSubstr(folder_ / "eyes is built for another processor than this ")));
+  eyes().command = {"/opt/no-such-program"};
+  EXPECT_THAT(Look().missing, ElementsAre("eyes: program not found there: /opt/no-such-program"));
 }
 
 }  // namespace musher::cli::doctor_test

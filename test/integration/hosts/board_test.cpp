@@ -150,6 +150,17 @@ TEST_F(Board, WithoutTheProgramSaysSo) {
   EXPECT_THAT(Units(), IsEmpty());
 }
 
+// Its systemd skips the unit, as one that is started too late.
+TEST_F(Board, WithoutTheFolderOfAnActuatorSaysSo) {
+  Replace("host = \"board\"\n", "host = \"board\"\ncwd = \"/opt/none\"\n");
+  const Ended up = Up();
+  EXPECT_THAT(up.out + up.err + History(),
+              HasSubstr("its folder /opt/none (`cwd`) may be missing there"));
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
+  EXPECT_THAT(robot_->Run({"check", "--hosts", config_}).out,
+              HasSubstr("the working directory is not there for eyes: /opt/none"));
+}
+
 TEST_F(Board, WithAUnitOfThatNameOfAnotherMachineIsNotTouched) {
   ASSERT_EQ(OnBoard({"systemd-run", "--unit=musher-robot-eyes", "sleep", "1000"}).exit, 0);
   const std::string before = Property("MainPID");
