@@ -164,4 +164,28 @@ TEST(SshArguments, AskNothingAndTakeTheAddressForNoOption) {
   EXPECT_THAT(SshArguments({"board", "board", "", "", ""}), Not(Contains("-i")));
 }
 
+TEST(SshTrouble, HasWhatToDoForEachWayInWhichAHostIsNotReached) {
+  struct Case {
+    const char* said;  // by ssh, or by the shell there
+    const char* cure;
+    bool for_good;
+  };
+  for (const Case& one :
+       {Case{"ssh: Could not resolve hostname vison: Name or service not known",
+             "; correct its address", false},
+        {"root@10.0.0.2: Permission denied (publickey,password).",
+         " put the public key into ~/.ssh/authorized_keys of that user", true},
+        {"Host key verification failed.", " its key is not known here, or has changed", true},
+        {"sh: 1: exec: systemd-stdio-bridge: not found",
+         "; install systemd there; its processes need it", true},
+        {"ssh: connect to host 10.0.0.2 port 22: Connection timed out",
+         "; check that it runs, and that `ssh root@10.0.0.2 true` works", false},
+        {"ssh: connect to host 10.0.0.2 port 22: Connection refused",
+         "; check that it runs, and that `ssh root@10.0.0.2 true` works", false}}) {
+    const SshTrouble trouble = SshTroubleOf(one.said, "root@10.0.0.2");
+    EXPECT_THAT(trouble.text, HasSubstr(std::string(one.said) + one.cure));
+    EXPECT_EQ(trouble.for_good, one.for_good) << one.said;
+  }
+}
+
 }  // namespace musher::host_bus_test
