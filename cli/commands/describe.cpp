@@ -73,6 +73,11 @@ void TakeConfig(const MachineConfig& config, Description& d) {
 }
 
 void TakeLog(const MachineFiles& files, Description& d) {
+  if (d.config && !d.config->host.empty()) {
+    d.why_no_log = "its output is in the journal of host " + d.config->host + "; `musher logs " +
+                   d.name + "` shows it";
+    return;
+  }
   d.log_file = LogPathOf(files, d.name);
   d.why_no_log = WhyUnreadable(files);
   if (!d.why_no_log.empty()) return;

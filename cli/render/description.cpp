@@ -48,6 +48,11 @@ bool HasGoodHealth(const msg::ActuatorInfo& info) {
   return info.health == HealthName(Health::kWell);
 }
 
+// Whether its process is a unit of another host, which other commands reach by ssh.
+bool HasHost(const Description& d) {
+  return d.config && !d.config->host.empty();
+}
+
 std::string KnownStateOf(const Description& d) {
   if (d.info) return d.info->state;
   return d.status ? d.status->state : "";
@@ -151,12 +156,14 @@ void AddProcess(Sheet& sheet, const Description& d) {
                            p.stopped ? "; STOPPED by a signal or a debugger" : ""),
                p.stopped ? Style::kBad : Style::kPlain);
     sheet.Line("", p.command + (p.cwd.empty() ? "" : "  in " + p.cwd));
+  } else if (pid != 0 && d.on_this_host) {
+    sheet.Line("process", fmt::format("pid {}, has exited or is not visible", pid));
+  } else if (pid != 0 && HasHost(d)) {
+    sheet.Line("process", fmt::format("pid {} on host {}: `musher top` shows its CPU and memory",
+                                      pid, d.config->host));
   } else if (pid != 0) {
-    sheet.Line("process", d.on_this_host
-                              ? fmt::format("pid {}, has exited or is not visible", pid)
-                              : fmt::format("pid {} on another host: its CPU and memory are seen "
-                                            "there only",
-                                            pid));
+    sheet.Line("process",
+               fmt::format("pid {} on another host: its CPU and memory are seen there only", pid));
   } else {
     sheet.Line("process", "none", Style::kBad);
   }
@@ -292,8 +299,9 @@ std::vector<Advice> AdviceFor(const Description& d) {
     steps.push_back(
         {fmt::format("kill -CONT {}", d.process->usage.pid), "continue the stopped process"});
   }
+  const bool has_log = d.why_no_log.empty() || HasHost(d);
   const bool bad = a.degraded || !HasGoodHealth(a) || a.presence != "present";
-  if (bad && d.why_no_log.empty()) {
+  if (bad && has_log) {
     steps.push_back({"musher logs " + name + " --level warning", "what it has reported"});
   }
   if (bad) {
@@ -304,7 +312,7 @@ std::vector<Advice> AdviceFor(const Description& d) {
   } else if (a.held || (!a.target.empty() && a.target != a.state)) {
     steps.push_back({"musher set " + d.machine_state, "bring it to the state of the machine"});
   } else if (!stopped) {
-    if (d.why_no_log.empty()) steps.push_back({"musher logs -f " + name, "watch what it prints"});
+    if (has_log) steps.push_back({"musher logs -f " + name, "watch what it prints"});
     for (const Description::Reach& reach : d.reach) {
       // Only a rest, never an upgrade or a fault: a newcomer may try it.
       const bool rest =

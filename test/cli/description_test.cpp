@@ -5,8 +5,14 @@
 
 #include <cstdlib>
 #include <ctime>
+#include <fstream>
+#include <string>
 
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/test/cli/program.hpp"
 #include "musher/test/cli/robot.hpp"
+#include "musher/test/support/domain.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::description_test {
 
@@ -141,6 +147,34 @@ TEST_F(Describing, OfAnActuatorElsewhereClaimsNothingAboutItsProcess) {
   legs_.why_no_log = "the logs are on the host of the controller";
   EXPECT_THAT(Text(), AllOf(HasSubstr("pid 101 on another host"), HasSubstr("the logs are on")));
   EXPECT_THAT(Commands(), Not(::testing::Contains(HasSubstr("logs"))));
+}
+
+// It said that CPU and memory are seen there only, and that the controller makes a log file.
+TEST_F(Describing, OfAnActuatorOnAHostOfTheConfigNamesTheCommandsThatShowIt) {
+  legs_.process.reset();
+  legs_.on_this_host = false;
+  legs_.config->host = "vision";
+  legs_.log.clear();
+  legs_.why_no_log = "its output is elsewhere";
+  EXPECT_THAT(Text(), HasSubstr("pid 101 on host vision: `musher top` shows its CPU and memory\n"));
+  EXPECT_THAT(Commands(), ::testing::Contains("musher logs -f legs"));
+}
+
+TEST(DescribeCommand, SaysWhereTheLogOfAnActuatorOnAnotherHostIs) {
+  if (!SupportsHosts()) GTEST_SKIP() << "built without hosts";
+  setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+  const TempFolder folder;
+  std::string text = kRobotToml;
+  const std::string eyes = "stage = 2\n";
+  text.replace(text.find(eyes), eyes.size(),
+               eyes + "command = [\"/opt/eyes\"]\nhost = \"vision\"\n");
+  std::ofstream(folder / "dog.toml") << text << "[transport]\nprofile = \"lan\"\n"
+                                     << "[host.vision]\naddress = \"10.0.0.2\"\n";
+  const Ran ran = RunProgram({"describe", "eyes", "--config", folder / "dog.toml"});
+  EXPECT_EQ(ran.exit, 3) << ran.err;
+  EXPECT_THAT(ran.out,
+              HasSubstr("its output is in the journal of host vision; `musher logs eyes`"));
+  unsetenv("ROS_DOMAIN_ID");
 }
 
 TEST_F(Describing, CannotControlTheTerminal) {
