@@ -595,7 +595,9 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
                                 ") has no user " + spec.limits.user +
                                 "; make it there, or correct `user`");
   }
+  const ProcessExit exit = ExitOf(unit.state, pid, spec.limits);
   std::string why = "the start of " + unit.name + " has ended as '" + result + "'";
+  if (!exit.out_of_memory.empty()) why = "the start of " + unit.name + " has ended " + exit.Text();
   if (skipped) why = WhySkipped(unit.name, spec);
   if (not_executed) why = WhyNotExecuted(unit.state.exec_status, spec);
   NotStarted(unit, "host " + unit.host.config.name + ": " + why + "; see `journalctl -u " +

@@ -510,6 +510,20 @@ TEST_F(UnitOfAnotherHost, WhoseProgramIsNotExecutedSaysWhy) {
   }
 }
 
+// Of the program that looks at the time, before its own is executed.
+TEST_F(UnitOfAnotherHost, WhoseStartNeedsMoreMemoryThanItsLimitNamesThat) {
+  config_.actuators[0].limits.memory_max_bytes = 1 << 20;
+  SetUnit("inactive", 0);
+  Write("started", std::string("failed 0 ") + kOurs + " oom-kill\n");
+  Write("job", "failed");
+  Open();
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(not_started_, ElementsAre(HasSubstr("has ended out of memory: its limit "
+                                                  "(memory_max_mb = 1) or the memory of its host "
+                                                  "is used up; see `journalctl -u ")));
+}
+
 // What waits in the one before would be carried out beside it.
 TEST_F(UnitOfAnotherHost, WhoseConnectionIsMadeAgainEndsTheOneBeforeThere) {
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
