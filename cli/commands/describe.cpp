@@ -228,6 +228,17 @@ std::vector<std::string> StatesToQuery(const Description& d) {
   return states;
 }
 
+void TakeStatus(const msg::MachineStatus& status, Description& d) {
+  d.machine = status.machine;
+  d.machine_state = status.state;
+  d.machine_phase = status.phase;
+  d.config_file = status.config_file;
+  d.same_clock = IsOfThisBoot(status.host);
+  const auto info = std::find_if(status.actuators.begin(), status.actuators.end(),
+                                 [&](const auto& actuator) { return actuator.name == d.name; });
+  if (info != status.actuators.end()) d.info = *info;
+}
+
 void TakeProcess(const std::string& host, Description& d) {
   const std::int32_t pid = d.info ? d.info->pid : d.status ? d.status->pid : 0;
   d.on_this_host = pid != 0 && !host.empty() && host == HostId();
@@ -279,13 +290,7 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& of_caller
   const bool known = std::find(names.begin(), names.end(), d.name) != names.end();
   if (!known && !(names.empty() && files != nullptr)) return console.Fail(NoSuchOne(d.name, names));
   if (status) {
-    d.machine = status->machine;
-    d.machine_state = status->state;
-    d.machine_phase = status->phase;
-    d.config_file = status->config_file;
-    const auto info = std::find_if(status->actuators.begin(), status->actuators.end(),
-                                   [&](const auto& actuator) { return actuator.name == d.name; });
-    if (info != status->actuators.end()) d.info = *info;
+    TakeStatus(*status, d);
   } else {
     d.why_no_machine =
         !other.empty()

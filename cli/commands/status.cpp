@@ -144,9 +144,11 @@ StatusSince SinceWhen(Link& link, const msg::MachineStatus& status) {
   return since;
 }
 
-StatusTimes TimesOf(const StatusSince& since) {
+// The time of the change is by the clock of the controller, which may be hours from this
+// computer's.
+StatusTimes TimesOf(const StatusSince& since, const std::string& host) {
   StatusTimes times{std::nullopt, since.up_s};
-  if (since.state_since_ns) {
+  if (since.state_since_ns && IsOfThisBoot(host)) {
     times.in_state_s = static_cast<double>(WallNow() - *since.state_since_ns) / 1e9;
   }
   return times;
@@ -159,7 +161,7 @@ void PrintStatus(const msg::MachineStatus& status, const Uncontrolled& unlisted,
   if (console.mode().json) {
     console.Print(StatusJson(status, unlisted, since, hosts));
   } else {
-    console.Print(StatusText(status, colour, TimesOf(since)) +
+    console.Print(StatusText(status, colour, TimesOf(since, status.host)) +
                   (console.mode().terminal ? StatusLegend(status, colour) : "") +
                   (hosts ? HostsText(*hosts, colour) : ""));
   }

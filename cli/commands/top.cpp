@@ -21,6 +21,7 @@
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/host_usage.hpp"
 #include "musher/cli/machine/link.hpp"
+#include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/render/top_table.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
@@ -161,6 +162,8 @@ class TopWatch {
     const auto found = events_.find(actuator);
     if (found == events_.end()) return;
     row.event = found->second.message;
+    // By the clock of the controller.
+    if (!IsOfThisBoot(link_.last_leader()->host)) return;
     row.event_age_s = static_cast<double>(WallNow() - found->second.wall_ns) / 1e9;
   }
 

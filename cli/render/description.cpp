@@ -89,7 +89,9 @@ void AddState(Sheet& sheet, const Description& d) {
     text += " \u2192 " + d.info->target;
   }
   if (const std::int64_t since = SinceOf(d); since != 0) {
-    text += fmt::format(", for {} (since {})", Age(d, since), LocalText(since));
+    text += d.same_clock
+                ? fmt::format(", for {} (since {})", Age(d, since), LocalText(since))
+                : fmt::format(", since {} by the clock of its controller", LocalText(since));
   }
   if (!d.machine_state.empty()) {
     text += fmt::format("; the machine is in {} ({})", d.machine_state, d.machine_phase);

@@ -48,6 +48,7 @@ struct Description {
   std::string why_no_log;
   std::vector<LogEntry> log;  // its last lines
   std::int64_t now_wall_ns = 0;
+  bool same_clock = true;  // `history` has the clock of this computer
 };
 
 // Since when it is in its state, by the history; 0: not known.

@@ -71,7 +71,7 @@ std::string NoteOfRow(const TopRow& row) {
   std::string event = row.event;  // "legs: Active done after 3 ms": the row has the name
   const std::string name = row.name.substr(0, row.name.find('*'));
   if (event.starts_with(name + ": ")) event.erase(0, name.size() + 2);
-  add(event + ", " + AgeText(row.event_age_s) + " ago");
+  add(event + (row.event_age_s ? ", " + AgeText(*row.event_age_s) + " ago" : ""));
   return Printable(note);
 }
 

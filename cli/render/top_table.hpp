@@ -26,8 +26,8 @@ struct TopRow {
   std::optional<double> heartbeat_age_s;   // of its last heartbeat
   std::optional<double> checkpoint_age_s;  // since the last checkpoint, if one is overdue
   std::int32_t restarts = 0;
-  std::string event;  // the last one in the journal
-  double event_age_s = 0;
+  std::string event;                  // the last one in the journal
+  std::optional<double> event_age_s;  // nullopt: it is by the clock of another computer
 };
 
 enum class TopOrder { kConfig, kCpu, kMemory, kName };

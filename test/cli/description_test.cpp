@@ -149,6 +149,14 @@ TEST_F(Describing, OfAnActuatorElsewhereClaimsNothingAboutItsProcess) {
   EXPECT_THAT(Commands(), Not(::testing::Contains(HasSubstr("logs"))));
 }
 
+// The clock of the controller's computer was three hours behind: "for 3 h", after five seconds.
+TEST_F(Describing, OfAControllerOfAnotherComputerDoesNotSayForHowLong) {
+  legs_.history.front().wall_ns -= 3 * 3'600'000'000'000LL;
+  legs_.same_clock = false;
+  EXPECT_THAT(Text(),
+              AllOf(HasSubstr(" by the clock of its controller"), Not(HasSubstr(", for "))));
+}
+
 // It said that CPU and memory are seen there only, and that the controller makes a log file.
 TEST_F(Describing, OfAnActuatorOnAHostOfTheConfigNamesTheCommandsThatShowIt) {
   legs_.process.reset();

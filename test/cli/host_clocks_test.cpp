@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "musher/base/host.hpp"
+#include "musher/cli/console/wall_time.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/cli/fake_controller.hpp"
@@ -172,7 +173,12 @@ host = "payload"
       now.status.config_file = folder_ / "robot.toml";
       reply(now);
     });
-    dog.Serve<msg::GetHistory>("get_history", [](const auto&, const auto& reply) { reply({}); });
+    dog.Serve<msg::GetHistory>("get_history", [](const auto&, const auto& reply) {
+      msg::GetHistory::Response history;
+      history.entries.emplace_back().state = "Active";
+      history.entries.back().wall_ns = WallNow() - 3'600'000'000'000;
+      reply(history);
+    });
     words.insert(words.begin(), {"--namespace", name_space_, "status"});
     return RunProgram(words);
   }
@@ -210,6 +216,14 @@ TEST_F(StatusOfHosts, NeedsTheComputerOfTheController) {
   EXPECT_EQ(ran.exit, 2);
   EXPECT_EQ(ran.out, "");
   EXPECT_THAT(ran.err, HasSubstr("on the computer of the controller: run it there"));
+}
+
+// The clock of a controller on another computer may be hours behind: "for 3 h", after some seconds.
+TEST_F(StatusOfHosts, DoesNotSayForHowLongByTheClockOfAnotherComputer) {
+  EXPECT_THAT(Status(HostId(), {}).out, HasSubstr("  for 60 min"));
+  const Ran elsewhere = Status("another boot/1", {});
+  EXPECT_EQ(elsewhere.exit, 0) << elsewhere.err;
+  EXPECT_THAT(elsewhere.out, Not(HasSubstr("  for ")));
 }
 
 TEST_F(StatusOfHosts, NeedsAConfigThatIsValidYet) {

@@ -10,6 +10,7 @@
 namespace musher::cli::top_table_test {
 
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -78,6 +79,13 @@ TEST(TopTable, ShowsWhatIsNotKnownAsADash) {
   row.event.clear();
   EXPECT_EQ(LinesOf(TopText({"", {row}}, 0, 0, false)).back(),
             "eyes              Active         -      -   -     -     -   0 on another host");
+}
+
+// By the clock of a controller on another computer it was hours ago.
+TEST(TopTable, ShowsAnEventWithoutItsAgeWhereThatIsNotKnown) {
+  TopRow row = Row("eyes", 0, 0);
+  row.event_age_s.reset();
+  EXPECT_THAT(LinesOf(TopText({"", {row}}, 0, 0, false)).back(), EndsWith("done after 3.2 ms"));
 }
 
 TEST(TopTable, NamesWhatIsWrong) {
