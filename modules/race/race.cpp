@@ -244,7 +244,7 @@ void Race::OnBody(int switch_status, int motion_id, Time now) {
 
 // In the pause it is led up after it, or lifted off its charger: it waits for START.
 void Race::OnCharger(bool on, Time now) {
-  if (on == on_charger_) return;
+  if (!on && !on_charger_) return;
   now_ = now;
   Record(input::kCharger, {on ? "1" : "0"});
   on_charger_ = on;

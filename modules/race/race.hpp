@@ -62,7 +62,8 @@ class Race : private fsm::Listener, private fsm::InputListener {
   void OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time taken, Time now);
   // switch_status and motion_id of motion_status.
   void OnBody(int switch_status, int motion_id, Time now);
-  // Whether it is on a charger: the battery's message.
+  // It is put on a charger, also where another publisher of the battery has reported one before; or
+  // it is on none any more (charger_reports.hpp).
   void OnCharger(bool on, Time now);
   // Samples of two publishers of a topic are received alternately.
   void OnTwoPublishers(std::string_view topic, Time now);

@@ -8,6 +8,7 @@
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/yaw.hpp"
+#include "musher/modules/race/charger_reports.hpp"
 #include "musher/modules/race/topic_names.hpp"
 
 namespace musher::race {
@@ -19,6 +20,9 @@ constexpr Duration kHeartbeatPeriod = Milliseconds(500);
 // Of the steady clock, where a reply is lost; the course's limits are of the machine's clock.
 constexpr Duration kLongestCall = std::chrono::minutes(5);
 constexpr const char* kModuleName = "race";
+constexpr const char* kTwoBatteries =
+    "two publishers of bms_status are received in turn: the robot counts as on a charger while one "
+    "of them reports it; end one of them, or give each robot its namespace";
 
 FsmActuator::Options OptionsOf(const Course& course) {
   FsmActuator::Options options;
@@ -95,6 +99,21 @@ void RaceRobot::SubscribeToBody(transport::Endpoints& topics, const std::string&
       [](transport::EndpointId) {}, qos);
 }
 
+void RaceRobot::SubscribeToBattery(transport::Endpoints& topics) {
+  topics.SubscribeEach<msg::BmsStatus>(
+      topic::kBattery,
+      [this, &loop = topics.node().loop(), reports = ChargerReports()](
+          const msg::BmsStatus& battery, transport::EndpointId publisher) mutable {
+        // Full, hot, or at its threshold it is on the charger, and does not charge.
+        const bool on = battery.power_wired_charging || battery.power_wp_place ||
+                        battery.power_wp_charging || battery.power_expower_supply;
+        const ChargerReports::Change change = reports.Take(publisher, on, loop.Now());
+        if (change.doubled) FsmActuator::Log(LogLevel::kWarning, kTwoBatteries);
+        if (change.on) race_.OnCharger(*change.on, Now());
+      },
+      [](transport::EndpointId) {}, transport::kSensorDataQos);
+}
+
 void RaceRobot::Subscribe(transport::Endpoints& topics) {
   topics.Subscribe<msg::String>(topic::kCommand, [this](const auto& text) {
     race_.OnCommand(text.data, Now(), CheckNotLate());
@@ -105,15 +124,7 @@ void RaceRobot::Subscribe(transport::Endpoints& topics) {
   SubscribeToBody<msg::MotionServoResponse>(topics, topic::kServoReply, [this](const auto& reply) {
     race_.OnServoReply(reply.result, reply.code, Now());
   });
-  topics.Subscribe<msg::BmsStatus>(
-      topic::kBattery,
-      [this](const msg::BmsStatus& battery) {
-        race_.OnCharger(
-            battery.power_wired_charging || battery.power_wp_place || battery.power_wp_charging ||
-                battery.power_expower_supply,  // full, hot, or at its threshold it does not charge
-            Now());
-      },
-      transport::kSensorDataQos);
+  SubscribeToBattery(topics);
   const OdometryRules& odometry = race_.course().odometry;
   if (!odometry.used()) return;
   SubscribeToBody<msg::Odometry>(

@@ -66,6 +66,7 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
   void SubscribeToBody(transport::Endpoints& topics, const std::string& topic,
                        std::function<void(const M&)> handler,
                        const transport::Qos& qos = transport::kDefaultQos);
+  void SubscribeToBattery(transport::Endpoints& topics);
   void OnOdometry(const msg::Odometry& sample);
   void OpenWalkers(transport::Endpoints& topics, Wire& wire);
   Detectors::Handlers DetectorHandlers();

@@ -29,7 +29,7 @@ inline constexpr std::string_view kSpoken = "spoken";           // number, code,
 inline constexpr std::string_view kOdometry = "odometry";
 inline constexpr std::string_view kBody = "body";        // switch_status, motion_id
 inline constexpr std::string_view kServo = "servo";      // accepted 0 or 1, code
-inline constexpr std::string_view kCharger = "charger";  // on it 0 or 1: at a change
+inline constexpr std::string_view kCharger = "charger";  // 1: it is put on one; 0: on none any more
 // topic (a recording of an earlier version has the number of a detector)
 inline constexpr std::string_view kTwoPublishers = "two_publishers";
 inline constexpr std::string_view kCommand = "command";  // its text

@@ -313,6 +313,19 @@ TEST(Pause, IsNotNeededForACharger) {
   ExpectReplays(rig);
 }
 
+// A second publisher of the battery reports it: the first one is of another robot, which charges.
+TEST(Pause, IsNotNeededForAChargerWhereAnotherOneWasReportedBefore) {
+  Rig rig;
+  rig.race->OnCharger(true, rig.now);
+  rig.Command("START:IN_QRB");
+  rig.Run(Milliseconds(3000));
+  EXPECT_EQ(rig.state(), "IN_QRB") << "a person has started it there";
+  rig.race->OnCharger(true, rig.now);
+  ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(200)));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr(",Reason:IN_QRB: it is on a charger"));
+  ExpectReplays(rig);
+}
+
 // Its process was stopped, or its computer suspended: it walked on, wherever it was put meanwhile.
 TEST(Pause, InWhichItsProcessCouldNotRunIsFollowedByTheRestOnlyAfterStart) {
   Rig rig;

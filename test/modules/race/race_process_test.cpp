@@ -10,6 +10,7 @@
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/protocol/audio.hpp"
+#include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -411,6 +412,29 @@ TEST_F(RaceProcess, GoesToErrorWhereASecondBodyReportsItsOdometry) {
   reads_ = "C-3";
   StartActive(kCourse + std::string("[odometry]\ntopic = \"odom_out\"\n"));
   ExpectErrorOfTwo<msg::Odometry>("odom_out", transport::kSensorDataQos);
+}
+
+// Each turn put it on its charger once more, which is a fault, also where a person had started it
+// there; and its log did not name the second one.
+TEST_F(RaceProcess, DoesNotBelieveTwoBatteriesInTurn) {
+  reads_ = "C-3";
+  StartActive();
+  const auto charges = Publisher<msg::BmsStatus>("bms_status");
+  const auto does_not = Publisher<msg::BmsStatus>("bms_status");
+  int turns = 0;
+  const auto ticker = peer_.node().loop().Every(Milliseconds(50), [&] {
+    msg::BmsStatus status;
+    status.power_wired_charging = true;
+    static_cast<void>(charges->Publish(status));
+    static_cast<void>(does_not->Publish({}));
+    ++turns;
+  });
+  ASSERT_TRUE(AwaitOutput("two publishers of bms_status are received in turn")) << peer_.Output();
+  Command("START:BOARD");
+  ASSERT_TRUE(AwaitState("State:2")) << peer_.Output();
+  const int begun = turns;
+  ASSERT_TRUE(peer_.Until([&] { return turns > begun + 20; }));
+  EXPECT_EQ(std::ranges::count(states_, "State:46"), 0) << infos_.back();
 }
 
 TEST_F(RaceProcess, TakesCommandsOfItsTool) {
