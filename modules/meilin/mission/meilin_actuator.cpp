@@ -23,7 +23,7 @@ constexpr Duration kAskEvery = Milliseconds(500);
 constexpr const char* kTakenBefore =
     "a plan that was taken before is not taken again; send it once more to repeat it";
 constexpr const char* kHeldUp =
-    "the connection to its sender was lost, and the plan may be as old: look at the robot, then "
+    "the service has not answered for long, and the plan may be as old: look at the robot, then "
     "send it once more";
 
 MissionConfig WithSide(MissionConfig config, const MatchConfig& match) {
@@ -103,13 +103,13 @@ void MeilinActuator::SubscribePlans(transport::Endpoints& topics) {
   const std::string& name_space = machine_config().name_space;
   topics.Keep(std::make_shared<PlanTopic<msg::Float32MultiArray>>(
       topics.node(), transport::ResolveName(name_space, config_.action_topic),
-      [this](const msg::Float32MultiArray& plan, std::int64_t written_ns, bool held_up) {
-        OnPlan(plan, written_ns, held_up);
+      [this](const msg::Float32MultiArray& plan, std::int64_t written_ns, const std::string& late) {
+        OnPlan(plan, written_ns, late);
       }));
   topics.Keep(std::make_shared<PlanTopic<msg::String>>(
       topics.node(), transport::ResolveName(name_space, config_.segment_topic),
-      [this](const msg::String& text, std::int64_t written_ns, bool held_up) {
-        OnSegments(text.data, written_ns, held_up);
+      [this](const msg::String& text, std::int64_t written_ns, const std::string& late) {
+        OnSegments(text.data, written_ns, late);
       }));
   topics.Subscribe<msg::String>(
       config_.map_topic, [this](const msg::String& text) { OnMap(text.data); },
@@ -193,22 +193,22 @@ void MeilinActuator::OnMap(const std::string& text) {
 }
 
 // Empty: it is not, or it moves nothing before a person says so.
-std::string MeilinActuator::WhyLate(bool held_up) const {
+std::string MeilinActuator::WhyLate(const std::string& late) const {
   if (!mission_.begun()) return "";
-  if (held_up) return kHeldUp;
+  if (!late.empty()) return late;
   const Result<> timely = CheckNotLate();
   return timely ? "" : timely.error().message;
 }
 
 void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns,
-                            bool held_up) {
+                            const std::string& late) {
   if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
-  if (RefusesLate(plan, held_up)) return;
+  if (RefusesLate(plan, late)) return;
   LogPlan(mission_.OfferPlan(plan, Now(), written_ns));
 }
 
-bool MeilinActuator::RefusesLate(const msg::Float32MultiArray& plan, bool held_up) {
-  const std::string why = WhyLate(held_up);
+bool MeilinActuator::RefusesLate(const msg::Float32MultiArray& plan, const std::string& late) {
+  const std::string why = WhyLate(late);
   if (why.empty()) return false;
   mission_.RefuseLate(plan, why);
   LogPlan(false);
@@ -216,10 +216,10 @@ bool MeilinActuator::RefusesLate(const msg::Float32MultiArray& plan, bool held_u
 }
 
 // A service that does not forget what it has handed out does so twice a second.
-void MeilinActuator::OnHandedOut(const msg::Float32MultiArray& plan, bool held_up) {
+void MeilinActuator::OnHandedOut(const msg::Float32MultiArray& plan, const std::string& late) {
   const std::int64_t number = NumberOf(plan);
   if (!mission_.WasTaken(number)) {
-    if (!RefusesLate(plan, held_up)) LogPlan(mission_.OfferHandedOut(plan, Now()));
+    if (!RefusesLate(plan, late)) LogPlan(mission_.OfferHandedOut(plan, Now()));
     return;
   }
   if (std::exchange(handed_out_again_, number) == number) return;
@@ -228,9 +228,10 @@ void MeilinActuator::OnHandedOut(const msg::Float32MultiArray& plan, bool held_u
                               "taken again once the service has said that it has none");
 }
 
-void MeilinActuator::OnSegments(const std::string& text, std::int64_t written_ns, bool held_up) {
+void MeilinActuator::OnSegments(const std::string& text, std::int64_t written_ns,
+                                const std::string& late) {
   if (mission_.WasTaken(written_ns)) return Log(kTakenBefore);
-  const std::string why = WhyLate(held_up);
+  const std::string why = WhyLate(late);
   if (why.empty()) return LogPlan(mission_.OfferSegments(text, Now(), written_ns));
   mission_.RefusePlan(why);
   LogPlan(false);
@@ -272,7 +273,9 @@ void MeilinActuator::RequestPlan(Time now) {
                  }
                  const auto since = std::exchange(unanswered_since_, std::nullopt);
                  const bool held_up = since && Now() - *since > BreakWatch::kShortest;
-                 if (reply.value().has_data) return OnHandedOut(reply.value().data, held_up);
+                 if (reply.value().has_data) {
+                   return OnHandedOut(reply.value().data, held_up ? kHeldUp : "");
+                 }
                  mission_.NothingHandedOut();
                  handed_out_again_ = 0;
                });

@@ -70,11 +70,11 @@ class MeilinActuator : public TreeActuator {
   Result<> MayBegin() const;
   void LogStart(const Result<std::string>& begun);
   void OnMap(const std::string& text);
-  std::string WhyLate(bool held_up) const;
-  bool RefusesLate(const msg::Float32MultiArray& plan, bool held_up);
-  void OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns, bool held_up);
-  void OnHandedOut(const msg::Float32MultiArray& plan, bool held_up);
-  void OnSegments(const std::string& text, std::int64_t written_ns, bool held_up);
+  std::string WhyLate(const std::string& late) const;
+  bool RefusesLate(const msg::Float32MultiArray& plan, const std::string& late);
+  void OnPlan(const msg::Float32MultiArray& plan, std::int64_t written_ns, const std::string& late);
+  void OnHandedOut(const msg::Float32MultiArray& plan, const std::string& late);
+  void OnSegments(const std::string& text, std::int64_t written_ns, const std::string& late);
   void LogPlan(bool accepted);
   void SubscribePlans(transport::Endpoints& topics);
   void OnCommand(const std::string& command);

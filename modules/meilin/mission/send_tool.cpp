@@ -14,6 +14,7 @@
 #include "musher/messages/std_msgs/multi_array.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/meilin/mission/mission.hpp"
+#include "musher/modules/meilin/mission/plan_topic.hpp"
 #include "musher/modules/meilin/plan/plan_file.hpp"
 #include "musher/transport/directed_publisher.hpp"
 
@@ -40,6 +41,9 @@ Examples:
 
 Exit codes: 0 begun; 1 refused, or no mission (reason on stderr); 2 usage; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
+
+// From the refusal of the first plan on, by which the mission has discovered the sender.
+constexpr Duration kUntilKnown = PlanSenders::kJustConnected + std::chrono::seconds(1);
 
 int FailSend(ExitCode exit, const std::string& message) {
   std::cerr << "musher-meilin: " << message << std::endl;
@@ -127,6 +131,28 @@ std::optional<int> PublishTo(ToolLink& link, const std::string& name, const M& m
   return std::nullopt;
 }
 
+using PlanPublisher = transport::DirectedPublisher<msg::Float32MultiArray>;
+
+// Publishes the plan, and waits for the answer of the mission, which is then in `watch`.
+Result<> PublishPlan(ToolLink& link, Watch& watch, PlanPublisher& publisher,
+                     const msg::Float32MultiArray& plan) {
+  const std::int64_t plans = watch.Count("plans");
+  const std::int64_t refusals = watch.Count("refusals");
+  if (Result<> sent = publisher.Publish(plan); !sent) return sent;
+  if (Result<> sent = publisher.Flush(link.discovery()); !sent) return sent;
+  const auto answered = [&] {
+    return watch.Count("plans") != plans || watch.Count("refusals") != refusals;
+  };
+  if (link.RunUntil(answered, link.discovery())) return Ok();
+  return Error{kCodeNetError, "the mission did not answer"};
+}
+
+// A match that was begun cannot know that the plan of a process that has just connected was written
+// just now, where that runs on another computer: this process knows it, and sends the plan again.
+bool IsToBeSentAgain(const Watch& watch) {
+  return watch.Text("refused_plan") == kSenderHasJustConnected;
+}
+
 // `keep`: as a planner, which stays.
 int SendPlan(ToolLink& link, const std::string& file, bool keep, bool json) {
   const DrawnPlanReading reading = ReadPlanFile(file);
@@ -138,21 +164,22 @@ int SendPlan(ToolLink& link, const std::string& file, bool keep, bool json) {
   Watch watch(link);
   if (!link.RunUntil([&] { return watch.complete(); }, link.discovery())) return NoMission(link);
   const std::int64_t plans = watch.Count("plans");
-  const std::int64_t refusals = watch.Count("refusals");
   auto made = transport::MakeDirectedPublisher<msg::Float32MultiArray>(
       link.node(), link.Name("mf_action_seq"), MissionMark(link), transport::kLatchedQos);
   if (!made) return FailSend(ExitCode::kUsage, made.error().message);
-  const auto& publisher = made.value();
-  if (!link.RunUntil([&] { return publisher->Ready(); }, link.discovery())) return NoMission(link);
-  Result<> sent = publisher->Publish(ToActionSequence(reading.plan->steps));
-  if (sent) sent = publisher->Flush(link.discovery());
-  if (!sent) return FailSend(ExitCode::kNotDone, sent.error().message);
-  const auto answered = [&] {
-    return watch.Count("plans") != plans || watch.Count("refusals") != refusals;
-  };
-  if (!link.RunUntil(answered, link.discovery())) {
-    return FailSend(ExitCode::kNotDone, "the mission did not answer");
+  PlanPublisher& publisher = *made.value();
+  if (!link.RunUntil([&] { return publisher.Ready(); }, link.discovery())) return NoMission(link);
+  const msg::Float32MultiArray plan = ToActionSequence(reading.plan->steps);
+  Result<> sent = PublishPlan(link, watch, publisher, plan);
+  if (sent && watch.Count("plans") == plans && IsToBeSentAgain(watch)) {
+    std::cerr << "musher-meilin: the match has just discovered this command; the plan is sent once "
+                 "more in some seconds"
+              << std::endl;
+    link.RunUntil([] { return false; }, kUntilKnown);
+    if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
+    sent = PublishPlan(link, watch, publisher, plan);
   }
+  if (!sent) return FailSend(ExitCode::kNotDone, sent.error().message);
   PrintState(watch, json);
   if (watch.Count("plans") == plans) return static_cast<int>(ExitCode::kNotDone);
   if (keep) link.RunUntil([] { return false; }, std::chrono::hours(24));

@@ -24,6 +24,7 @@
 #include "musher/messages/r2_interfaces/suspension_control.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/meilin/mission/plan_topic.hpp"
 #include "musher/modules/meilin/plan/action_sequence.hpp"
 #include "musher/test/application/groot2_client.hpp"
 #include "musher/test/modules/module_process.hpp"
@@ -486,6 +487,54 @@ TEST_F(MissionProcess, FailsItsSelfCheckWhereAServerIsMissing) {
   arm_.reset();
   Start("tree_file = \"" + StageFile() + "\"\nself_check_sec = 0.2\n");
   EXPECT_THAT(Failure("SelfCheck"), HasSubstr("no server of arm_action"));
+}
+
+// A match that was begun, on another computer: it cannot know that a plan was written just now.
+class AMatchElsewhere : public test::ModuleProcess {
+ protected:
+  AMatchElsewhere() : ModuleProcess("meilin", "musher-meilin") {
+    state_ = Publisher<msg::String>("meilin/state", transport::kLatchedQos);
+    status_ = Publisher<msg::String>("meilin/status", transport::kLatchedQos);
+    Subscribe<msg::Float32MultiArray>(
+        "mf_action_seq", [this](const auto&) { OnPlan(); }, transport::kLatchedQos);
+    Publish();
+  }
+  void OnPlan() {
+    came_.push_back(peer_.node().loop().Now());
+    refused_ = came_.size() == 1 ? reason_ : "";
+    Publish();
+  }
+  void Publish() {
+    const auto plans = static_cast<int>(came_.size());
+    const nlohmann::json status = {{"state", "WAITING_MF_ACTION_SEQ"},
+                                   {"refused_plan", refused_},
+                                   {"plans", refused_.empty() ? plans : 0},
+                                   {"refusals", refused_.empty() ? 0 : plans}};
+    static_cast<void>(status_->Publish({status.dump()}));
+  }
+  int SendPlan() {
+    return Run({"musher-meilin", "send", "plan", SourceDir() + "/config/meilin/plan_blue.toml"});
+  }
+
+  std::string reason_;  // of the refusal of the first plan
+  std::string refused_;
+  std::vector<Time> came_;
+  std::unique_ptr<transport::Publisher<msg::String>> state_;
+  std::unique_ptr<transport::Publisher<msg::String>> status_;
+};
+
+TEST_F(AMatchElsewhere, GetsThePlanOfTheToolOnceMoreWhereItsSenderHadJustConnected) {
+  reason_ = kSenderHasJustConnected;
+  EXPECT_EQ(SendPlan(), 0) << Said();
+  ASSERT_EQ(came_.size(), 2U) << Said();
+  EXPECT_GE(came_[1] - came_[0], PlanSenders::kJustConnected);
+}
+
+TEST_F(AMatchElsewhere, GetsThePlanOfTheToolOnceWhereItRefusesIt) {
+  reason_ = "there is no way";
+  EXPECT_EQ(SendPlan(), 1) << Said();
+  EXPECT_EQ(came_.size(), 1U);
+  EXPECT_THAT(Said(), HasSubstr("the last plan was refused: there is no way"));
 }
 
 }  // namespace musher::meilin::mission_process_test
