@@ -14,6 +14,12 @@ namespace {
 constexpr Duration kTick = Milliseconds(50);
 constexpr Duration kAnswerTime = std::chrono::seconds(3);  // of a server, to a goal
 constexpr Duration kCancelTime = std::chrono::seconds(1);  // then the cancellation is repeated
+// To make a client for a goal that the process before has left: of a minute, one a second.
+constexpr int kMostAttempts = 60;
+
+std::string LeftGoal(const std::string& robot) {
+  return robot + ": a skill that a process before has left to it";
+}
 
 }  // namespace
 
@@ -42,27 +48,69 @@ void PlanServer::CancelGoalsOfProcessBefore() {
                 "do by musher skill cancel: " +
                     left.error().message);
   }
-  for (const auto& [id, robot] : left.value()) {
-    const std::string what = robot + ": a skill that a process before has left to it";
-    if (const Result<> made = MakeClient(robot); !made) {
-      log_(LogLevel::kWarning, what + " is not cancelled: " + made.error().message);
-      continue;
-    }
-    log_(LogLevel::kWarning, what + " is cancelled (goal " + transport::GoalIdText(id) + ")");
-    CancelUntilReply(robot, id);
+  left_ = left.value();
+  CancelLeftGoals();
+  for (const auto& [id, robot] : left_) {
+    log_(LogLevel::kWarning, LeftGoal(robot) + " is not cancelled yet: " + no_client_ +
+                                 "; it is tried again each second");
   }
 }
 
-// Those that may still run: of the present step, and those whose cancellation has no reply.
+void PlanServer::CancelLeftGoals() {
+  for (const auto& [id, robot] : SavedGoals::Goals(left_)) {
+    if (const Result<> made = MakeClient(robot); !made) {
+      no_client_ = made.error().message;
+      continue;
+    }
+    log_(LogLevel::kWarning,
+         LeftGoal(robot) + " is cancelled (goal " + transport::GoalIdText(id) + ")");
+    left_.erase(id);
+    CancelUntilReply(robot, id);
+  }
+  TryAgainLater();
+}
+
+void PlanServer::TryAgainLater() {
+  const bool tries_clients = !left_.empty() && attempts_ < kMostAttempts;
+  if (!tries_clients && !saved_.failed()) return try_again_.reset();
+  if (!try_again_) try_again_ = node_.loop().Every(SavedGoals::kRetry, [this] { TryAgain(); });
+}
+
+void PlanServer::TryAgain() {
+  if (!left_.empty() && attempts_ < kMostAttempts) {
+    ++attempts_;
+    CancelLeftGoals();
+    if (attempts_ == kMostAttempts) LogGivenUp();
+  }
+  SaveGoals();
+}
+
+void PlanServer::LogGivenUp() const {
+  for (const auto& [id, robot] : left_) {
+    log_(LogLevel::kWarning, LeftGoal(robot) + " is not cancelled: " + no_client_ +
+                                 "; it is tried again with each plan and after `musher restart " +
+                                 actuator_ +
+                                 "`; `musher skill cancel` cancels what the robot does");
+  }
+}
+
+// Those that may still run: of the present step, those whose cancellation has no reply, and those
+// that cannot be cancelled yet.
 void PlanServer::SaveGoals() {
   SavedGoals::Goals goals = cancelling_;
+  goals.insert(left_.begin(), left_.end());
   if (execution_) {
     for (const auto& [robot, id] : execution_->sent) {
       goals[id] = execution_->run.present().robots[robot].robot_id;
     }
   }
-  const Result<> saved = saved_.Save(goals);
+  const bool had_failed = saved_.failed();
+  const Result<> saved = saved_.Save(goals, node_.loop().Now());
   if (!saved) log_(LogLevel::kWarning, saved.error().message);
+  if (had_failed && !saved_.failed() && !goals.empty()) {
+    log_(LogLevel::kInfo, "the goals of the plan are saved");
+  }
+  TryAgainLater();
 }
 
 void PlanServer::Permit(bool permitted, const std::string& why) {
@@ -123,6 +171,7 @@ void PlanServer::Start(const Goal& goal) {
     own.Abort({false, admitted.error().message});
     return;
   }
+  if (!left_.empty()) CancelLeftGoals();
   CancelAfterBreak();  // none is under way: a break before this plan does not end it
   own.Execute();
   log_(LogLevel::kInfo, "plan of " + Counted(plan.steps.size(), "step") + " started");

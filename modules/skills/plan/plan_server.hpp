@@ -7,7 +7,8 @@
 // could not run (base/break_watch.hpp). A plan ends after a break of more than a minute: its robots
 // may have finished their step long ago, and do not see that the next one is late. When it is
 // destroyed it cancels the goals of the present step. Those of a process that was killed are in a
-// file (saved_goals.hpp): Open() of the next one cancels them.
+// file (saved_goals.hpp): Open() of the next one cancels them. One for whose robot no client can be
+// made stays in the file, and is tried again each second for a minute, then with each plan.
 //
 // Threads: the loop's.
 
@@ -76,7 +77,13 @@ class PlanServer {
   // Also after the end of its plan: a robot that was out of reach may go on with it.
   void CancelUntilReply(const std::string& robot, const transport::GoalId& id);
   void CancelGoalsOfProcessBefore();
+  // Those for which a client can be made.
+  void CancelLeftGoals();
   void SaveGoals();
+  // Each second while it has to: goals are left, or not saved.
+  void TryAgain();
+  void TryAgainLater();
+  void LogGivenUp() const;
   void End(const PlanEnd& end);
   // The events of a goal that was sent, as long as its step is executed.
   transport::GoalEvents<msg::SkillExecution> EventsOf(std::size_t robot);
@@ -92,8 +99,12 @@ class PlanServer {
   std::string not_permitted_ = "it is not in Active";
   std::map<std::string, std::unique_ptr<Client>> clients_;  // by robot
   SavedGoals::Goals cancelling_;                            // without a reply
-  std::shared_ptr<Execution> execution_;                    // null: no plan is executed
-  transport::LoopHandlePtr ticks_;                          // during an execution
+  SavedGoals::Goals left_;  // by the process before; without a client that could cancel them
+  int attempts_ = 0;        // to make these clients
+  std::string no_client_;   // why the last one could not be made
+  transport::LoopHandlePtr try_again_;
+  std::shared_ptr<Execution> execution_;  // null: no plan is executed
+  transport::LoopHandlePtr ticks_;        // during an execution
 };
 
 }  // namespace musher::skills

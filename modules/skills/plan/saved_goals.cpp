@@ -49,21 +49,26 @@ Result<SavedGoals::Goals> SavedGoals::Found() const {
   return Error{kCodeFailed, FormatDiagnostic(read.diagnostics.front())};
 }
 
-Result<> SavedGoals::Save(const Goals& goals) {
-  if (file_.empty() || saved_ == goals) return Ok();
+Result<> SavedGoals::Save(const Goals& goals, Time now) {
+  const bool again = failed() && now >= retry_at_;
+  if (file_.empty() || (saved_ == goals && !again)) return Ok();
   saved_ = goals;
   std::error_code ignored;
   if (goals.empty()) {
-    std::filesystem::remove(file_, ignored);
+    std::filesystem::remove(file_, ignored);  // one that stays names goals that have ended
+    fault_.clear();
     return Ok();
   }
   std::filesystem::create_directories(std::filesystem::path(file_).parent_path(), ignored);
   const Result<> written = ReplaceFile(file_, GoalsText(goals), {.synced = false});
   const std::string fault = written ? "" : written.error().message;
+  retry_at_ = now + kRetry;
   if (std::exchange(fault_, fault) == fault || written) return Ok();
   return Error{
       kCodeFailed,
-      "the goals of the plan are not saved, and go on if this process is killed: " + fault};
+      "the goals of the plan are not saved, and go on if this process is killed; it is tried "
+      "again each second: " +
+          fault};
 }
 
 }  // namespace musher::skills

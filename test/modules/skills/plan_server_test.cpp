@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "musher/test/support/refusals.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -14,6 +15,7 @@
 
 namespace musher::skills::plan_server_test {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
@@ -43,6 +45,25 @@ struct FakeSkills {
   transport::Endpoints endpoints;
 };
 
+// A node that makes no writers of a robot's action while it has to fail.
+class FailingNode : public musher::testing::WrappedNode {
+ public:
+  using WrappedNode::WrappedNode;
+
+  Result<std::unique_ptr<transport::RawWriter>> MakeRawWriter(
+      const std::string& topic, const std::string& type, const transport::Qos& qos,
+      transport::WriterCallbacks callbacks) override {
+    if (fails && topic.find("b/skill_execution/") != std::string::npos) {
+      ++failures;
+      return Error{kCodeFailed, "out of memory"};
+    }
+    return WrappedNode::MakeRawWriter(topic, type, qos, std::move(callbacks));
+  }
+
+  bool fails = true;
+  int failures = 0;
+};
+
 class APlanServer : public ::testing::Test {
  protected:
   APlanServer() {
@@ -54,8 +75,8 @@ class APlanServer : public ::testing::Test {
   std::unique_ptr<transport::Endpoints> Serve(transport::Node& node) {
     auto endpoints = std::make_unique<transport::Endpoints>(node, "");
     const auto server = std::make_shared<PlanServer>(
-        node, "plan_dispatcher", "", DispatcherConfig{}, [](LogLevel, const std::string&) {},
-        goals_file_);
+        node, "plan_dispatcher", "", DispatcherConfig{},
+        [this](LogLevel, const std::string& line) { log_.push_back(line); }, goals_file_);
     server->Open(*endpoints);
     endpoints->Keep(server);
     server_ = server;
@@ -91,6 +112,9 @@ class APlanServer : public ::testing::Test {
     Run(1000);
     return sent;
   }
+  // A file in the place of the folder.
+  void BlockDisk() const { std::ofstream(folder_ / "state") << "full"; }
+  void FreeDisk() const { std::filesystem::remove(folder_ / "state"); }
   static std::string EndOf(const Sent& sent) {
     if (!sent.outcome) return "not ended";
     return std::string(transport::GoalEndName(sent.outcome->end)) + ": " +
@@ -98,6 +122,7 @@ class APlanServer : public ::testing::Test {
   }
 
   const TempFolder folder_;
+  std::vector<std::string> log_;
   const std::string goals_file_ = folder_ / "state/plan_dispatcher_goals.toml";
   transport::sim::Network network_{1};
   std::unique_ptr<musher::testing::SuspendedNode> node_ =
@@ -328,6 +353,72 @@ TEST_F(APlanServer, CancelsWhatAKilledProcessHasLeftOnceTheRobotIsBackAlsoWhenIt
   Run(5000);
   EXPECT_EQ(b_.cancels, 1);
   EXPECT_FALSE(std::filesystem::exists(goals_file_));
+}
+
+// The robot drove on: the goal was forgotten with the first attempt, also on the disk.
+TEST_F(APlanServer, CancelsWhatAKilledProcessHasLeftOnceAClientForItCanBeMade) {
+  static_cast<void>(Send(PlanOf({{"a", "b"}})));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  network_.Crash(node_->simulated());
+  FailingNode node(network_.MakeNode("robot"));
+  const auto next = Serve(node);
+  Run(3000);
+  EXPECT_EQ(a_.cancels, 1);
+  EXPECT_EQ(b_.cancels, 0);
+  EXPECT_THAT(SavedGoals(goals_file_).Found().value(), ElementsAre(Pair(b_.goals[0].id(), "b")));
+  EXPECT_THAT(log_, Contains("b: a skill that a process before has left to it is not cancelled "
+                             "yet: out of memory; it is tried again each second"));
+  node.fails = false;
+  Run(3000);
+  EXPECT_EQ(b_.cancels, 1);
+  EXPECT_FALSE(std::filesystem::exists(goals_file_));
+}
+
+TEST_F(APlanServer, KeepsWhatAKilledProcessHasLeftAfterAMinuteForTheNextPlan) {
+  static_cast<void>(Send(PlanOf({{"a", "b"}})));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  network_.Crash(node_->simulated());
+  FailingNode node(network_.MakeNode("robot"));
+  const auto next = Serve(node);
+  Run(61'000);
+  const int failures = node.failures;
+  EXPECT_EQ(failures, 61) << "at its start, and one a second";
+  Run(600'000);
+  EXPECT_EQ(node.failures, failures);
+  EXPECT_THAT(log_, Contains(HasSubstr("is not cancelled: out of memory; it is tried again with "
+                                       "each plan and after `musher restart plan_dispatcher`")));
+  EXPECT_THAT(SavedGoals(goals_file_).Found().value(), ElementsAre(Pair(b_.goals[0].id(), "b")));
+  node.fails = false;
+  static_cast<void>(Send(PlanOf({{"b"}})));
+  Run(5000);
+  EXPECT_EQ(b_.cancels, 1);
+  ASSERT_THAT(b_.goals, SizeIs(2));
+  EXPECT_EQ(b_.goals[0].state(), GoalState::kCanceled);
+  EXPECT_EQ(b_.goals[1].state(), GoalState::kExecuting);
+}
+
+// Its disk was full for a moment, and its goals did not change any more.
+TEST_F(APlanServer, SavesTheGoalsOfAStepOnceTheDiskTakesThem) {
+  BlockDisk();
+  static_cast<void>(Send(PlanOf({{"b"}})));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  EXPECT_THAT(log_, Contains(HasSubstr("the goals of the plan are not saved")));
+  FreeDisk();
+  Run(1500);
+  EXPECT_THAT(SavedGoals(goals_file_).Found().value(), ElementsAre(Pair(b_.goals[0].id(), "b")));
+  EXPECT_THAT(log_, Contains("the goals of the plan are saved"));
+}
+
+TEST_F(APlanServer, SavesTheGoalsThatAPlanHasLeftOnceTheDiskTakesThem) {
+  BlockDisk();
+  const auto sent = Send(PlanOf({{"b"}}));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  network_.Partition("robot", "b");
+  Run(60'000);
+  ASSERT_THAT(EndOf(*sent), HasSubstr("b wait: "));
+  FreeDisk();
+  Run(1500);
+  EXPECT_THAT(SavedGoals(goals_file_).Found().value(), ElementsAre(Pair(b_.goals[0].id(), "b")));
 }
 
 TEST_F(APlanServer, SavesTheGoalsOfAStepBeforeItSendsThem) {
