@@ -66,12 +66,17 @@ Result<> ExecProcess::RunState(const State& state) {
 
 // EmergencyStopped() is read under the mutex: the action of a stop that is engaged later finds the
 // command. SetUp and a self-check must not switch on, so a later stop is confirmed beside them.
+// What switches on is not begun by the core below a stop: one that is engaged has come since.
 bool ExecProcess::BeginCommand(const State& state) {
   const std::lock_guard lock(stops_mutex_);
   if (!runner_.HasCommand(state)) return false;
   const bool stopped = actuator_.EmergencyStopped();
   if (!stopped && (state == kSetUp || state == kSelfCheck)) return false;
-  confirmation_.BeginCommand(state, stopped);
+  const bool since =
+      state != kSetUp && MaySwitchOn(actuator_.machine_config(), actuator_.CurrentState(), state);
+  confirmation_.BeginCommand(state, !stopped ? StopAtBegin::kNone
+                                    : since  ? StopAtBegin::kSince
+                                             : StopAtBegin::kBefore);
   actuator_.ReportStopTrouble(confirmation_.Trouble());
   return stopped;
 }

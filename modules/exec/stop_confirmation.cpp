@@ -22,9 +22,10 @@ void StopConfirmation::EndAction(std::uint64_t number, const std::string& error)
   if (number == actions_) action_trouble_ = error;
 }
 
-void StopConfirmation::BeginCommand(const State& state, bool stopped) {
+void StopConfirmation::BeginCommand(const State& state, StopAtBegin stop) {
   command_ = state;
-  stopped_before_ = stopped;
+  stopped_before_ = stop == StopAtBegin::kBefore;
+  stopped_meanwhile_ = stop == StopAtBegin::kSince;
 }
 
 bool StopConfirmation::EndCommand(bool nothing_left) {

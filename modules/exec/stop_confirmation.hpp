@@ -10,7 +10,10 @@
 //   repeated by     the caller          the core         no need
 //
 // The core of the actuator repeats the action itself at the end of a callback during which a stop
-// was engaged (UnderStop() in lifecycle/actuator/actuator_core.cpp).
+// was engaged (UnderStop() in lifecycle/actuator/actuator_core.cpp). A callback begins in the core
+// before its command does, and ends there after it: a stop that comes in between is, for the core,
+// one while the callback ran. Before a command it is known as such where the core begins none of
+// this kind below a stop. Else, and after a command, the action may run once more than needed.
 //
 // Threads: one at a time; the caller holds a mutex.
 
@@ -20,6 +23,13 @@
 #include "musher/lifecycle/state.hpp"
 
 namespace musher::exec {
+
+// Whether a stop is engaged when a command begins.
+enum class StopAtBegin : std::uint8_t {
+  kNone,
+  kBefore,  // that may have been engaged before the core began the callback
+  kSince    // it was engaged since then
+};
 
 class StopConfirmation {
  public:
@@ -34,8 +44,8 @@ class StopConfirmation {
   // `error`: empty if the action has succeeded. Has no effect if another action is awaited.
   void EndAction(std::uint64_t number, const std::string& error);
 
-  // A command begins that may switch on; `stopped`: a stop is engaged already.
-  void BeginCommand(const State& state, bool stopped);
+  // A command begins that may switch on.
+  void BeginCommand(const State& state, StopAtBegin stop);
   // Returns whether the caller has to begin the action again, under the same lock.
   // `nothing_left`: the command has ended all that could move. Has no effect if no command runs.
   bool EndCommand(bool nothing_left);

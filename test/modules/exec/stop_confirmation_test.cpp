@@ -15,8 +15,8 @@ class AStop : public ::testing::Test {
  protected:
   // The action runs once, to its end.
   void Act() { stop_.EndAction(stop_.BeginAction(), ""); }
-  void BeginBeforeAStop() { stop_.BeginCommand("LowPower", false); }
-  void BeginBelowAStop() { stop_.BeginCommand("LowPower", true); }
+  void BeginBeforeAStop() { stop_.BeginCommand("LowPower", StopAtBegin::kNone); }
+  void BeginBelowAStop() { stop_.BeginCommand("LowPower", StopAtBegin::kBefore); }
   bool EndCommand() { return stop_.EndCommand(false); }
 
   StopConfirmation stop_{kNotEnded};
@@ -75,6 +75,31 @@ TEST_F(AStop, IsNotConfirmedWhileACommandRunsBelowTheOneBefore) {
   EXPECT_EQ(stop_.Trouble(), "");
 }
 
+// It came after the core had begun the callback, and before its command began: musher-exec and the
+// core both repeated the action.
+TEST_F(AStop, RepeatsItsActionOnceAfterACommandThatWasToBeginWhenItCame) {
+  Act();
+  stop_.BeginCommand("Active", StopAtBegin::kSince);
+  EXPECT_EQ(stop_.Trouble(), "its callback for Active still runs and may switch on again");
+  EXPECT_FALSE(EndCommand()) << "the core repeats the action, which ran twice";
+  EXPECT_EQ(stop_.Trouble(), kNotEnded);
+  Act();
+  EXPECT_EQ(stop_.Trouble(), "");
+}
+
+TEST_F(AStop, LeavesNothingToRepeatToTheCommandsAfterTheOneThatWasToBegin) {
+  Act();
+  stop_.BeginCommand("Active", StopAtBegin::kSince);
+  EXPECT_FALSE(EndCommand());
+  Act();
+  BeginBelowAStop();
+  EXPECT_TRUE(EndCommand());
+  Act();
+  BeginBeforeAStop();
+  EXPECT_FALSE(EndCommand());
+  EXPECT_EQ(stop_.Trouble(), "");
+}
+
 // The command may have switched on again what this action has switched off.
 TEST_F(AStop, IsNotConfirmedByAnActionThatBeganBesideACommandAndEndsAfterIt) {
   BeginBeforeAStop();
@@ -105,7 +130,7 @@ TEST_F(AStop, NamesWhatItsActionCouldNotDoAlsoWhileACommandRuns) {
 
 TEST_F(AStop, NeedsNoActionAfterACommandThatLeavesNothing) {
   Act();
-  stop_.BeginCommand("TearDown", true);
+  stop_.BeginCommand("TearDown", StopAtBegin::kBefore);
   EXPECT_FALSE(stop_.EndCommand(true));
   EXPECT_EQ(stop_.Trouble(), "");
 }
@@ -134,7 +159,7 @@ TEST(AStopWithNothingToStop, IsConfirmedAtOnceUnlessACommandRuns) {
   StopConfirmation stop("");
   stop.BeginAction();
   EXPECT_EQ(stop.Trouble(), "");
-  stop.BeginCommand("LowPower", false);
+  stop.BeginCommand("LowPower", StopAtBegin::kNone);
   stop.BeginAction();
   EXPECT_EQ(stop.Trouble(), kLowPowerRuns);
   EXPECT_FALSE(stop.EndCommand(false));
