@@ -301,6 +301,11 @@ class Differences {
         Add(times->value_at, "ticks for ever in tickOnce while the child ends at once",
             "TickOnce ticks at most 100 times");
       }
+      const bool is_entry = times != nullptr && KeyOf(times->value, times->name);
+      if (is_entry && !element.children.empty() && MayRun(element.children.front())) {
+        Add(times->value_at, "leaves the child running where this number becomes smaller meanwhile",
+            "it is halted");
+      }
     }
     if (!name.starts_with("Switch") || name.size() != 7) return;
     for (const Attribute& attribute : element.attributes) {

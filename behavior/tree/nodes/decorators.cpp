@@ -30,7 +30,8 @@ class KeepRunningUntilFailure : public Decorator {
 };
 
 // Repeat and RetryUntilSuccessful: ticks its child again while it returns `kAgain`. Gives the tree
-// a turn between two attempts, unless the last one was running before.
+// a turn between two attempts, unless the last one was running before. The number of attempts is
+// read once in each tick: the child may change it.
 template <Status kAgain>
 class Again : public Decorator {
  public:
@@ -38,7 +39,9 @@ class Again : public Decorator {
 
  private:
   Status OnTick(Tick& tick) override {
-    while (MayGoOn()) {
+    const int times = times_.Get();
+    const auto may_go_on = [&] { return times == -1 || done_ < times; };
+    while (may_go_on()) {
       const bool fresh = !child().running();
       const Status status = TickChild(tick);
       if (status == Status::kRunning) return status;
@@ -51,21 +54,18 @@ class Again : public Decorator {
         return status;
       }
       ++done_;
-      if (fresh && MayGoOn()) {
+      if (fresh && may_go_on()) {
         tick.woken = true;
         return Status::kRunning;
       }
     }
     done_ = 0;
+    child().Reset(tick);  // it runs where the number has become smaller
     return kAgain;
   }
   void OnHalt(Tick& tick) override {
     done_ = 0;
     child().Reset(tick);
-  }
-  bool MayGoOn() const {
-    const int times = times_.Get();
-    return times == -1 || done_ < times;
   }
 
   InPort<int> times_;

@@ -63,6 +63,13 @@ TEST(DifferencesToBtcpp, OfHalts) {
 TEST(DifferencesToBtcpp, OfLimits) {
   EXPECT_THAT(Of("<Repeat num_cycles=\"-1\">" + kLeaf + "</Repeat>"),
               HasSubstr("here TickOnce ticks at most 100 times"));
+  const std::string sleep = "<Sleep msec=\"1\"/>";
+  EXPECT_THAT(Of("<Repeat num_cycles=\"{n}\">" + sleep + "</Repeat>"),
+              HasSubstr("t.xml:3:21: warning: BehaviorTree.CPP 4.10 leaves the child running where "
+                        "this number becomes smaller meanwhile; here it is halted"));
+  EXPECT_EQ(Of("<Repeat num_cycles=\"3\">" + sleep + "</Repeat>"), "");
+  EXPECT_EQ(Of("<RetryUntilSuccessful num_attempts=\"{n}\">" + kLeaf + "</RetryUntilSuccessful>"),
+            "");
   EXPECT_THAT(Of("<Switch2 variable=\"{v}\" case_1=\"1.5\" case_2=\"2\">" + kLeaf + kLeaf + kLeaf +
                  "</Switch2>"),
               testing::AllOf(HasSubstr("t.xml:3:33: "), HasSubstr("differ by less than 1e-7")));

@@ -28,6 +28,27 @@ TEST_F(Decorators, RepeatGivesTheTreeATurnAfterEachRound) {
 TEST_F(Decorators, RepeatGoesOnInTheSameTickAfterAChildThatRan) {
   EXPECT_EQ(Run("<Repeat num_cycles=\"2\">" + Say("RS") + "</Repeat>", 3), "RRS a^ a a^ a ");
 }
+// The child ran on without ticks, below a tree that had ended.
+TEST_F(Decorators, RepeatHaltsItsChildWhereItsNumberHasBecomeSmaller) {
+  for (const std::string repeat : {"Repeat num_cycles", "RetryUntilSuccessful num_attempts"}) {
+    const std::string end = "</" + repeat.substr(0, repeat.find(' ')) + ">";
+    tree = MakeTree(Main("<" + repeat + "=\"{n}\">" + Leaf("a", "R") + end), factory);
+    ASSERT_TRUE(tree->board().Set("n", 2));
+    EXPECT_EQ(Ticks(*tree, 1), "R");
+    ASSERT_TRUE(tree->board().Set("n", 0));
+    EXPECT_EQ(Ticks(*tree, 1, 1), repeat.starts_with("Repeat") ? "S" : "F");
+    EXPECT_EQ(Take(), "a^ a! ");
+    EXPECT_EQ(tree->status(1), Status::kIdle);
+  }
+}
+TEST_F(Decorators, RepeatReadsItsNumberOnceInATick) {
+  tree = MakeTree(
+      Main("<Repeat num_cycles=\"{n}\">" + Leaf("a", "RS", "_onSuccess=\"n := 1\"") + "</Repeat>"),
+      factory);
+  ASSERT_TRUE(tree->board().Set("n", 2));
+  EXPECT_EQ(Ticks(*tree, 3), "RRS");
+  EXPECT_EQ(Take(), "a^ a a^ a! ");
+}
 TEST_F(Decorators, RepeatEndsWithAFailure) {
   EXPECT_EQ(Run("<Repeat num_cycles=\"3\">" + Say("SF") + "</Repeat>", 2), "RF a^ a^ ");
 }
