@@ -127,9 +127,10 @@ std::string NumberText(double number) {
   std::array<char, 40> room{};
   // "100000" instead of "1e+05".
   const bool whole = std::trunc(number) == number && std::abs(number) < kWholeNumbers;
-  const auto [end, code] = whole ? std::to_chars(room.data(), room.data() + room.size(), number,
-                                                 std::chars_format::fixed)
-                                 : std::to_chars(room.data(), room.data() + room.size(), number);
+  const double shown = number == 0 ? 0 : number;  // not "-0"
+  const auto [end, code] =
+      whole ? std::to_chars(room.data(), room.data() + room.size(), shown, std::chars_format::fixed)
+            : std::to_chars(room.data(), room.data() + room.size(), shown);
   return code == std::errc() ? std::string(room.data(), end) : "?";
 }
 

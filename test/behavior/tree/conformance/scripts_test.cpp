@@ -123,6 +123,7 @@ TEST_F(ScriptsAsDocumented, TwoDotsJoinTextsAndNumbers) {
   EXPECT_EQ(Run("x := 2; 'x' .. x + 1"), "'x3'");
   EXPECT_EQ(Run("'a' .. 1 == 'a1'"), "1");
   EXPECT_EQ(Run("'a' .. 100000"), "'a100000'");
+  EXPECT_EQ(Run("x := 0; 'a' .. -x"), "'a0'");
 }
 
 TEST_F(ScriptsAsDocumented, WholeNumbersThatAreReadAsTextsPrintAsWholeNumbers) {
@@ -131,6 +132,7 @@ TEST_F(ScriptsAsDocumented, WholeNumbersThatAreReadAsTextsPrintAsWholeNumbers) {
                                                    {-2e6, "-2000000"},
                                                    {1e15, "1000000000000000"},
                                                    {0, "0"},
+                                                   {-0.0, "0"},
                                                    {0.5, "0.5"},
                                                    {1e300, "1e+300"}}) {
     ASSERT_TRUE(board.Set("n", number));
