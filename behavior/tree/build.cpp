@@ -621,13 +621,14 @@ void Builder::UnifyPointers() {
   }
 }
 
-void Builder::NoteScript(const Script& script, Place place) {
+void Builder::NoteScript(const Script& script, Place place, bool always) {
   for (const Entry* entry : script.reads()) NoteRead(*entry, place);
   for (const Entry* entry : script.writes()) {
     writes_.emplace(entry, place);
-    if (std::ranges::find(script.needs(), entry) == script.needs().end()) made_.insert(entry);
+    if (std::ranges::find(script.needs(), entry) != script.needs().end()) continue;
+    made_[entry].push_back(present());
   }
-  for (const Entry* entry : script.needs()) needed_.emplace_back(entry, place);
+  for (const Entry* entry : script.needs()) needed_.push_back({entry, place, present(), always});
 }
 
 void Builder::CheckAttributes(const Element& element, const Setup& setup) {
@@ -662,7 +663,7 @@ void Builder::SetConditions(const Element& element, Node& node, Board& board) {
     Script script =
         Script::Parse(attribute->value, board, factory_.enums(), i < kConditionsBefore, findings);
     for (const Script::Finding& finding : findings) ReportScript(*attribute, finding);
-    NoteScript(script, attribute->value_at);
+    NoteScript(script, attribute->value_at, false);
     if (node.conditions_ == nullptr) node.conditions_ = std::make_unique<Conditions>();
     node.conditions_->scripts[i] = std::make_unique<const Script>(std::move(script));
     node.special_ = true;

@@ -51,9 +51,10 @@ class Builder {
   void NoteRead(const Entry& entry, Place place) { reads_.emplace_back(&entry, place); }
   void NoteWrite(const Entry& entry, Place place) {
     writes_.emplace(&entry, place);
-    made_.insert(&entry);
+    made_[&entry].push_back(present());
   }
-  void NoteScript(const Script& script, Place place);
+  // `always`: it runs in each tick of the present node.
+  void NoteScript(const Script& script, Place place, bool always);
 
  private:
   struct Around {
@@ -97,6 +98,8 @@ class Builder {
                     const std::vector<std::set<std::string>>& uses);
   void WarnOfUnset();
   void WarnOfUnmade();
+  bool StartsBefore(NodeId node, NodeId later) const;
+  NodeId present() const { return static_cast<NodeId>(tree_->infos_.size() - 1); }
 
   const Document& document_;
   const Factory& factory_;
@@ -142,8 +145,16 @@ class Builder {
   // Entries with a place that reads or sets them.
   std::vector<std::pair<const Entry*, Place>> reads_;
   std::map<const Entry*, Place> writes_;
-  std::set<const Entry*> made_;                         // also where they do not exist yet
-  std::vector<std::pair<const Entry*, Place>> needed_;  // by '=' in a script
+  // Entries with the nodes that set them also where they do not exist yet.
+  std::map<const Entry*, std::vector<NodeId>> made_;
+  // An entry that '=' in a script needs.
+  struct Need {
+    const Entry* entry = nullptr;
+    Place place;
+    NodeId node = kNoNode;
+    bool always = false;
+  };
+  std::vector<Need> needed_;
   bool too_large_ = false;
 };
 

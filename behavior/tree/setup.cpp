@@ -59,7 +59,7 @@ std::optional<Script> Setup::ScriptOf(std::string_view name, bool is_condition) 
     builder_->ReportScript(*connection.text, finding);
   }
   if (failed) return std::nullopt;
-  builder_->NoteScript(script, connection.text->value_at);
+  builder_->NoteScript(script, connection.text->value_at, true);
   return script;
 }
 

@@ -1,10 +1,12 @@
 // What a tree may do that its author seldom wants. The rules are in docs/behavior-trees.md.
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "musher/base/suggest.hpp"
 #include "musher/behavior/tree/builder.hpp"
+#include "musher/behavior/tree/conditions.hpp"
 
 namespace musher::tree {
 namespace {
@@ -167,12 +169,50 @@ void Builder::CheckSubstitutions() {
 
 // An assignment with '=' ends the tick where the entry does not exist.
 void Builder::WarnOfUnmade() {
-  for (const auto& [entry, place] : needed_) {
-    if (entry->declared || !entry->value.empty() || made_.contains(entry)) continue;
-    Report(place, Severity::kWarning,
-           "nothing in the tree makes '" + entry->key +
+  for (const Need& need : needed_) {
+    const Entry& entry = *need.entry;
+    if (entry.declared || !entry.value.empty()) continue;
+    const auto makers = made_.find(&entry);
+    const bool too_late =
+        makers != made_.end() && need.always && std::ranges::all_of(makers->second, [&](NodeId id) {
+          return id > need.node && StartsBefore(need.node, id);
+        });
+    if (makers != made_.end() && !too_late) continue;
+    Report(need.place, Severity::kWarning,
+           (too_late ? "only what runs later makes '" : "nothing in the tree makes '") + entry.key +
                "', which '=' needs: use ':=', unless the program sets it");
   }
+}
+
+// Whether `node` has its first tick before `later`, which stands behind it in the file or below it,
+// whatever nodes return.
+bool Builder::StartsBefore(NodeId node, NodeId later) const {
+  static constexpr std::array kTickInOrder = {
+      "Sequence"sv,         "AsyncSequence"sv, "SequenceWithMemory"sv,
+      "ReactiveSequence"sv, "Fallback"sv,      "AsyncFallback"sv,
+      "ReactiveFallback"sv, "Parallel"sv,      "ParallelAll"sv};
+  static constexpr std::array kBeginWithTheFirst = {
+      "IfThenElse"sv,   "WhileDoElse"sv, "TryCatch"sv,
+      "Finally"sv,      "Inverter"sv,    "ForceSuccess"sv,
+      "ForceFailure"sv, "Timeout"sv,     "KeepRunningUntilFailure"sv,
+      "RunOnce"sv};
+  const std::vector<NodeInfo>& infos = tree_->infos_;
+  const auto is_among = [](const auto& names, const NodeInfo& info) {
+    return info.kind != NodeKind::kSubtree && std::ranges::find(names, info.id) != names.end();
+  };
+  std::set<NodeId> around_later;
+  for (NodeId id = later; id != kNoNode; id = infos[id].parent) around_later.insert(id);
+  for (NodeId at = node; !around_later.contains(at); at = infos[at].parent) {
+    if (tree_->nodes_[at]->conditions_ != nullptr) return false;  // it may be skipped
+    const NodeInfo& parent = infos[infos[at].parent];
+    const bool in_order = is_among(kTickInOrder, parent);
+    const bool is_first = at == infos[at].parent + 1;
+    const bool begins_with_it =
+        in_order || parent.kind == NodeKind::kSubtree || is_among(kBeginWithTheFirst, parent);
+    if (is_first ? begins_with_it : in_order && around_later.contains(infos[at].parent)) continue;
+    return false;
+  }
+  return true;
 }
 
 }  // namespace musher::tree

@@ -96,6 +96,28 @@ TEST_F(ScriptsAsDocumented, AnEqualsSignThatCanOnlyFailIsFoundWhenLoading) {
                           "<Script code=\"x = 2\"/></Sequence>")),
             "");
 }
+TEST_F(ScriptsAsDocumented, AnEqualsSignBeforeTheEntryIsMadeIsFoundWhenLoading) {
+  const std::string set = "<Script code=\"x = 2\"/>";
+  const std::string make = "<Script code=\"x := 1\"/>";
+  const std::string warning =
+      "warning: only what runs later makes 'x', which '=' needs: use ':=', unless the program sets "
+      "it\n";
+  EXPECT_EQ(Findings(Main("<Sequence>" + set + make + "</Sequence>")), "t.xml:3:25: " + warning);
+  EXPECT_THAT(Findings(Main("<Fallback><AlwaysFailure/><Sequence>" + set + "</Sequence><Inverter>" +
+                            make + "</Inverter></Fallback>")),
+              testing::HasSubstr(warning));
+  EXPECT_THAT(Findings(Main("<Precondition if=\"x = 2\">" + make + "</Precondition>")),
+              testing::HasSubstr(warning));
+  for (const std::string& content :
+       {make + set, "<Switch2 variable=\"{v}\" case_1=\"1\">" + set + make + make + "</Switch2>",
+        "<Fallback><Sequence><AlwaysFailure/>" + set + "</Sequence>" + make + "</Fallback>",
+        "<Sequence _skipIf=\"v\">" + set + "</Sequence>" + make,
+        "<Delay delay_msec=\"5\">" + set + "</Delay>" + make,
+        "<Script code=\"x = 2\" _skipIf=\"v\"/>" + make,
+        "<AlwaysSuccess _post=\"x = 2\"/>" + make}) {
+    EXPECT_EQ(Findings(Main("<Sequence>" + content + "</Sequence>")), "") << content;
+  }
+}
 TEST_F(ScriptsAsDocumented, TwoTextsAreComparedAsTexts) {
   EXPECT_EQ(Run("'2' == '2.0'"), "0");
   EXPECT_EQ(Run("'10' < '9'"), "1");
