@@ -10,7 +10,10 @@
 //
 // Leaves of the tests: Say takes several ticks, Act one, Look is a condition. A letter of their
 // `does` is the result of a tick: S, F, R, - (skipped); ! and * throw, ? and I are no results; w is
-// R with a wake-up. With halts="!" a Say throws when it is halted.
+// R with a wake-up. With halts="!" a Say throws when it is halted. Leaves with ports, which are
+// actions: Use logs the whole number of `in` (x where it is left out), writes one that follows it
+// to `out`, and their sum to `keeps` (y); Print logs the text of `what`, and writes it with a dot
+// to `to`; Carry logs the place of `place`, and writes the one beside it to `to`.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,46 +22,32 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/behavior/tree/status.hpp"
+#include "musher/test/behavior/tree/conformance/expression.hpp"
 
 namespace musher::tree::conformance {
 
-// "x < 3", "s == 'n1'"
-struct Comparison {
-  std::string entry;
-  std::string by;  // <, == or >; of a text ==
-  int number = 0;
-  std::optional<std::string> text{};  // instead of the number
-};
-// "x := 3", "x += 1", "s := 'n1'"
-struct Assignment {
-  std::string entry;
-  std::string by;  // := or +=; of a text :=
-  int number = 0;
-  std::optional<std::string> text{};  // instead of the number
-};
-std::string TextOf(const Comparison& comparison);
-std::string TextOf(const Assignment& assignment);
-
-// A node as its document has it.
+// A node as its document has it. A port's value is a text, or an entry: "{x}".
 struct Model {
   std::string kind;
-  std::string name{};                            // of a leaf Say, Act or Look
-  std::string does{};                            // what its ticks return: "RRS"
-  std::map<std::string, std::string> ports{};    // numbers, results; of a time also {z}
-  std::vector<std::string> queue{};              // of LoopInt and its like, which set `value`
-  std::string value{};                           // an entry; also of SetBlackboard: {y}, or a text
-  std::optional<Comparison> compares{};          // ScriptCondition, Precondition
-  std::optional<Assignment> assigns{};           // Script
-  std::map<std::string, Comparison> before{};    // _skipIf, _failureIf, _successIf, _while
-  std::map<std::string, Assignment> after{};     // _onSuccess, _onFailure, _onHalted, _post
-  std::map<std::string, std::string> entries{};  // of a SubTree: those around it by its own;
-                                                 // one that is missing is of the SubTree alone
-  std::vector<Model> children{};                 // of a SubTree: its content
+  std::string name{};
+  std::string does{};  // of Say, Act and Look, what ticks return: "RRS"
+  std::map<std::string, std::string> ports{};
+  std::vector<std::string> queue{};             // of LoopInt and its like, unless it is a port
+  std::string value{};                          // the port of LoopInt and its like, SetBlackboard
+  std::optional<Expression> code{};             // of Script, ScriptCondition, Precondition
+  std::map<std::string, Expression> scripts{};  // _skipIf, _while, ..., _onSuccess, _post
+  std::vector<Model> children{};                // of a SubTree: its content
 
-  int Number(const std::string& port) const { return std::stoi(ports.at(port)); }
+  // Of a SubTree. An own key is one of the board around it, begins with a text, has a default of
+  // <TreeNodesModel>, has the same name around it by _autoremap, or is of the SubTree alone.
+  std::string id{};
+  std::map<std::string, std::string> entries{};   // own, around
+  std::map<std::string, std::string> fixed{};     // own, text
+  std::map<std::string, std::string> defaults{};  // own, a text or an entry around it
 };
 
 std::string DocumentOf(const Model& main);
@@ -77,15 +66,22 @@ struct Outcome {
   std::optional<Failure> failure;
 };
 
+// The type of an entry, by the ports that use it.
+enum class Holds { kAnything, kText, kWhole, kFromZero, kNumber, kTruth, kPlace };
+
 struct BoardEntry {
-  std::optional<std::string> value;
+  std::optional<Datum> value;  // of a place its text: "1;2"
   int sets = 0;
+  Holds holds = Holds::kAnything;
+  bool mixed = false;     // ports of several types use it, one of them of texts
+  bool declared = false;  // a port uses it
 };
 
-// The entries of a main tree, with their values before the first tick: numbers, b a truth value, s
-// a text.
-inline const std::map<std::string, std::string> kEntries = {{"b", "0"}, {"d", "0"}, {"s", ""},
-                                                            {"x", "0"}, {"y", "0"}, {"z", "0"}};
+// The entries of a main tree, with their values before the first tick: b is a truth value, p a
+// place, s and t are texts, _p is never shared with a subtree.
+inline const std::map<std::string, Datum> kEntries = {
+    {"_p", 0.0}, {"b", 0.0}, {"d", 0.0}, {"k", 1.0}, {"n", 0.0}, {"p", "0;0"},
+    {"s", ""},   {"t", ""},  {"x", 0.0}, {"y", 0.0}, {"z", 0.0}};
 
 class Interpreter {
  public:
@@ -103,12 +99,16 @@ class Interpreter {
   // Of each node, in the order of the document.
   std::vector<bool> Running() const;
 
-  void Set(const std::string& entry, const std::string& value);
+  void Set(const std::string& entry, const Datum& value);
+  // The values of all entries, as they are now, and as they were once.
+  std::map<std::string, BoardEntry> Backup() const { return board; }
+  void Restore(const std::map<std::string, BoardEntry>& backup);
 
   std::string log;
   std::map<std::string, BoardEntry> board;
   std::int64_t now_ms = 0;
-  bool again = false;                    // another tick is wanted
+  bool again = false;                                          // another tick is wanted
+  std::vector<std::pair<std::string, std::string>> constants;  // entries, texts at the beginning
   std::optional<Failure> failed_halt{};  // the first node that has failed in its halt
   std::size_t nodes = 0;
 

@@ -1,30 +1,36 @@
 // Random trees in the engine and in an interpreter that was written from the documentation
 // (interpreter.hpp): in each tick the same result, calls of the leaves, entries and running nodes;
 // where a node fails, the same node with its path, and the same halts. In a third of the trees
-// nodes fail: in a tick, in a halt, by a result that is none, in a script whose entry has no value.
+// nodes fail: in a tick, in a halt, by a result that is none, in a script or a port whose entry has
+// no value, or one that does not fit. Between ticks the tree is halted, entries are set, saved and
+// restored, and the clock goes back.
 //
 // MUSHER_SEEDS=1000000 tries more of them. Of those that differ, the smallest is shown.
 
 #include <algorithm>
 #include <cstdlib>
-#include <random>
 #include <set>
 #include <stdexcept>
 
+#include "musher/behavior/tree/backup.hpp"
 #include "musher/behavior/tree/factory.hpp"
-#include "musher/test/behavior/tree/conformance/interpreter.hpp"
+#include "musher/behavior/tree/json/json_fields.hpp"
+#include "musher/test/behavior/tree/conformance/generator.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
 #include "musher/test/support/nightly.hpp"
 
 namespace musher::tree::conformance_random_trees_test {
 
-using conformance::Assignment;
-using conformance::Comparison;
+using conformance::Datum;
+using conformance::Expression;
 using conformance::Failure;
+using conformance::Generator;
 using conformance::Interpreter;
 using conformance::kEntries;
+using conformance::kEnums;
 using conformance::Model;
 using conformance::Outcome;
+using conformance::TextOf;
 
 // What the leaves have in common.
 struct Robot {
@@ -124,183 +130,120 @@ class Look : public Short<Condition> {
   Status Evaluate(const Tick&) override { return Next(); }
 };
 
-class Generator {
+// Logs the whole number that it reads; see interpreter.hpp.
+class Use : public Action {
  public:
-  explicit Generator(std::uint32_t seed) : random_(seed), fails_(seed % 3 == 0) {}
-
-  // A number from `from` to `to`.
-  int Number(int from, int to) {
-    return from + static_cast<int>(random_() % static_cast<std::uint32_t>(to - from + 1));
-  }
-  bool OneIn(int times) { return Number(1, times) == 1; }
-
-  Model Tree(int depth) {
-    Model model = Node(depth);
-    if (OneIn(6)) {
-      model.before[OneOf({"_skipIf", "_failureIf", "_successIf", "_while"})] = Compares();
-    }
-    if (OneIn(12)) model.before["_while"] = Compares();
-    if (OneIn(6))
-      model.after[OneOf({"_onSuccess", "_onFailure", "_onHalted", "_post"})] = Assigns();
-    if (OneIn(12)) model.after["_onHalted"] = Assigns();
-    return model;
-  }
-  // What a person may write into the entry of a ManualSelector.
-  std::string Selection() {
-    return OneIn(4) ? OneOf({"", "SUCCESS", "FAILURE", "nothing", "Sequence", "Parallel"})
-                    : "n" + std::to_string(Number(0, 5));
-  }
+  Use(Setup& setup, Robot& robot)
+      : name_(setup.name()),
+        in_(setup.Input<int>("in", FromEntry{"x"})),
+        out_(setup.Output<int>("out")),
+        keeps_(setup.InOut<int>("keeps", FromEntry{"y"})),
+        robot_(robot) {}
 
  private:
-  std::string OneOf(const std::vector<std::string>& texts) {
-    return texts[static_cast<std::size_t>(Number(0, static_cast<int>(texts.size()) - 1))];
+  Status Do(const Tick&) override {
+    const int in = in_.Get();
+    robot_.log += name_ + "=" + std::to_string(in) + " ";
+    out_.Set(in % kBelow + 1);
+    keeps_.Set(keeps_.Get() % kBelow + in % kBelow);
+    return Status::kSuccess;
   }
-  std::string Entry() { return OneOf({"x", "y", "z"}); }
-  Comparison Compares() {
-    if (OneIn(8)) return {"s", "==", 0, Selection()};
-    if (OneIn(8)) return {OneOf({"b", "d"}), OneOf({"<", "==", ">"}), Number(0, 2)};
-    return {Entry(), OneOf({"<", "==", ">"}), Number(0, 3)};
-  }
-  Assignment Assigns() {
-    if (OneIn(6)) return {"s", ":=", 0, Selection()};
-    const std::string entry = Entry();
-    const int unit = entry == "z" ? 10 : 1;  // ms
-    return OneIn(2) ? Assignment{entry, "+=", unit} : Assignment{entry, ":=", unit * Number(0, 3)};
-  }
-  std::string Milliseconds() { return OneIn(3) ? "{z}" : std::to_string(10 * Number(0, 3)); }
-
-  Model Node(int depth) {
-    const int which = depth == 0 ? 0 : Number(0, 9);
-    if (which < 2) return Leaf();
-    return which < 7 ? Control(depth - 1) : Decorator(depth - 1);
-  }
-  Model Leaf() {
-    const std::string kind =
-        OneOf({"Say", "Say", "Say", "Say", "Say", "Say", "Say", "Act", "Look", "Script",
-               "ScriptCondition", "Sleep", "AlwaysSuccess", "AlwaysFailure", "SetBlackboard",
-               "UnsetBlackboard", "WasEntryUpdated", "EntryUpdated"});
-    Model leaf{.kind = kind};
-    if (kind == "Sleep") leaf.ports["msec"] = Milliseconds();
-    if (kind == "Script") leaf.assigns = Assigns();
-    if (kind == "ScriptCondition") leaf.compares = Compares();
-    if (kind == "SetBlackboard") {
-      const bool text = OneIn(2);
-      leaf.ports["output_key"] = text ? "s" : Entry();
-      leaf.value = text ? "n" + std::to_string(Number(0, 5)) : "{" + Entry() + "}";
-    }
-    // Where no node is to fail, an entry that no other node uses.
-    if (kind == "UnsetBlackboard") {
-      leaf.ports["key"] = fails_ ? OneOf({"x", "y", "z", "b", "d", "s"}) : "u";
-    }
-    if (kind.ends_with("EntryUpdated")) leaf.ports["entry"] = AnyEntry();
-    if (kind != "Say" && kind != "Act" && kind != "Look") return leaf;
-    leaf.name = "n" + std::to_string(names_++);
-    leaf.does = Does(kind == "Act");
-    if (kind == "Say" && fails_ && OneIn(8)) leaf.ports["halts"] = "!";
-    return leaf;
-  }
-  std::string AnyEntry() { return "{" + OneOf({"x", "y", "z", "b", "d", "s"}) + "}"; }
-  std::string Does(bool at_once) {
-    std::string does;
-    const int letters = Number(1, 4);
-    for (int i = 0; i < letters; ++i) {
-      if (fails_ && OneIn(10)) {
-        does += OneOf({"!", "*", "?", "I"});
-      } else {
-        does += at_once && !fails_ ? OneOf({"S", "S", "F", "-"})
-                                   : OneOf({"S", "S", "S", "F", "F", "R", "R", "w", "-"});
-      }
-    }
-    return does;
-  }
-  Model Control(int depth) {
-    const std::string kind =
-        OneOf({"Sequence", "AsyncSequence", "SequenceWithMemory", "ReactiveSequence", "Fallback",
-               "AsyncFallback", "ReactiveFallback", "Parallel", "ParallelAll", "IfThenElse",
-               "WhileDoElse", "Switch", "Switch", "TryCatch", "Finally", "ManualSelector"});
-    Model control{.kind = kind};
-    int count = Number(1, 4);
-    if (kind == "IfThenElse" || kind == "WhileDoElse") count = Number(2, 3);
-    if (kind == "TryCatch") count = Number(2, 4);
-    if (kind == "Finally") count = 2;
-    if (kind == "Switch") {
-      count = OneIn(2) ? Number(3, 4) : Number(5, 7);
-      control.kind += std::to_string(count - 1);
-    }
-    if (kind == "Parallel") {
-      control.ports["success_count"] = std::to_string(Number(-2, count));
-      control.ports["failure_count"] = std::to_string(Number(1, count));
-    }
-    if (kind == "ParallelAll") control.ports["max_failures"] = std::to_string(Number(-1, count));
-    if (kind == "TryCatch") control.ports["catch_on_halt"] = OneOf({"true", "false"});
-    if (kind == "ManualSelector") {
-      control.ports["selection"] = "{s}";
-      control.ports["repeat_last_selection"] = OneOf({"true", "false"});
-    }
-    if (kind == "Switch") AddCases(count - 1, control);
-    for (int i = 0; i < count; ++i) control.children.push_back(Tree(depth));
-    return control;
-  }
-  void AddCases(int cases, Model& control) {
-    const bool of_text = OneIn(3);
-    if (!OneIn(10)) control.ports["variable"] = of_text ? "{s}" : "{x}";
-    for (int i = 1; i <= cases; ++i) {
-      if (OneIn(8)) continue;
-      control.ports["case_" + std::to_string(i)] =
-          of_text ? "n" + std::to_string(Number(0, 5)) : std::to_string(Number(0, 3));
-    }
-  }
-  Model Decorator(int depth) {
-    const std::string kind =
-        OneOf({"Inverter", "ForceSuccess", "ForceFailure", "Repeat", "RetryUntilSuccessful",
-               "KeepRunningUntilFailure", "Delay", "Timeout", "RunOnce", "Precondition", "Loop",
-               "SkipUnlessUpdated", "WaitValueUpdate", "SubTree", "SubTree"});
-    Model decorator{.kind = kind};
-    auto& ports = decorator.ports;
-    if (kind == "Repeat") ports["num_cycles"] = std::to_string(Number(-1, 3));
-    if (kind == "RetryUntilSuccessful") ports["num_attempts"] = std::to_string(Number(-1, 3));
-    if (kind == "Delay") ports["delay_msec"] = Milliseconds();
-    if (kind == "Timeout") ports["msec"] = Milliseconds();
-    if (kind == "RunOnce") ports["then_skip"] = OneOf({"true", "false"});
-    if (kind == "Precondition") {
-      decorator.compares = Compares();
-      ports["else"] = OneOf({"SUCCESS", "FAILURE", "RUNNING", "SKIPPED"});
-    }
-    if (kind.ends_with("Update") || kind.ends_with("Updated")) ports["entry"] = AnyEntry();
-    if (kind == "Loop") AddLoop(decorator);
-    if (kind == "SubTree") AddEntries(decorator);
-    decorator.children.push_back(Tree(depth));
-    return decorator;
-  }
-  void AddLoop(Model& loop) {
-    const std::string of = OneOf({"Int", "Bool", "Double", "String"});
-    loop.kind += of;
-    loop.value = of == "Int" ? "x" : of == "Bool" ? "b" : of == "Double" ? "d" : "s";
-    const int values = Number(1, 3);
-    for (int i = 0; i < values; ++i) {
-      loop.queue.push_back(of == "Bool"     ? OneOf({"true", "false"})
-                           : of == "String" ? "n" + std::to_string(Number(0, 5))
-                                            : std::to_string(Number(0, 3)));
-    }
-    loop.ports["if_empty"] = OneOf({"SUCCESS", "FAILURE", "SKIPPED"});
-  }
-  // Of a SubTree.
-  void AddEntries(Model& subtree) {
-    for (const auto& [entry, value] : kEntries) subtree.entries[entry] = entry;
-    const int how = Number(0, fails_ ? 3 : 2);
-    if (how == 0) subtree.ports["_autoremap"] = "true";
-    if (how == 1) std::swap(subtree.entries["x"], subtree.entries["y"]);
-    if (how == 3) subtree.entries.erase("y");  // one of its own, without a value
-  }
-
-  std::mt19937 random_;
-  const bool fails_;  // nodes may fail
-  int names_ = 0;
+  static constexpr int kBelow = 1000;
+  const std::string name_;
+  InPort<int> in_;
+  OutPort<int> out_;
+  InOutPort<int> keeps_;
+  Robot& robot_;
 };
 
-void CollectKinds(const Model& model, std::set<std::string>& kinds) {
-  kinds.insert(model.kind);
-  for (const Model& child : model.children) CollectKinds(child, kinds);
+class Print : public Action {
+ public:
+  Print(Setup& setup, Robot& robot)
+      : name_(setup.name()),
+        what_(setup.Input<std::string>("what")),
+        to_(setup.Output<std::string>("to")),
+        robot_(robot) {}
+
+ private:
+  Status Do(const Tick&) override {
+    const std::string what = what_.Get();
+    robot_.log += name_ + "='" + what + "' ";
+    to_.Set(what.size() < kLongest ? what + "." : "");
+    return Status::kSuccess;
+  }
+  static constexpr std::size_t kLongest = 9;
+  const std::string name_;
+  InPort<std::string> what_;
+  OutPort<std::string> to_;
+  Robot& robot_;
+};
+
+struct Place {
+  int x = 0;
+  int y = 0;
+  std::string Text() const { return std::to_string(x) + ";" + std::to_string(y); }
+};
+
+}  // namespace musher::tree::conformance_random_trees_test
+
+template <>
+struct musher::tree::Convert<musher::tree::conformance_random_trees_test::Place>
+    : musher::tree::JsonFields<musher::tree::conformance_random_trees_test::Place> {
+  static constexpr std::string_view kName = "Place";
+  static void Fields(auto& json, auto& place) {
+    json("x", place.x);
+    json("y", place.y);
+  }
+  static Result<conformance_random_trees_test::Place> FromText(std::string_view text) {
+    const auto numbers = Convert<std::vector<int>>::FromText(text);
+    if (!numbers || numbers.value().size() != 2) return NoValue(text, "a place \"x;y\"");
+    return conformance_random_trees_test::Place{numbers.value()[0], numbers.value()[1]};
+  }
+};
+
+namespace musher::tree::conformance_random_trees_test {
+
+class Carry : public Action {
+ public:
+  Carry(Setup& setup, Robot& robot)
+      : name_(setup.name()),
+        place_(setup.Input<Place>("place")),
+        to_(setup.Output<Place>("to")),
+        robot_(robot) {}
+
+ private:
+  Status Do(const Tick&) override {
+    const Place place = place_.Get();
+    robot_.log += name_ + "=" + place.Text() + " ";
+    to_.Set({place.x % kBelow + 1, place.y});
+    return Status::kSuccess;
+  }
+  static constexpr int kBelow = 1000;
+  const std::string name_;
+  InPort<Place> place_;
+  OutPort<Place> to_;
+  Robot& robot_;
+};
+
+// What the trees have had.
+struct Seen {
+  std::set<std::string> kinds{};      // of nodes
+  std::set<std::string> operators{};  // of scripts
+  int ticks = 0;                      // of trees whose nodes do not fail
+  int faults = 0;                     // of these: errors of scripts and ports
+};
+
+void CollectOperators(const Expression& expression, std::set<std::string>& operators) {
+  const bool is_sign = expression.what == "-" && expression.of.size() == 1;
+  if (!expression.of.empty()) operators.insert(is_sign ? "sign" : expression.what);
+  operators.insert(expression.signs.begin(), expression.signs.end());
+  for (const Expression& each : expression.of) CollectOperators(each, operators);
+}
+void Collect(const Model& model, Seen& seen) {
+  seen.kinds.insert(model.kind);
+  if (model.code) CollectOperators(*model.code, seen.operators);
+  for (const auto& [when, script] : model.scripts) CollectOperators(script, seen.operators);
+  for (const Model& child : model.children) Collect(child, seen);
 }
 
 std::string TextOf(const std::vector<bool>& running) {
@@ -320,14 +263,26 @@ std::string ShownOf(const std::string& result, const std::string& log,
 std::string TextOf(const Failure& failure) {
   return "! node " + std::to_string(failure.node) + ": " + failure.why;
 }
+std::string Shown(const Datum& datum) {
+  return std::holds_alternative<std::string>(datum) ? "'" + TextOf(datum) + "'" : TextOf(datum);
+}
 std::string ShownOf(Interpreter& interpreter, const Outcome& outcome) {
   std::map<std::string, std::string> entries;
   for (const auto& [entry, value] : kEntries) {
-    entries[entry] = interpreter.board.at(entry).value.value_or("-");
+    const auto& there = interpreter.board.at(entry).value;
+    entries[entry] = there ? Shown(*there) : "-";
   }
   const std::string result =
       outcome.failure ? TextOf(*outcome.failure) : std::string(1, Letter(outcome.status));
   return ShownOf(result, std::exchange(interpreter.log, ""), entries, interpreter.Running());
+}
+// "-": there is no value.
+std::string ShownOf(const Entry* entry) {
+  double number = 0;
+  if (entry == nullptr || entry->value.empty()) return "-";
+  if (const auto* place = entry->value.As<Place>()) return Shown(place->Text());
+  if (const auto* text = entry->value.Text()) return Shown(*text);
+  return entry->value.ToNumber(number) ? Shown(number) : "?";
 }
 
 // The message has the place and the path of the node, and why it failed.
@@ -341,18 +296,7 @@ bool Names(const Tree& tree, const Failure& failure, const std::string& message)
 std::string ShownOf(Tree& tree, const std::string& log, const Result<Status>& status,
                     const Outcome& expected) {
   std::map<std::string, std::string> entries;
-  for (const auto& [entry, value] : kEntries) {
-    const Entry* const found = tree.board().Find(entry);
-    if (found == nullptr || found->value.empty()) {
-      entries[entry] = "-";
-    } else if (entry == "s") {
-      entries[entry] = tree.board().Get<std::string>(entry).value();
-    } else if (entry == "b") {
-      entries[entry] = tree.board().Get<bool>(entry).value() ? "1" : "0";
-    } else {
-      entries[entry] = std::to_string(static_cast<int>(tree.board().Get<double>(entry).value()));
-    }
-  }
+  for (const auto& [entry, value] : kEntries) entries[entry] = ShownOf(tree.board().Find(entry));
   std::vector<bool> running;
   for (NodeId id = 0; id < tree.size(); ++id)
     running.push_back(tree.status(id) == Status::kRunning);
@@ -373,30 +317,35 @@ class Both {
     EXPECT_TRUE(factory_.Add<Say>("Say", robot_));
     EXPECT_TRUE(factory_.Add<Act>("Act", robot_));
     EXPECT_TRUE(factory_.Add<Look>("Look", robot_));
+    EXPECT_TRUE(factory_.Add<Use>("Use", robot_));
+    EXPECT_TRUE(factory_.Add<Print>("Print", robot_));
+    EXPECT_TRUE(factory_.Add<Carry>("Carry", robot_));
+    for (const auto& [name, number] : kEnums) factory_.AddEnum(name, number);
     tree_ = MakeTree(document_, factory_);
     if (tree_ == nullptr) return;
     tree_->OnWakeUp([this] { robot_.log += "~ "; });
-    for (const auto& [entry, value] : kEntries) {
-      EXPECT_TRUE(entry == "b"   ? tree_->board().Set(entry, value == "1")
-                  : entry == "s" ? tree_->board().Set(entry, value.c_str())
-                                 : tree_->board().Set(entry, std::stoi(value)));
-    }
+    for (const auto& [entry, value] : kEntries) SetInTree(entry, value);
   }
   static std::vector<std::string> Kinds() {
     std::vector<std::string> kinds = Factory().Names();
-    kinds.insert(kinds.end(), {"Say", "Act", "Look", "SubTree"});
+    kinds.insert(kinds.end(), {"Say", "Act", "Look", "Use", "Print", "Carry", "SubTree"});
     return kinds;
   }
 
+  int ticks() const { return ticks_; }
+  int faults() const { return faults_; }
   // Where both differ; "" for nowhere.
   std::string Difference() {
     if (tree_ == nullptr) return "the tree is not built:\n" + document_;
     for (int i = 0; i < 30 && found_.empty(); ++i) {
       BetweenTicks();
       const bool once = random_.OneIn(3);
-      const auto status = once ? tree_->TickOnce(At(at_ms_)) : tree_->TickExactlyOnce(At(at_ms_));
-      const Outcome outcome = once ? interpreter_.TickOnce(at_ms_) : interpreter_.Tick(at_ms_);
+      const std::int64_t now_ms = at_ms_ - (random_.OneIn(20) ? 20 : 0);  // a clock that goes back
+      const auto status = once ? tree_->TickOnce(At(now_ms)) : tree_->TickExactlyOnce(At(now_ms));
+      const Outcome outcome = once ? interpreter_.TickOnce(now_ms) : interpreter_.Tick(now_ms);
       Compare(once ? "once " : "", status, outcome);
+      ++ticks_;
+      if (outcome.failure) ++faults_;
       at_ms_ += 10 * random_.Number(0, 2);
     }
     return found_;
@@ -410,17 +359,35 @@ class Both {
       const Outcome outcome = interpreter_.Halt(at_ms_);
       Compare("halt ", halted ? Result<Status>(Status::kIdle) : halted.error(), outcome);
     }
-    if (random_.OneIn(8)) {
-      const std::string selection = random_.Selection();
-      EXPECT_TRUE(tree_->board().Set("s", selection.c_str()));
-      interpreter_.Set("s", selection);
-      before_ += "s := '" + selection + "'\n";
+    if (random_.OneIn(8)) Set("s", random_.Selection());
+    if (random_.OneIn(12)) Set(random_.OneIn(2) ? "x" : "n", 0.0 + random_.Number(-1, 4));
+    if (random_.OneIn(20)) {
+      backup_ = std::make_unique<Backup>(*tree_);
+      backup_of_interpreter_ = interpreter_.Backup();
+      before_ += "a backup\n";
+    }
+    if (random_.OneIn(20) && backup_ != nullptr) {
+      EXPECT_TRUE(backup_->Restore(*tree_));
+      interpreter_.Restore(backup_of_interpreter_);
+      before_ += "restored\n";
     }
     if (random_.OneIn(8) && !robot_.wake_ups.empty()) {
       robot_.wake_ups.back().Request();
       interpreter_.WakeUp();
       before_ += "a wake-up\n";
     }
+  }
+  void Set(const std::string& entry, const Datum& value) {
+    SetInTree(entry, value);
+    interpreter_.Set(entry, value);
+    before_ += entry + " := " + Shown(value) + "\n";
+  }
+  void SetInTree(const std::string& entry, const Datum& value) {
+    const auto* const text = std::get_if<std::string>(&value);
+    Board& board = tree_->board();
+    EXPECT_TRUE(text != nullptr ? board.Set(entry, text->c_str())
+                : entry == "b"  ? board.Set(entry, std::get<double>(value) != 0)
+                                : board.Set(entry, static_cast<int>(std::get<double>(value))));
   }
   void Compare(const std::string& what, const Result<Status>& status, const Outcome& outcome) {
     const std::string engine = ShownOf(*tree_, std::exchange(robot_.log, ""), status, outcome);
@@ -438,9 +405,13 @@ class Both {
   Factory factory_;
   Interpreter interpreter_;
   std::unique_ptr<Tree> tree_;
+  std::unique_ptr<Backup> backup_;
+  std::map<std::string, conformance::BoardEntry> backup_of_interpreter_;
   std::string before_;
   std::string found_;
   std::int64_t at_ms_ = 0;
+  int ticks_ = 0;
+  int faults_ = 0;  // of these
 };
 
 TEST(RandomTreesAsDocumented, BehaveAsInTheInterpreter) {
@@ -448,20 +419,30 @@ TEST(RandomTreesAsDocumented, BehaveAsInTheInterpreter) {
   const std::uint32_t count =
       std::max(testing::Nightly() ? 100'000U : 2'000U,
                wanted == nullptr ? 0U : static_cast<std::uint32_t>(std::stoul(wanted)));
-  std::set<std::string> kinds;
+  Seen seen;
   std::string smallest;  // of the differences
   for (std::uint32_t seed = 0; seed < count; ++seed) {
     Generator random(seed);
-    const Model model = random.Tree(1 + static_cast<int>(seed % 4));
-    CollectKinds(model, kinds);
-    const std::string difference = Both(model, random).Difference();
+    const Model model = random.Tree();
+    Collect(model, seen);
+    Both both(model, random);
+    const std::string difference = both.Difference();
+    if (!random.fails()) {
+      seen.ticks += both.ticks();
+      seen.faults += both.faults();
+    }
     if (difference.empty()) continue;
     const std::string found = "seed " + std::to_string(seed) + ":\n" + difference;
     if (smallest.empty() || found.size() < smallest.size()) smallest = found;
   }
   EXPECT_EQ(smallest, "");
-  EXPECT_THAT(kinds, ::testing::UnorderedElementsAreArray(Both::Kinds()))
+  EXPECT_THAT(seen.kinds, ::testing::UnorderedElementsAreArray(Both::Kinds()))
       << "each node that Musher has, and nothing else";
+  EXPECT_THAT(seen.operators, ::testing::UnorderedElementsAre(
+                                  ":=", "=", "+=", "-=", "*=", "/=", "?:", "||", "&&", "<>",
+                                  "==", "!=", "<", ">", "<=", ">=", "|", "^", "&", "..", "+", "-",
+                                  "*", "/", "!", "~", "sign", "()", ";"));
+  EXPECT_LT(seen.faults * 10, seen.ticks) << "too many trees end at once";
 }
 
 }  // namespace musher::tree::conformance_random_trees_test
