@@ -363,7 +363,7 @@ void Harness::Crash(ActuatorIndex i) {
   if (!IsOut(i)) FeedEnd(i);
 }
 
-void Harness::Hang(ActuatorIndex i) {
+void Harness::HangWorkThread(ActuatorIndex i) {
   SimActuator& actuator = world_.actuators[i];
   actuator.hung = true;
   if (actuator.work == Work::kRunning) actuator.work = Work::kOverdue;

@@ -38,7 +38,7 @@ class Harness : public FakeRobot {
   void EndCallback(ActuatorIndex i, std::int32_t code, const std::string& text);
   void ReceiveStop(ActuatorIndex i);
   void Crash(ActuatorIndex i);
-  void Hang(ActuatorIndex i);
+  void HangWorkThread(ActuatorIndex i);
   void FeedHang(ActuatorIndex i);
   void TakeBacktrace(ActuatorIndex i);
   void MakeProgress(ActuatorIndex i);

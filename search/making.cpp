@@ -152,7 +152,7 @@ class ChoiceMaker {
     world_.faults_left -= choice_.cost;
     if (choice_.kind == ChoiceKind::kTime) return PassTime();
     if (choice_.kind == ChoiceKind::kLate) return ReceiveLate();
-    if (choice_.kind == ChoiceKind::kHang) return Hang();
+    if (choice_.kind == ChoiceKind::kHang) return HangWorkThread();
     if (choice_.kind >= ChoiceKind::kHangReport && choice_.kind <= ChoiceKind::kProgress)
       return AfterHang();
     if (choice_.kind == ChoiceKind::kBattery || choice_.kind == ChoiceKind::kBatteryFalls)
@@ -263,9 +263,9 @@ class ChoiceMaker {
     }
   }
 
-  void Hang() {
+  void HangWorkThread() {
     harness_.Log("FAULT: the work thread of " + name() + " hangs");
-    harness_.Hang(i_);
+    harness_.HangWorkThread(i_);
   }
 
   void AfterHang() {

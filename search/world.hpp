@@ -161,7 +161,7 @@ enum class ChoiceKind : std::uint8_t {
   kTime,          // to the next deadline
   kLate,          // a delayed message arrives
   kHangReport,    // a controller that takes over notices that an actuator hangs
-  kBacktrace,     // of one that hangs, is taken
+  kBacktrace,     // of a hung actuator, is taken
   kProgress,      // it makes progress again
   kBattery,       // a controller that takes over receives its sample
   // Of the link to another host: to that of the actuator.

@@ -166,8 +166,8 @@ bool SwitchConclusion::IsAway(ActuatorIndex i, const State& target) const {
 
 // The current place of an actuator whose part of the switch was done, or that was already in the
 // target, and that has left the target while other actuators were still switching: it has exited,
-// and may have been restarted. Or of one that was lost when the switch began, and is back in
-// another state. Empty: it is in the target, or was not expected.
+// and may have been restarted. Or the state of an actuator that was lost when the switch began, and
+// is back. Empty: it is in the target, or was not expected.
 std::string SwitchConclusion::LeftSince(const Switch& s, ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   if (known.fault || known.held || known.suspended || s.target == kTearDown) return {};
