@@ -23,8 +23,8 @@
 //   what earlier scans have covered: a person may have come there since.
 // - Zones are polygons around the body, as those of nav2: points in one slow every motion down, or
 //   stop all that does not lead away from them.
-// - Without a recent scan of each of its scanners a body stands; a flyer, which has to hold its
-//   place, goes `blind_m_s` at most. A body without scanners is not checked.
+// - Without a recent scan of each of its scanners a body goes `blind_m_s` at most: it stands, but
+//   for a flyer whose place is held. A body without scanners is not checked.
 //
 // A planar scan does not see climbs. Metres, radians, seconds; velocities in the frame of the
 // body. Pure; one thread.

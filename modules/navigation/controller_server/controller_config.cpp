@@ -29,7 +29,6 @@ ControllerRobot ReadControllerRobot(TableReader& reader, const std::vector<std::
   config::SetNumber(reader, "arrive_rad", 0.01, 3.15, robot.arrive_rad);
   config::SetNumber(reader, "join_m", 0.05, 100, robot.join_m);
   robot.gate.reaction_s += robot.lag_s;
-  if (robot.flies) robot.gate.blind_m_s = kFlyerBlindMS;
   ReadGate(reader, robot.gate);
   robot.action = robot.name + "/follow_path";
   robot.trajectory = robot.name + "/timed_trajectory";

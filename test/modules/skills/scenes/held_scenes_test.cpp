@@ -55,6 +55,13 @@ TEST(HeldScenes, AreManyWithNamesOfTheirOwnAndBeginInFreePlaces) {
   }
 }
 
+// A flyer drove on at half a metre a second, round a corner, for half a second without a scan.
+TEST(RandomScenes, ASeedThatOnceHadAContactHasNone) {
+  const SceneOutcome outcome = RunScene(RandomScene(50017), true, 50017);
+  EXPECT_EQ(outcome.contacts(), 0);
+  EXPECT_EQ(outcome.Count(RobotOutcome::End::kOpen), 0);
+}
+
 TEST(HeldScenes, EndWithoutContact) {
   const std::set<std::string> few = {"U trap, shallow",
                                      "door of 0.7 m",
