@@ -50,16 +50,16 @@ void Nested::Declare(Transitions& transitions) {
                          " has no final state");
     }
   }
-  for (std::size_t m = 0; m < machines_.size(); ++m) {
-    for (std::size_t i = 0; i < machines_[m]->event_count(); ++i) {
+  for (const auto& machine : machines_) {
+    for (std::size_t i = 0; i < machine->event_count(); ++i) {
       const auto event = static_cast<EventId>(i);
-      const std::optional<EventId> outer = transitions.Find(machines_[m]->Name(event));
+      const std::optional<EventId> outer = transitions.Find(machine->Name(event));
       if (!outer) continue;
-      if (machines_[m]->events_[i].type != machines_[m]->around_->events_[Index(*outer)].type) {
-        transitions.Refuse("event " + std::string(machines_[m]->Name(event)) + " of " +
-                           machines_[m]->name() + " carries other data than around it");
+      if (machine->events_[i].type != machine->around_->events_[Index(*outer)].type) {
+        transitions.Refuse("event " + std::string(machine->Name(event)) + " of " + machine->name() +
+                           " carries other data than around it");
       }
-      std::vector<EventId>& events = machines_[m]->by_outer_;
+      std::vector<EventId>& events = machine->by_outer_;
       events.resize(std::max(events.size(), Index(*outer) + 1), kNoEvent);
       events[Index(*outer)] = event;
     }

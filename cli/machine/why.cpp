@@ -11,13 +11,13 @@ namespace {
 
 using NewestFirst = std::vector<msg::HistoryEntry>::const_reverse_iterator;
 
-std::string EventOf(const msg::GetHistory::Response& history, NewestFirst entry) {
+std::string EventOf(const msg::GetHistory::Response& history, const NewestFirst& entry) {
   const auto i = static_cast<std::size_t>(history.entries.rend() - entry) - 1;
   return i < history.events.size() ? history.events[i] : "";
 }
 
 // A cause precedes its effect in the run of one controller: going back, ids only fall.
-CauseChain ChainFrom(const msg::GetHistory::Response& history, NewestFirst last) {
+CauseChain ChainFrom(const msg::GetHistory::Response& history, const NewestFirst& last) {
   CauseChain chain{{*last}, {EventOf(history, last)}};
   std::uint64_t before = last->id;
   for (auto entry = std::next(last); entry != history.entries.rend(); ++entry) {

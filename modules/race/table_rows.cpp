@@ -13,6 +13,12 @@ namespace {
 
 constexpr std::int64_t kMostMotion = 99'999;
 
+Row NeedOf(std::string_view key, Need& taken) {
+  return row::Choice(
+      key, taken,
+      {{"required", Need::kRequired}, {"optional", Need::kOptional}, {"none", Need::kNone}});
+}
+
 Phrase ReadPhrase(TableReader& table) {
   Phrase phrase;
   ReadRows(table, {row::Required("zh", "the text in Chinese", row::Text("zh", phrase.chinese)),
@@ -27,20 +33,15 @@ Rows RobotRows(const std::filesystem::path& folder, RobotRules& robot) {
     const auto file = table.String("record");
     if (file && !file->text.empty()) robot.record = config_toml::Absolute(folder, file->text);
   };
-  const auto need = [](std::string_view key, Need& taken) {
-    return row::Choice(
-        key, taken,
-        {{"required", Need::kRequired}, {"optional", Need::kOptional}, {"none", Need::kNone}});
-  };
   return {
       row::Choice("resume", robot.from_start, {{"where_it_was", false}, {"start", true}}),
       row::Time("resume_within_ms", robot.resume_within, 0),
       read_record,
       row::Time("self_check_ms", robot.self_check),
-      need("motion", robot.motion),
-      need("cameras", robot.cameras),
-      need("walker", robot.walker),
-      need("audio", robot.audio),
+      NeedOf("motion", robot.motion),
+      NeedOf("cameras", robot.cameras),
+      NeedOf("walker", robot.walker),
+      NeedOf("audio", robot.audio),
   };
 }
 

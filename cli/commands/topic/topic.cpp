@@ -103,7 +103,7 @@ void TopicStream::OnFound(const transport::DiscoveredEndpoint& endpoint) {
 }
 
 std::optional<Failure> TopicStream::AwaitFirst(Duration timeout) {
-  if (const auto failure = topics_->Await(topic_)) return failure;
+  if (auto failure = topics_->Await(topic_)) return failure;
   link_.RunUntil([this] { return received_ || !trouble_.empty(); }, timeout);
   if (received_) return std::nullopt;
   if (link_.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};

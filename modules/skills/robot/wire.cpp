@@ -199,7 +199,7 @@ void RosRobot::Wire::OnTeleop(const msg::Twist& twist) {
 
 // A value that is not measured changes nothing, and neither do a silent battery and one sample that
 // differs from those around it.
-void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
+void RosRobot::Wire::OnBattery(const msg::BatteryState& battery, transport::EndpointId publisher) {
   if (std::isnan(battery.percentage)) return;
   const bool in_range = battery.percentage >= 0 && battery.percentage <= 1;
   if (!in_range) return RefuseBattery(battery);
@@ -211,12 +211,20 @@ void RosRobot::Wire::OnBattery(const msg::BatteryState& battery) {
                                 " says that no battery is present, but its level or voltage "
                                 "changes: it is used");
   }
-  const double percent = 100 * static_cast<double>(battery.percentage);
+  const bool charging = battery.power_supply_status == msg::BatteryState::kStatusCharging ||
+                        battery.power_supply_status == msg::BatteryState::kStatusFull;
+  batteries_[publisher] = {100 * static_cast<double>(battery.percentage), charging};
+  const bool several = batteries_.size() > 1;
+  if (several && !std::exchange(batteries_logged_, true)) {
+    Log(LogLevel::kWarning, config.names.battery + " has two publishers: the lower level counts");
+  }
+  batteries_logged_ = several;
+  const auto& [percent, charges] = std::ranges::min_element(batteries_, {}, [](const auto& one) {
+                                     return one.second.percent;
+                                   })->second;
   const double limit = config.low_battery_percent;
   const bool was_low = !low_battery_.empty();
   const double ends_above = limit + (was_low ? kBatteryHysteresisPercent : 0);
-  const bool charges = battery.power_supply_status == msg::BatteryState::kStatusCharging ||
-                       battery.power_supply_status == msg::BatteryState::kStatusFull;
   const bool low = !charges && percent <= ends_above;
   if (low == was_low) {
     battery_differs_since_.reset();
@@ -327,12 +335,16 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
   endpoints.Subscribe<msg::Odometry>(names.odometry,
                                      [this](const msg::Odometry& message) { OnOdometry(message); });
   if (!names.battery.empty()) {
-    const auto take = [this](const msg::BatteryState& battery) { OnBattery(battery); };
-    const auto* battery =
-        endpoints.Subscribe<msg::BatteryState>(names.battery, take, transport::kSensorDataQos);
+    const auto take = [this](const msg::BatteryState& battery, transport::EndpointId publisher) {
+      OnBattery(battery, publisher);
+    };
+    const auto* battery = endpoints.SubscribeEach<msg::BatteryState>(
+        names.battery, take,
+        [this](transport::EndpointId publisher) { batteries_.erase(publisher); },
+        transport::kSensorDataQos);
     if (config.flies) optional[names.battery] = battery;
     // One that is only published when it changes.
-    endpoints.Subscribe<msg::BatteryState>(names.battery, take, transport::kLatchedQos);
+    endpoints.SubscribeEach<msg::BatteryState>(names.battery, take, {}, transport::kLatchedQos);
   }
   if (!names.teleop.empty()) {
     endpoints.Subscribe<msg::Twist>(names.teleop,

@@ -134,7 +134,7 @@ struct RosRobot::Wire {
   void SubscribeCommandsOfOthers(transport::Endpoints& endpoints);
   void OnOdometry(const msg::Odometry& message);
   void OnTeleop(const msg::Twist& twist);
-  void OnBattery(const msg::BatteryState& battery);
+  void OnBattery(const msg::BatteryState& battery, transport::EndpointId publisher);
   void RefuseBattery(const msg::BatteryState& battery);
   void HoldPlace();
   // Of a flyer in the air, for the process after this one.
@@ -155,7 +155,15 @@ struct RosRobot::Wire {
   std::string end_logged_;   // of the hold
   Time driven_until_{};      // by the controller, as far as it is known
   std::string low_battery_;
+  struct BatteryReport {
+    double percent = 0;
+    bool charges = false;
+  };
+  // The last one of each publisher that is connected. One is expected; of several the lowest
+  // counts.
+  std::map<transport::EndpointId, BatteryReport> batteries_;
   std::optional<Time> battery_differs_since_;  // from low_battery_, in all samples
+  bool batteries_logged_ = false;              // that there are several; until one is left
   bool battery_refused_ = false;               // logged once
   bool battery_doubted_ = false;               // that it is not present; logged once
   BatteryPresence presence_;

@@ -706,6 +706,23 @@ TEST_F(ARosFlyer, TakesNoSingleMessageOfItsBatteryForItsLevel) {
   EXPECT_NE(robot_.LowBattery(), "");
 }
 
+// The full one of another robot, in turn with its own, kept it in the air.
+TEST_F(ARosFlyer, LandsWhenTheLowerOfTwoBatteriesIsLow) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  const auto& other =
+      peers_->endpoints.Advertise<msg::BatteryState>("r/battery", transport::kSensorDataQos);
+  msg::BatteryState full;
+  full.percentage = 0.8F;
+  full.present = true;
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(other->Publish(full));
+    ReportOnce(0.05F);
+    Fly(0.48);
+  }
+  EXPECT_NE(robot_.LowBattery(), "");
+  EXPECT_THAT(lines_, Contains(HasSubstr("has two publishers: the lower level counts")));
+}
+
 TEST_F(ARosFlyer, RefusesLevelsOfNoBatteryAndThoseThatNoBatteryHas) {
   for (const float share : {-1.0F, -0.01F, 87.0F, std::numeric_limits<float>::infinity()}) {
     ReportBattery(share);
