@@ -111,10 +111,22 @@ void DirectTearDown::Advance() {
     const bool torn_down = target.outcome.torn_down;
     if (!torn_down && now < deadline_ && target.commands) {
       CommandTearDown(target, running);
-    } else if (!torn_down || now >= *target.torn_down_at + kExitGrace) {
+    } else if (MayBeSignalled(target, now)) {
       Signal(target);
     }
   }
+}
+
+// Not while another actuator of its process is torn down, nor just after that.
+bool DirectTearDown::MayBeSignalled(const Target& target, Time now) const {
+  return std::all_of(targets_.begin(), targets_.end(), [&](const auto& one) {
+    const Target& other = one.second;
+    const bool of_process =
+        &other == &target || (other.here && target.here && other.outcome.pid == target.outcome.pid);
+    if (!of_process) return true;
+    if (other.torn_down_at) return now >= *other.torn_down_at + kExitGrace;
+    return &other == &target || !other.commands || now >= deadline_;
+  });
 }
 
 void DirectTearDown::Check(Target& target, const Actuators& running) {

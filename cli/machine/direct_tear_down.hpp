@@ -90,6 +90,7 @@ class DirectTearDown {
   // Its status has arrived.
   void Know(Target& target, const msg::ActuatorStatus& status);
   void Advance();
+  bool MayBeSignalled(const Target& target, Time now) const;
   void Check(Target& target, const Actuators& running);
   void CommandTearDown(Target& target, const Actuators& running);
   void Learn(Target& target, const msg::ActuatorStatus& status);

@@ -74,7 +74,19 @@ void TearDown::EndWithout(ActuatorIndex i) {
   const bool has_part = present && known.state() != kTearDown && ConfigOf(i).Lists(kTearDown);
   if (!has_part) known.fault.reset();
   if (present) return;
-  if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
+  const std::int32_t pid = OwnProcess(i);
+  if (pid != 0 && !RunsAnother(i, pid)) Do(action::SignalProcess{i, pid, false});
+}
+
+// Whether an actuator that has a TearDown before it runs in the process, too.
+bool TearDown::RunsAnother(ActuatorIndex i, std::int32_t pid) const {
+  const auto all = machine_.actuators.Indices();
+  return std::any_of(all.begin(), all.end(), [&](ActuatorIndex other) {
+    const KnownActuator& known = Of(other);
+    return other != i && known.presence == Presence::kPresent && known.state() != kTearDown &&
+           ConfigOf(other).Lists(kTearDown) && known.report.pid == pid &&
+           known.report.host == HostOf(i);
+  });
 }
 
 void TearDown::BeginSwitch(const Plan& plan) {

@@ -73,6 +73,7 @@ class TearDown : StepPart {
   bool MayAnnounceItself(ActuatorIndex i) const;
   std::optional<ActuatorIndex> FirstSilent() const;
   void EndWithout(ActuatorIndex i);
+  bool RunsAnother(ActuatorIndex i, std::int32_t pid) const;
   void BeginSwitch(const Plan& plan);
   void ListSurvivors();
   std::optional<RecordText> WhyMayRun(ActuatorIndex i) const;

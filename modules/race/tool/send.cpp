@@ -1,7 +1,10 @@
 // musher-race send START: publishes a command of a running race, without ROS.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
+#include <string_view>
+#include <vector>
 
 #include "musher/actuator/program/command_line_tool.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -58,7 +61,10 @@ int PublishCommand(int argc, const char* const* argv) {
       ->required();
   // `send START` is `send command START`.
   std::vector<const char*> words(argv, argv + argc);
-  const bool is_text = argc > 1 && argv[1][0] != '-' && std::string_view(argv[1]) != "command";
+  const auto has = [&](std::string_view word) {
+    return std::ranges::find(words, word) != words.end();
+  };
+  const bool is_text = argc > 1 && !has("command") && !has("-h") && !has("--help");
   if (is_text) words.insert(words.begin() + 1, "command");
   if (const auto end = program::Parse(app, static_cast<int>(words.size()), words.data(), options)) {
     return program::Print(*end, "musher-race");

@@ -1,5 +1,5 @@
-// Two actuators, "arm" and "leg", in one process with one participant. It ends when one of them has
-// been torn down.
+// Two actuators, "arm" and "leg", in one process with one participant. It ends when both have been
+// torn down.
 
 #include <cstdlib>
 

@@ -72,6 +72,15 @@ TEST_F(SharedProcess, IsNotRestartedForAnActuatorThatOnlyRunsInIt) {
   EXPECT_EQ(BothAre("Active")["actuators"]["leg"]["pid"], pid_);
 }
 
+// SIGTERM came before the second one had its TearDown.
+TEST_F(SharedProcess, EndsAfterTheTearDownOfItsSecondActuatorWhereTheFirstWasTornDownAlone) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  EXPECT_EQ(Musher({"set", "TearDown", "arm"}).exit, 0);
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 0) << down.err;
+  EXPECT_THAT(up_->LineWith("arm's process"), HasSubstr("ended: exit code 0"));
+}
+
 TEST_F(SharedProcess, EndsWithTheMachine) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended down = Musher({"down"});

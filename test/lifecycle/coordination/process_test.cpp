@@ -396,6 +396,24 @@ TEST_F(ForeignProcesses, ThatWereTornDownAloneAreNoneThatHang) {
   EXPECT_EQ(machine_.state, kActive);
 }
 
+// The process of what had been torn down alone got SIGTERM before the other one had its TearDown.
+TEST_F(ForeignProcesses, OfAnActuatorTornDownAloneAreEndedAfterTheOtherActuatorInThem) {
+  config_.actuators[0].command = {"run", "a"};
+  StartUp();
+  Of(0).process.pid = Of(1).report.pid = 700;
+  Do(event::SetStateRequested{1, kTearDown, "a"});
+  Obey(0);
+  Do(event::Vanished{0, kFirst, false, "connection lost"});
+  Forget();
+  Do(event::SetStateRequested{2, kTearDown, {}});
+  ASSERT_EQ(Of(1).command.value().target, kTearDown);
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+  Obey(1);
+  Pass(std::chrono::seconds(10));
+  EXPECT_THAT(Did<action::SignalProcess>(),
+              ::testing::Contains(action::SignalProcess{0, 700, false}));
+}
+
 TEST_F(ForeignProcesses, ThatHangAreNotDrivenAfterTheMachine) {
   StartUp();
   Do(event::HealthChanged{0, kFirst, Health::kHung, false, "its work is stuck"});

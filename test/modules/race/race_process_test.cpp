@@ -440,6 +440,7 @@ TEST_F(RaceProcess, DoesNotBelieveTwoBatteriesInTurn) {
 TEST_F(RaceProcess, TakesCommandsOfItsTool) {
   StartActive();
   EXPECT_EQ(RunTool({"send", "SET_QR_A:A-1"}), 0) << Said();
+  EXPECT_EQ(RunTool({"send", "--json", "SET_QR_A:A-1"}), 0) << Said();
   EXPECT_EQ(RunTool({"send", "command", "START:BOARD", "--json"}), 0) << Said();
   EXPECT_EQ(Said(), "{\"sent\": true}\n");
   ASSERT_TRUE(AwaitState("State:3")) << peer_.Output();
