@@ -338,13 +338,13 @@ void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
     const auto take = [this](const msg::BatteryState& battery, transport::EndpointId publisher) {
       OnBattery(battery, publisher);
     };
-    const auto* battery = endpoints.SubscribeEach<msg::BatteryState>(
-        names.battery, take,
-        [this](transport::EndpointId publisher) { batteries_.erase(publisher); },
-        transport::kSensorDataQos);
+    const auto forget = [this](transport::EndpointId publisher) { batteries_.erase(publisher); };
+    const auto* battery = endpoints.SubscribeEach<msg::BatteryState>(names.battery, take, forget,
+                                                                     transport::kSensorDataQos);
     if (config.flies) optional[names.battery] = battery;
-    // One that is only published when it changes.
-    endpoints.SubscribeEach<msg::BatteryState>(names.battery, take, {}, transport::kLatchedQos);
+    // One that is only published when it changes. Its last sample may arrive after the other
+    // subscription has lost the publisher.
+    endpoints.SubscribeEach<msg::BatteryState>(names.battery, take, forget, transport::kLatchedQos);
   }
   if (!names.teleop.empty()) {
     endpoints.Subscribe<msg::Twist>(names.teleop,

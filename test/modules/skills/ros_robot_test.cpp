@@ -723,6 +723,23 @@ TEST_F(ARosFlyer, LandsWhenTheLowerOfTwoBatteriesIsLow) {
   EXPECT_THAT(lines_, Contains(HasSubstr("has two publishers: the lower level counts")));
 }
 
+TEST_F(ARosFlyer, ForgetsTheBatteryOfAPublisherThatIsGone) {
+  robot_.SetVelocity({0.5, 0, 0, 0});
+  auto other = transport::MakePublisher<msg::BatteryState>(peers_->node, "dog/r/battery",
+                                                           transport::kLatchedQos)
+                   .value();
+  msg::BatteryState low;
+  low.percentage = 0.05F;
+  low.present = true;
+  Run(100);
+  EXPECT_TRUE(other->Publish(low));
+  ReportBattery(0.8F);
+  ASSERT_NE(robot_.LowBattery(), "");
+  other.reset();
+  ReportBattery(0.8F);
+  EXPECT_EQ(robot_.LowBattery(), "");
+}
+
 TEST_F(ARosFlyer, RefusesLevelsOfNoBatteryAndThoseThatNoBatteryHas) {
   for (const float share : {-1.0F, -0.01F, 87.0F, std::numeric_limits<float>::infinity()}) {
     ReportBattery(share);
