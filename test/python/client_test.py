@@ -39,8 +39,12 @@ class Client(unittest.TestCase):
                               capture_output=True, timeout=DEADLINE_S, check=False)
 
     def musher(self, *arguments):
-        subprocess.run(["musher", *arguments], cwd=self.robot, env=self.environment, stdin=subprocess.DEVNULL,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=DEADLINE_S, check=True)
+        # A file: what `up --detach` leaves running would keep a pipe open.
+        with open(os.path.join(self.folder, "said"), "w+", encoding="utf-8") as said:
+            ended = subprocess.run(["musher", *arguments], cwd=self.robot, env=self.environment,
+                                   stdin=subprocess.DEVNULL, stdout=said, stderr=said, timeout=DEADLINE_S, check=False)
+            said.seek(0)
+            self.assertEqual(ended.returncode, 0, f"musher {' '.join(arguments)}: {said.read()}")
 
     def test_it_prints_each_state_and_says_why_a_state_is_refused(self):
         self.musher("up", "--detach", "robot.toml")
