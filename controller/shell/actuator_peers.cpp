@@ -18,6 +18,7 @@ constexpr std::size_t kMostPeerFaults = 64;  // then none for kPeerFaultsPeriod
 constexpr Duration kPeerFaultsPeriod = std::chrono::hours(1);
 // A participant that keeps publishing wrong pids must not fill the journal.
 constexpr Duration kUnprovenPeriod = std::chrono::minutes(1);
+constexpr Duration kLastSampleTime = Milliseconds(500);  // see ReportExit()
 // The kernel's table of sockets may lack one while others are opened and closed.
 constexpr int kMostProgramLooks = 5;
 constexpr Duration kProgramLookPeriod = std::chrono::seconds(1);
@@ -328,10 +329,27 @@ Result<> ActuatorPeers::ProveAndWatch(ActuatorIndex actuator, const ActuatorRepo
       report.pid, [this, actuator, incarnation = report.incarnation,
                    pid = report.pid](const ProcessExit& exit) {
         const bool known = exit.kind != ProcessExit::Kind::kUnknown;
-        context_.handle(event::Vanished{
+        event::Vanished vanished{
             actuator, incarnation, true,
-            "its process " + std::to_string(pid) + " ended" + (known ? ": " + exit.Text() : "")});
-        health_->ForgetUnlessPresent(actuator, machine_.actuators[actuator]);
+            "its process " + std::to_string(pid) + " ended" + (known ? ": " + exit.Text() : "")};
+        vanished.clean = exit.clean();
+        const auto vanish = [this, vanished] {
+          context_.handle(vanished);
+          health_->ForgetUnlessPresent(vanished.actuator, machine_.actuators[vanished.actuator]);
+        };
+        if (known) return vanish();
+        ReportExit(actuator, pid, vanish);
+      });
+}
+
+void ActuatorPeers::ReportExit(ActuatorIndex actuator, pid_t pid, std::function<void()> report) {
+  const auto& command = machine_.actuators[actuator].command;
+  if (!command || command->target != kTearDown) return report();
+  const std::pair key{actuator, pid};
+  exits_later_[key] = context_.loop().At(
+      context_.loop().Now() + kLastSampleTime, [this, key, report = std::move(report)] {
+        const auto ended = exits_later_.extract(key);  // what runs here lives until the end of it
+        report();
       });
 }
 

@@ -52,6 +52,11 @@ class ActuatorPeers {
     peers_[actuator].link->OnProcessEnded(pid);
   }
 
+  // Calls `report`, of the exit of a process whose exit code is unknown. The exit may be seen
+  // before the last sample of the process: during its TearDown that is waited for, since it says
+  // whether the TearDown had ended.
+  void ReportExit(ActuatorIndex actuator, pid_t pid, std::function<void()> report);
+
   // Keeps an event from before the begin of the machine: an actuator latches its status once, so a
   // status received before would not be received again. Returns whether it is kept.
   bool KeepForBegin(const Event& event);
@@ -171,6 +176,7 @@ class ActuatorPeers {
   std::unordered_map<transport::EndpointId, OtherMachine> other_machines_;  // by status writer
   PerActuator<Peer> peers_;
   // The last status of each actuator and host, in the order of receipt.
+  std::map<std::pair<ActuatorIndex, pid_t>, transport::LoopHandlePtr> exits_later_;
   std::map<ActuatorIndex, std::vector<event::StatusSeen>> before_begin_;
   std::map<ActuatorIndex, msg::ActuatorStatus> statuses_before_begin_;
   std::optional<Time> first_status_at_;          // of before_begin_

@@ -67,6 +67,7 @@ struct Vanished {
   // Of a process that is taken, by its status there: no status of it may have arrived before.
   std::int32_t pid = 0;
   std::string host{};
+  bool clean = false;  // `for_good`, and its exit code is known to be 0
   friend bool operator==(const Vanished&, const Vanished&) = default;
 };
 struct ProcessStarted {
@@ -278,6 +279,7 @@ inline constexpr std::tuple kFields<event::Vanished> = {
     Field{"taken", &event::Vanished::taken},
     Field{"pid", &event::Vanished::pid},
     Field{"host", &event::Vanished::host},
+    Field{"clean", &event::Vanished::clean},
 };
 
 template <>

@@ -299,9 +299,7 @@ void Recovery::On(const event::ProcessEnded& ended) {
     if (termination && termination->pid == ended.pid) processes_.ForgetEnd(ended.actuator);
     return;
   }
-  // The exit status of a process that we have not started is unknown.
-  if (ended.clean || known.process.launch == Launch::kFoundRunning)
-    commands_.AssumeTornDown(ended.actuator);
+  if (ended.clean) commands_.AssumeTornDown(ended.actuator);
   // A clean exit that was not requested is a loss, but not a crash.
   if (known.health != Health::kHung && !ended.clean) known.health = Health::kCrashed;
   const bool in_set_up = known.presence == Presence::kStarting;

@@ -241,7 +241,7 @@ void Arrivals::On(const event::Vanished& vanished) {
   }
   known.process.dead = vanished.incarnation;
   known.exit_by.reset();
-  commands_.AssumeTornDown(vanished.actuator);
+  if (vanished.clean) commands_.AssumeTornDown(vanished.actuator);
   if (known.health != Health::kHung) known.health = Health::kCrashed;
   if (was_there) commands_.Lose(vanished.actuator, texts::Crashed(vanished.how));
   if (known.restart.at) return;  // our process has exited before

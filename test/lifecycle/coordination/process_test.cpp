@@ -457,15 +457,45 @@ TEST_F(ForeignProcesses, AnEmergencyStopWithoutAnIdIsOne) {
   EXPECT_EQ(RecordWith(texts::EmergencyStopEngaged("operator", "")).code, kCodeProtectedError);
 }
 
-TEST_F(ForeignProcesses, ThatExitDuringTheirTearDownHaveEndedIt) {
+TEST_F(ForeignProcesses, ThatExitWithCode0DuringTheirTearDownHaveEndedIt) {
+  StartUp();
+  Do(event::SetStateRequested{1, "TearDown", "a"});
+  ASSERT_TRUE(Of(0).command);
+  event::Vanished vanished{0, kFirst, true, "its process ended: exit code 0"};
+  vanished.clean = true;
+  Do(vanished);
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_THAT(answers, SizeIs(1));
+  EXPECT_EQ(answers[0].result.outcome, SwitchOutcome::kDone);
+  EXPECT_EQ(Of(0).state(), "TearDown");
+}
+
+// A SIGKILL counted for the end of the TearDown.
+TEST_F(ForeignProcesses, WhoseExitCodeIsUnknownHaveNotEndedTheTearDownThatRan) {
   StartUp();
   Do(event::SetStateRequested{1, "TearDown", "a"});
   ASSERT_TRUE(Of(0).command);
   Do(event::Vanished{0, kFirst, true, "its process ended"});
   const auto answers = Did<action::AnswerSetState>();
   ASSERT_THAT(answers, SizeIs(1));
-  EXPECT_EQ(answers[0].result.outcome, SwitchOutcome::kDone);
-  EXPECT_EQ(Of(0).state(), "TearDown");
+  EXPECT_NE(answers[0].result.outcome, SwitchOutcome::kDone);
+  EXPECT_NE(Of(0).state(), "TearDown");
+}
+
+// A SIGKILL counted for the end of the TearDown.
+TEST_F(Processes, FoundRunningOfUnknownExitCodeHaveNotEndedTheTearDownThatRan) {
+  machine_ = MakeMachine(config_);
+  event::Begin begin{false, 0, {true, true}, "here"};
+  begin.processes = {700, 701};
+  Do(begin);
+  for (ActuatorIndex i = 0; i < 2; ++i) Come(i, "Active");
+  Forget();
+  Do(event::SetStateRequested{1, "TearDown", "a"});
+  ASSERT_TRUE(Of(0).command);
+  Do(event::ProcessEnded{0, 700, false, "exit code unknown"});
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_THAT(answers, SizeIs(1));
+  EXPECT_NE(answers[0].result.outcome, SwitchOutcome::kDone);
 }
 
 TEST_F(Processes, ThatReplaceOneFoundRunningAreNotTornDownByAFailedExit) {
