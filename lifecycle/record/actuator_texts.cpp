@@ -45,11 +45,13 @@ std::string WhyNotAnnounced(StartProgress progress) {
 
 }  // namespace
 
-RecordText ActuatorPresent(const std::string& actuator, const State& state, std::int32_t pid) {
+RecordText ActuatorPresent(const std::string& actuator, const State& state, std::int32_t pid,
+                           const State& target) {
   return MakeText(
       EventName::kActuatorPresent,
-      std::string("{actuator} is present in {state}") + (pid == 0 ? "" : " (pid {pid})"),
-      {{"actuator", actuator}, {"state", state}, {"pid", Known(pid)}});
+      std::string("{actuator} is present in {state}") +
+          (target.empty() ? "" : ", on its way to {target}") + (pid == 0 ? "" : " (pid {pid})"),
+      {{"actuator", actuator}, {"state", state}, {"target", target}, {"pid", Known(pid)}});
 }
 
 RecordText ActuatorDrifted(const std::string& actuator, const State& state,

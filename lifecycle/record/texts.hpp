@@ -120,7 +120,9 @@ RecordText FailedLate(const std::string& message);
 RecordText FoundBusy(const State& target, Duration time);
 
 // An actuator: actuator_texts.cpp.
-RecordText ActuatorPresent(const std::string& actuator, const State& state, std::int32_t pid);
+// `target`: of a callback that runs; empty: none.
+RecordText ActuatorPresent(const std::string& actuator, const State& state, std::int32_t pid,
+                           const State& target = {});
 RecordText ActuatorDrifted(const std::string& actuator, const State& state,
                            const std::optional<std::string>& failure);
 RecordText ActuatorStarved(const std::string& actuator, const std::string& how);

@@ -124,9 +124,10 @@ void Control::Attach(ActuatorIndex i) {
   known.found_below |= first && known.due && machine_.start_up.requests_nothing &&
                        known.state() != kSetUp && Rises(config_, known.state(), place);
   if (known.report.busy()) known.free_by = now_ + config_.TimeFor(i, known.report.target);
-  known.cause = RecordActuator(
-      i, kCodeOk, texts::ActuatorPresent(ConfigOf(i).name, known.state(), known.report.pid),
-      known.cause);
+  known.cause = RecordActuator(i, kCodeOk,
+                               texts::ActuatorPresent(ConfigOf(i).name, known.state(),
+                                                      known.report.pid, known.report.target),
+                               known.cause);
   if (machine_.emergency.stop && known.report.emergency_stop == 0) {
     Do(action::PublishEmergencyStop{*machine_.emergency.stop,
                                     true});  // it may have missed the stop

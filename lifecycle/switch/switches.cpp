@@ -433,6 +433,10 @@ void Switches::Apply(const Switch& s, bool undone) {
     }
     if (check) known.checked = false;
     if (undone && (!leg.ran || s.rollback.under_way)) continue;
+    // It was lost while the others switched, and is back already: it follows by itself.
+    const bool is_back =
+        leg.outcome == ActuatorOutcome::kLost && known.presence == Presence::kPresent;
+    if (is_back) continue;
     const bool reported = leg.outcome != ActuatorOutcome::kSkipped;
     Degrade(leg.actuator, leg.code, {leg.event, leg.message}, reported ? known.cause : s.cause);
   }

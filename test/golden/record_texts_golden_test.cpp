@@ -138,6 +138,7 @@ Examples OfAnActuator() {
   return {
       {"ActuatorPresent", ActuatorPresent("legs", "SetUp", 12)},
       {"ActuatorPresent", ActuatorPresent("legs", "SetUp", 0)},
+      {"ActuatorPresent", ActuatorPresent("legs", "Active", 12, "LowPower")},
       {"ActuatorDrifted", ActuatorDrifted("legs", "Error", std::nullopt)},
       {"ActuatorDrifted", ActuatorDrifted("legs", "Error", "joint 7 is hot")},
       {"ActuatorStarved", ActuatorStarved("legs", "no heartbeat for 300 ms")},

@@ -76,6 +76,28 @@ TEST_F(Switching, AnActuatorThatDoesNotAnswerTheQueryIsLost) {
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kLost);
 }
 
+// The last line of its history said that it is degraded, though it was in the target.
+TEST_F(Switching, ALostActuatorThatIsBackBeforeTheEndIsNotDegradedByTheEnd) {
+  Harness& t = In("Active", MachineOf(2));
+  t.On("a", "LowPower").takes = Milliseconds(90);
+  t.On("b", "LowPower").takes = Milliseconds(50);
+  const RequestId request = t.RequestSwitch("LowPower");
+  t.RunFor(Milliseconds(20));
+  t.Feed(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "connection lost"});
+  t.RunFor(Milliseconds(10));
+  t.RepeatStatus("b");
+  t.Rest();
+  ASSERT_TRUE(t.answers.contains(request));
+  EXPECT_EQ(Of(t.answers.at(request), "b").outcome, ActuatorOutcome::kLost);
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+  std::vector<std::string> of_b;
+  for (const action::Record& record : t.records) {
+    if (record.actuator == ActuatorIndex(1)) of_b.push_back(record.message);
+  }
+  EXPECT_THAT(of_b.back(), HasSubstr("b is present in Active, on its way to LowPower"));
+}
+
 TEST_F(Switching, AHungActuatorDelaysTheSwitchNoLongerThanItsTimeAndTheQuery) {
   Harness& t = In("Active");
   t.On("b", "LowPower").hangs = true;
