@@ -4,11 +4,21 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/base/scheduling.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
+namespace {
+
+// The latched status of a process that was killed lasts until the lease of its participant expires.
+bool HasExited(const msg::ActuatorStatus& status) {
+  return status.host == HostId() && status.pid > 0 &&
+         RunStateOf(status.pid) == ProcessRunState::kExited;
+}
+
+}  // namespace
 
 bool IsOfThisBoot(const std::string& host) {
   const std::string own = HostId();
@@ -98,7 +108,7 @@ std::vector<RunningActuators::Actuator> RunningActuators::All() const {
   for (const auto& [writer, actuator] : received_) {
     const msg::ActuatorStatus& status = actuator.status;
     const bool ours = SameMachine(machine_, {status.machine, status.machine_id});
-    if (ours && status.state != kTearDown) all.push_back(actuator);
+    if (ours && status.state != kTearDown && !HasExited(status)) all.push_back(actuator);
   }
   return all;
 }
@@ -116,13 +126,15 @@ std::map<std::string, RunningActuators::Actuator> RunningActuators::Now() const 
   std::map<std::string, Actuator> running;
   const std::map<std::string, Actuator> received = Received();
   for (const auto& [name, actuator] : received) {
-    if (actuator.status.state != kTearDown) running[name] = actuator;
+    const bool ended = actuator.status.state == kTearDown || HasExited(actuator.status);
+    if (!ended) running[name] = actuator;
   }
   const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
   // A status from another host says nothing of the process that holds the name here.
   const auto has_status = [&](const std::string& name) {
     const auto found = received.find(name);
-    return found != received.end() && IsOfThisBoot(found->second.status.host);
+    return found != received.end() && IsOfThisBoot(found->second.status.host) &&
+           !HasExited(found->second.status);
   };
   const bool all = std::ranges::all_of(NameLock::HeldBelow(prefix), has_status);
   const auto holders =

@@ -9,6 +9,7 @@ namespace musher::testing::without_controller_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class WithoutController : public MachineByCli {
  protected:
@@ -59,6 +60,18 @@ TEST_F(WithoutController, TheRunningActuatorsAreListedFromWhatTheyLatched) {
                                 HasSubstr("`musher down --without-controller` stops them")));
   EXPECT_EQ(json["actuators"]["voice"]["state"], "Active");
   EXPECT_EQ(json["actuators"]["voice"]["pid"], before_["actuators"]["voice"]["pid"]);
+}
+
+// `down` named it as one that still runs.
+TEST_F(WithoutController, AnActuatorThatWasKilledIsNotListedThoughItsStatusLasts) {
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  kill(before_["actuators"]["eyes"]["pid"].get<pid_t>(), SIGKILL);
+  Ended status;
+  Until([&] {
+    status = Musher({"status"});
+    return status.err.find(ProcessOf("legs")) != std::string::npos;
+  });
+  EXPECT_THAT(status.err, Not(HasSubstr(ProcessOf("eyes"))));
 }
 
 TEST_F(WithoutController, DownTearsTheActuatorsDownAndEndsTheirProcesses) {
