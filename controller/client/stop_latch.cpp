@@ -30,9 +30,12 @@ constexpr const char* kExitUnknown = "silent, and its exit is not known: it may 
 // Whether the actuator may move. A lost actuator may, unless its process is known to have ended: on
 // another host "crashed" only means silent, and a frozen process is as silent as an exited one. So
 // may an actuator that a new controller does not control yet, if the controller has found its
-// process, or knows from the disk that it ran on another host.
+// process, or knows from the disk that it ran on another host. One that has reported its TearDown
+// is off, though its process may run on for another actuator.
 bool MayMove(const msg::ActuatorInfo& actuator, const std::string& controller_host) {
   const auto is = [&](Presence presence) { return actuator.presence == PresenceName(presence); };
+  const bool is_off = actuator.state == kTearDown && actuator.target.empty();
+  if (is_off && !is(Presence::kStarting)) return false;
   if (is(Presence::kPresent) || is(Presence::kStarting)) return true;
   if (actuator.health == HealthName(Health::kHung) ||
       actuator.health == HealthName(Health::kPartitioned)) {
@@ -338,7 +341,10 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   if (!IsMeant(theirs)) return;
   Note(machines_, theirs);
   std::vector<Received>& processes = received_[status.name];
-  const StopId latched(status.emergency_stop);
+  // What is torn down is off, and latches nothing any more.
+  const bool is_off =
+      status.state == kTearDown && status.target.empty() && status.stop_trouble.empty();
+  const StopId latched(is_off ? stop_.id : status.emergency_stop);
   const bool has_it =
       latched == StopId(stop_.id) || std::ranges::count(status.other_stops, stop_.id) != 0;
   const bool known = std::ranges::any_of(processes, [&](const Received& last) {

@@ -62,6 +62,12 @@ class Listener {
   }
   bool stopped() const { return status_.emergency_stop != 0; }
   void TurnDeaf() { deaf_ = true; }
+  // It latches nothing from now on.
+  void EndAfterTearDown() {
+    deaf_ = true;
+    status_.state = "TearDown";
+    static_cast<void>(publisher_->Publish(status_));
+  }
   // What it does at a stop fails, or has not ended; empty: it is done.
   void Report(const std::string& trouble) {
     status_.stop_trouble = trouble;
@@ -520,6 +526,33 @@ TEST_F(Stop, IsNotCompleteBesideAnActuatorWhoseExitIsNotKnown) {
   EXPECT_FALSE(report.complete());
   EXPECT_THAT(report.Missing(), ElementsAre("legs"));
   EXPECT_THAT(EstopText(report, false), HasSubstr("its exit is not known: it may still run"));
+}
+
+// It was torn down alone, and its process runs on for another actuator: no stop was confirmed.
+TEST_F(Stop, DoesNotWaitForAnActuatorThatIsTornDown) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "lost";
+  legs.health = "crashed";
+  legs.pid = 4321;
+  legs.state = "TearDown";
+  EXPECT_TRUE(AfterASecond(controller).complete());
+  legs.target = "Active";
+  EXPECT_FALSE(AfterASecond(controller).complete());
+  legs.target = "";
+  legs.presence = "starting";
+  EXPECT_FALSE(AfterASecond(controller).complete()) << "it is its successor";
+}
+
+TEST_F(Stop, DoesNotWaitForTheStatusThatATearDownHasLeftBehind) {
+  legs_->EndAfterTearDown();
+  Engage();
+  EXPECT_TRUE(AfterASecond().complete());
+  EXPECT_TRUE(AfterASecond(Controller()).complete());
+  legs_->Report("its command is under way");
+  EXPECT_FALSE(AfterASecond().complete());
 }
 
 // Its program is missing, and it is not started again.
