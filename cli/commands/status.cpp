@@ -226,7 +226,15 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   if (!link->CallsHere()) {
     if (auto looks = look_at_all(); !looks) return console.Fail(looks.error());
   }
-  const auto answer = link->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  auto answer = link->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  std::optional<std::vector<HostClock>> hosts;
+  if (const auto* first = std::get_if<msg::GetStatus::Response>(&answer); first && options.hosts) {
+    auto clocks = ReadClocks(*link, first->status);
+    if (const auto* failure = std::get_if<Failure>(&clocks)) return console.Fail(*failure);
+    hosts = std::get<std::vector<HostClock>>(std::move(clocks));
+    // The other hosts have taken up to 8 s.
+    answer = link->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  }
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     return WithoutController(*failure, running ? running->Now() : Uncontrolled{},
                              link->LeaderHere() != 0, console);
@@ -239,12 +247,6 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   AddCredentialHints(status, global);
   const Uncontrolled unlisted = running ? AwaitUnlisted(*link, *running, status) : Uncontrolled{};
   const StatusSince since = SinceWhen(*link, status);
-  std::optional<std::vector<HostClock>> hosts;
-  if (options.hosts) {
-    auto clocks = ReadClocks(*link, status);
-    if (const auto* failure = std::get_if<Failure>(&clocks)) return console.Fail(*failure);
-    hosts = std::get<std::vector<HostClock>>(std::move(clocks));
-  }
   if (options.failed) KeepFailed(status);
   PrintStatus(status, unlisted, since, hosts, console);
   if (!unlisted.empty()) {
