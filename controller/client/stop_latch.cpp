@@ -341,10 +341,7 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   if (!IsMeant(theirs)) return;
   Note(machines_, theirs);
   std::vector<Received>& processes = received_[status.name];
-  // What is torn down is off, and latches nothing any more.
-  const bool is_off =
-      status.state == kTearDown && status.target.empty() && status.stop_trouble.empty();
-  const StopId latched(is_off ? stop_.id : status.emergency_stop);
+  const StopId latched(status.emergency_stop);
   const bool has_it =
       latched == StopId(stop_.id) || std::ranges::count(status.other_stops, stop_.id) != 0;
   const bool known = std::ranges::any_of(processes, [&](const Received& last) {
@@ -356,8 +353,14 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   std::erase_if(processes, [&](const Received& last) {
     return last.writer == info.writer || last.host == status.host;
   });
-  processes.push_back(
-      {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_, status.host});
+  // What is torn down is off, and latches nothing any more: it neither confirms nor prevents.
+  const bool is_off = latched == 0 && status.state == kTearDown && status.target.empty() &&
+                      status.stop_trouble.empty();
+  if (!is_off) {
+    processes.push_back(
+        {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_, status.host});
+  }
+  if (processes.empty()) received_.erase(status.name);
   if (options_.on_change) options_.on_change();
 }
 

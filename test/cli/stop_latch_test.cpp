@@ -538,6 +538,7 @@ TEST_F(Stop, DoesNotWaitForAnActuatorThatIsTornDown) {
   legs.health = "crashed";
   legs.pid = 4321;
   legs.state = "TearDown";
+  legs.target = "";
   EXPECT_TRUE(AfterASecond(controller).complete());
   legs.target = "Active";
   EXPECT_FALSE(AfterASecond(controller).complete());
@@ -550,9 +551,16 @@ TEST_F(Stop, DoesNotWaitForTheStatusThatATearDownHasLeftBehind) {
   legs_->EndAfterTearDown();
   Engage();
   EXPECT_TRUE(AfterASecond().complete());
-  EXPECT_TRUE(AfterASecond(Controller()).complete());
   legs_->Report("its command is under way");
   EXPECT_FALSE(AfterASecond().complete());
+}
+
+// It would be forgotten by the next start of the machine.
+TEST_F(Stop, IsNotConfirmedByTornDownActuatorsAlone) {
+  legs_->EndAfterTearDown();
+  eyes_->EndAfterTearDown();
+  Engage();
+  EXPECT_FALSE(AfterASecond().found());
 }
 
 // Its program is missing, and it is not started again.
