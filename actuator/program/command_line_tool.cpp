@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -154,8 +155,20 @@ bool ToolLink::RunUntil(const std::function<bool()>& done, Duration timeout) {
   return done();
 }
 
+bool ToolLink::Find(const std::function<bool()>& found) {
+  if (RunUntil(found, discovery())) return true;
+  return NamespaceHasProcesses() && !interrupted_ && RunUntil(found, 3 * discovery());
+}
+
+bool ToolLink::NamespaceHasProcesses() const {
+  const std::string prefix = "/" + Name("");
+  return std::ranges::any_of(node_->Peers(), [&prefix](const transport::PeerInfo& peer) {
+    return peer.name.starts_with(prefix);
+  });
+}
+
 bool ToolLink::AwaitClock() {
-  return !options_.clock_topic || RunUntil([this] { return clock_->Now() != Time{}; }, discovery());
+  return !options_.clock_topic || Find([this] { return clock_->Now() != Time{}; });
 }
 
 Error ToolLink::NotFound(const std::string& what) const {

@@ -72,6 +72,9 @@ class ToolLink {
   // Runs the loop until `done` holds, at most `timeout` of steady time, or until Ctrl-C. Returns
   // whether `done` held.
   bool RunUntil(const std::function<bool()>& done, Duration timeout);
+  // The same, until a module would have been discovered. Where processes of the namespace run, that
+  // may take several times as long: a slow computer or link is not taken for a missing module.
+  bool Find(const std::function<bool()>& found);
   bool interrupted() const { return interrupted_; }
   // Returns whether Ctrl-C was pressed, and clears it, so that the next wait blocks again.
   bool TakeInterrupt() { return std::exchange(interrupted_, false); }
@@ -89,6 +92,7 @@ class ToolLink {
  private:
   explicit ToolLink(ToolOptions options);
   Result<> Join();
+  bool NamespaceHasProcesses() const;
 
   const ToolOptions options_;
   UniqueFd signals_;  // before the node: its threads inherit the mask

@@ -33,7 +33,7 @@ CallEnd<typename S::Response> Call(program::ToolLink& link, const std::string& s
   std::optional<Result<typename S::Response>> reply;
   client.value()->Call(request, kForever, [&](auto result) { reply = std::move(result); });
   const auto there = [&] { return client.value()->Ready() || reply; };
-  if (!link.RunUntil(there, link.discovery()) && !link.interrupted()) {
+  if (!link.Find(there) && !link.interrupted()) {
     return {{}, ExitCode::kNotDone, link.NotFound("audio module")};
   }
   const Time deadline = link.clock().Now() + kLongestCall;

@@ -26,7 +26,7 @@ ExitCode PlayNow(const GlobalOptions& global, const PlayOptions& options, progra
       link.node(), link.Name("speech_play_extend"),
       transport::ServerOf<msg::AudioTextPlay>(link.Name("speech_text_play")));
   if (!publisher) return Fail(ExitCode::kUsage, publisher.error());
-  if (!link.RunUntil([&] { return publisher.value()->Ready(); }, link.discovery())) {
+  if (!link.Find([&] { return publisher.value()->Ready(); })) {
     if (link.interrupted()) return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted"});
     return Fail(ExitCode::kNotDone, link.NotFound("audio module"));
   }

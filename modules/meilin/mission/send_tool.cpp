@@ -124,7 +124,7 @@ std::optional<int> PublishTo(ToolLink& link, const std::string& name, const M& m
   auto made = transport::MakeDirectedPublisher<M>(link.node(), link.Name(name), MissionMark(link));
   if (!made) return FailSend(ExitCode::kUsage, made.error().message);
   kept = std::move(made).value();
-  if (!link.RunUntil([&] { return kept->Ready(); }, link.discovery())) return NoMission(link);
+  if (!link.Find([&] { return kept->Ready(); })) return NoMission(link);
   Result<> sent = kept->Publish(message);
   if (sent) sent = kept->Flush(link.discovery());
   if (!sent) return FailSend(ExitCode::kNotDone, sent.error().message);
@@ -143,7 +143,7 @@ Result<> PublishPlan(ToolLink& link, Watch& watch, PlanPublisher& publisher,
   const auto answered = [&] {
     return watch.Count("plans") != plans || watch.Count("refusals") != refusals;
   };
-  if (link.RunUntil(answered, link.discovery())) return Ok();
+  if (link.Find(answered)) return Ok();
   return Error{kCodeNetError, "the mission did not answer"};
 }
 
@@ -162,13 +162,13 @@ int SendPlan(ToolLink& link, const std::string& file, bool keep, bool json) {
     return program::kUsageError;
   }
   Watch watch(link);
-  if (!link.RunUntil([&] { return watch.complete(); }, link.discovery())) return NoMission(link);
+  if (!link.Find([&] { return watch.complete(); })) return NoMission(link);
   const std::int64_t plans = watch.Count("plans");
   auto made = transport::MakeDirectedPublisher<msg::Float32MultiArray>(
       link.node(), link.Name("mf_action_seq"), MissionMark(link), transport::kLatchedQos);
   if (!made) return FailSend(ExitCode::kUsage, made.error().message);
   PlanPublisher& publisher = *made.value();
-  if (!link.RunUntil([&] { return publisher.Ready(); }, link.discovery())) return NoMission(link);
+  if (!link.Find([&] { return publisher.Ready(); })) return NoMission(link);
   const msg::Float32MultiArray plan = ToActionSequence(reading.plan->steps);
   Result<> sent = PublishPlan(link, watch, publisher, plan);
   if (sent && watch.Count("plans") == plans && IsToBeSentAgain(watch)) {
@@ -197,7 +197,7 @@ int StartMatch(ToolLink& link, const std::string& region, bool json) {
       transport::MakeClient<msg::StartAutonomy>(link.node(), link.Name("start_autonomy"));
   if (!client) return FailSend(ExitCode::kUsage, client.error().message);
   const auto& service = client.value();
-  if (!link.RunUntil([&] { return service->Ready(); }, link.discovery())) return NoMission(link);
+  if (!link.Find([&] { return service->Ready(); })) return NoMission(link);
   std::optional<Reply> reply;
   // It may wait for its first pose, by the machine's clock, which may be slow.
   const Duration limit = link.discovery() + 4 * Mission::kStartWait;
@@ -216,7 +216,7 @@ int StartMatch(ToolLink& link, const std::string& region, bool json) {
 
 int SendState(ToolLink& link, bool json) {
   Watch watch(link);
-  if (!link.RunUntil([&] { return watch.complete(); }, link.discovery())) return NoMission(link);
+  if (!link.Find([&] { return watch.complete(); })) return NoMission(link);
   PrintState(watch, json);
   return 0;
 }

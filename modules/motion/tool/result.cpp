@@ -31,8 +31,7 @@ ExitCode Run(const GlobalOptions& global, const ResultOptions& options) {
   request.step_height = arguments.step_height;
   std::optional<Result<msg::MotionResultCmd::Response>> reply;
   client.value()->Call(request, kLongestMotion, [&](auto result) { reply = std::move(result); });
-  const bool found = link.value()->RunUntil([&] { return client.value()->Ready() || reply; },
-                                            link.value()->discovery());
+  const bool found = link.value()->Find([&] { return client.value()->Ready() || reply; });
   if (!found && !link.value()->interrupted()) {
     return Fail(ExitCode::kNotDone, link.value()->NotFound("motion manager"));
   }

@@ -29,7 +29,7 @@ std::variant<std::unique_ptr<SpeedStream>, ExitCode> SpeedStream::Open(const Glo
   stream->stream_ = std::move(frames).value();
   program::ToolLink& found = *stream->link_;
   stream->breaks_.emplace(found.node().loop());
-  if (!found.RunUntil([&] { return stream->stream_->Ready(); }, found.discovery())) {
+  if (!found.Find([&] { return stream->stream_->Ready(); })) {
     return found.TakeInterrupt() ? Interrupted()
                                  : Fail(ExitCode::kNotDone, found.NotFound("motion manager"));
   }

@@ -16,7 +16,7 @@ ExitCode Run(const GlobalOptions& global, const StatusOptions&) {
       link.value()->node(), link.value()->Name("motion_status"),
       [&](const msg::MotionStatus& message, const transport::SampleInfo&) { status = message; });
   if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
-  if (!link.value()->RunUntil([&] { return status.has_value(); }, link.value()->discovery())) {
+  if (!link.value()->Find([&] { return status.has_value(); })) {
     return Fail(ExitCode::kNotDone, link.value()->NotFound("motion manager"));
   }
   const std::int32_t code = CodeOfStatus(status->switch_status);

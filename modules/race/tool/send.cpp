@@ -39,7 +39,7 @@ int Publish(ToolLink& link, const std::string& text) {
   const auto publisher = transport::MakeDirectedPublisher<msg::String>(
       link.node(), topic, transport::PublisherOf<msg::String>(link.Name(topic::kInfo)));
   if (!publisher) return Fail(ExitCode::kUsage, publisher.error().message);
-  if (!link.RunUntil([&] { return publisher.value()->Ready(); }, link.discovery())) {
+  if (!link.Find([&] { return publisher.value()->Ready(); })) {
     if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
     return Fail(ExitCode::kNotDone, "no race subscribes to " + topic + "; is it running?");
   }

@@ -58,7 +58,7 @@ int Publish(ToolLink& link, const std::string& topic, const M& message, Duration
   const auto publisher = transport::MakeDirectedPublisher<M>(
       link.node(), link.Name(topic), transport::PublisherOf<msg::String>(link.Name(topic::kState)));
   if (!publisher) return Fail(ExitCode::kUsage, publisher.error().message);
-  if (!link.RunUntil([&] { return publisher.value()->Ready(); }, link.discovery())) {
+  if (!link.Find([&] { return publisher.value()->Ready(); })) {
     if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
     return Fail(ExitCode::kNotDone, "no show subscribes to " + topic + "; is it running?");
   }
