@@ -45,6 +45,16 @@ void AuthorityChecker::NoteFound(const SimulatedController& controller) {
   }
 }
 
+void AuthorityChecker::NoteEnded(const std::string& name, std::size_t host,
+                                 const ActuatorReport& report) {
+  for (auto& [serial, actuators] : found_) {
+    const auto found = actuators.find({name, host});
+    if (found == actuators.end() || found->second.incarnation != report.incarnation) continue;
+    State& most = found->second.most;
+    if (Rises(config_, most, report.state)) most = report.state;
+  }
+}
+
 // Nothing of a machine rises because its controller was restarted: it goes on from the least active
 // state that it finds, whatever the stage of the actuator is. A command of the controller before it
 // that an actuator has accepted and begins later is part of what it finds.

@@ -28,6 +28,9 @@ class AuthorityChecker : public SubjectChecker {
   Epoch CheckEpoch(const SimulatedController& controller);
   void CheckFollows(const std::string& name, std::size_t host, const ActuatorReport& report);
   void NoteReasons(const SimulatedController& controller, const action::Record& record);
+  // A callback of an actuator of a host has ended. One that led down and failed has left it where
+  // it was found.
+  void NoteEnded(const std::string& name, std::size_t host, const ActuatorReport& report);
   // An actuator of a host begins, by a command of the controller with this serial, a callback that
   // leads up.
   void CheckRise(std::uint64_t controller, const std::string& name, std::size_t host,

@@ -78,6 +78,7 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
   if (begun) commands_.OnBegun(name, host, before, report);
+  if (before.busy() && !report.busy()) authority_.NoteEnded(name, host, report);
   processes_.NoteOverrun(name, host, begun, report);
   authority_.CheckFollows(name, host, report);
   if (const ActuatorCore* core = robot_.processes().CoreOf(name, host)) {

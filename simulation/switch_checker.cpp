@@ -116,8 +116,9 @@ void SwitchChecker::OnReply(std::uint64_t request, const SwitchResult& result) {
                            "a request for " + result.target + " got two replies");
   }
   just_replied_.insert(result.target);
+  // That of one actuator keeps no fallback waiting.
   if (result.outcome == SwitchOutcome::kSuperseded && !urgent_requested_ &&
-      result.code != kCodePermissionDenied) {
+      result.actuator.empty() && result.code != kCodePermissionDenied) {
     ReportViolation(Invariant::kPolicyNeverSupersedes,
                     "the switch to " + result.target + " is superseded (" + result.reason +
                         "), although nothing urgent was requested");

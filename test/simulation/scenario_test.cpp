@@ -187,6 +187,12 @@ TEST(FoundScenario, AControllerMayLeadBackToWhatAnEarlierCommandThatWaitedHasLed
   EXPECT_EQ(ViolationOf(1022288, {1, 2, 3, 5}), "");
 }
 
+// Its callback on the way down to DeActive failed after the controller had been restarted: it was
+// found in Active. The checker took it for found in DeActive.
+TEST(FoundScenario, AControllerMayLeadBackWhatHasFailedToFall) {
+  EXPECT_EQ(ViolationOf(400866, {7, 8, 9, 10, 11, 12, 13}), "");
+}
+
 // Its host was rebooted within a millisecond.
 TEST(FoundScenario, AReleaseWaitsForAProcessThatStillCountsAsASecondOne) {
   EXPECT_EQ(ViolationOf(1008712, {2, 4, 10, 12}), "");
