@@ -74,7 +74,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
   status.phase = PhaseName(machine.phase);
   status.state = machine.state;
   status.epoch = machine.epoch.value();
-  if (machine.current) status.target = machine.current->target;
+  if (machine.current && !machine.current->only) status.target = machine.current->target;
   status.switch_number = machine.last_switch.value();
   status.requested_by = machine.requested_by;
   status.permit_ns = config.permit.value_or(Duration()).count();

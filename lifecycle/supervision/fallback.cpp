@@ -7,8 +7,9 @@
 namespace musher {
 
 bool Fallback::Begin() {
-  if (!machine_.fallback.target || machine_.current || machine_.phase != Phase::kRunning)
-    return false;
+  // A switch of one actuator, which may take long, does not keep the others up.
+  const bool may_begin = !machine_.current || machine_.current->only;
+  if (!machine_.fallback.target || !may_begin || machine_.phase != Phase::kRunning) return false;
   const State target = *std::exchange(machine_.fallback.target, std::nullopt);
   memory_.LowerAtMostTo(target);
   const auto rank = config_.RankOf(machine_.state);
@@ -21,6 +22,7 @@ bool Fallback::Begin() {
   }
   const RecordId recorded =
       RecordMachine(kCodeOk, texts::FallbackStarted(target), machine_.fallback.cause);
+  if (machine_.current) switches_.Supersede(machine_.number + 1, target, recorded);
   switches_.Begin(plan, Purpose::kFallback, {}, recorded);
   return true;
 }

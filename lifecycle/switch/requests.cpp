@@ -18,6 +18,14 @@ int Urgency(const State& target) {
   return target == kError ? 1 : 0;
 }
 
+// Whether a requested switch is more urgent than another one. That of one actuator keeps neither
+// Error nor TearDown of the machine waiting.
+bool TakesOver(const State& target, const std::optional<ActuatorIndex>& only, const State& other,
+               const std::optional<ActuatorIndex>& other_only) {
+  const int urgency = Urgency(target);
+  return urgency > Urgency(other) || (urgency > 0 && !only && other_only);
+}
+
 }  // namespace
 
 std::optional<Error> RefusalOfManager(const MachineConfig& config, const Machine& machine,
@@ -103,8 +111,7 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
     }
     return true;
   }
-  const bool concerns_all = !only || s.only;
-  if (concerns_all && Urgency(requested.target) > Urgency(s.target)) return false;
+  if ((!only || s.only) && TakesOver(requested.target, only, s.target, s.only)) return false;
   switches_.Refuse(requested.target, only, {requested.request}, machine_.state,
                    Refused<Refusal::kSwitchUnderWay>(s.number, Describe(config_, s.target, s.only)),
                    request_record);
@@ -122,7 +129,7 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
     if (!requested.by.manager) waiting.by = requested.by;
     return true;
   }
-  if (!only && Urgency(requested.target) > Urgency(waiting.target)) return false;
+  if (!only && TakesOver(requested.target, only, waiting.target, waiting.only)) return false;
   switches_.Refuse(requested.target, only, {requested.request}, machine_.state,
                    Refused<Refusal::kSwitchWaiting>(Describe(config_, waiting.target, waiting.only),
                                                     ToMilliseconds(waiting.until - now_)),
