@@ -101,8 +101,9 @@ void TearDown::BeginSwitch(const Plan& plan) {
 bool TearDown::MayAnnounceItself(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const bool silent = known.presence == Presence::kAbsent || known.presence == Presence::kStarting;
-  // The start that finishes a TearDown has awaited all of them.
-  if (!silent || known.fault || machine_.start_up.finishing) return false;
+  // The start that finishes a TearDown has awaited all of them, unless this is requested in it.
+  const bool awaited = machine_.start_up.finishing && machine_.start_up.set_up;
+  if (!silent || known.fault || awaited) return false;
   const bool elsewhere = known.elsewhere && known.report.incarnation == 0;
   const bool holds_name =
       ConfigOf(i).protocol == Protocol::kMusher && config_.transport != TransportProfile::kLan;
