@@ -155,6 +155,9 @@ struct KnownActuator {
   // Since the release of the last emergency stop a switch has been requested that leads it up or to
   // a state of the same rank: it may switch on again.
   bool set_again = false;
+  // A person has requested its TearDown alone, and its process was lost in it: it is not started
+  // again.
+  bool down_requested = false;
   bool met = false;  // its process was present, in this run of the controller
   // The process ran before this controller, announced itself after the machine went on, or replaced
   // another process, and was less active than the machine: it stays there until a switch up is
@@ -277,6 +280,7 @@ inline constexpr std::tuple kFields<KnownActuator> = {
     Field{"join_tried", &KnownActuator::join_tried},
     Field{"failed_checks", &KnownActuator::failed_checks},
     Field{"set_again", &KnownActuator::set_again},
+    Field{"down_requested", &KnownActuator::down_requested},
     Field{"met", &KnownActuator::met},
     Field{"found_below", &KnownActuator::found_below},
     Field{"held", &KnownActuator::held},

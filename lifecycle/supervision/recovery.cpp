@@ -313,6 +313,7 @@ void Recovery::On(const event::ProcessEnded& ended) {
     // The lost connection was the first sign of the exit.
     Degrade(ended.actuator, known.fault->code, why, known.cause);
   }
+  commands_.StayDown(ended.actuator);
   processes_.Recover(ended.actuator, ended);
 }
 
@@ -347,6 +348,7 @@ void Recovery::On(const event::RestartRequested& requested) {
   known.restart.requested = true;
   known.restart.count = 0;
   known.restart.given_up = false;
+  known.down_requested = false;
   known.cause =
       RecordProcess(*i, kCodeOk, texts::RestartRequested(requested.actuator, requested.by));
   EndForRestart(*i);

@@ -244,6 +244,7 @@ void Arrivals::On(const event::Vanished& vanished) {
   if (vanished.clean) commands_.AssumeTornDown(vanished.actuator);
   if (known.health != Health::kHung) known.health = Health::kCrashed;
   if (was_there) commands_.Lose(vanished.actuator, texts::Crashed(vanished.how));
+  commands_.StayDown(vanished.actuator);
   if (known.restart.at) return;  // our process has exited before
   if (known.restart.given_up) return FallBack(vanished.actuator);
   if (known.process.pid != 0)

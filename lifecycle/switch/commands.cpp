@@ -312,6 +312,15 @@ void Commands::AssumeTornDown(ActuatorIndex i) {
   End(i, {ActuatorOutcome::kDone, kCodeOk, {}, true});
 }
 
+void Commands::StayDown(ActuatorIndex i) {
+  KnownActuator& known = Of(i);
+  if (!known.down_requested) return;
+  known.report.state = State(kTearDown);
+  known.report.target = {};
+  known.report.detached = true;
+  known.held = true;
+}
+
 void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std::int32_t code) {
   KnownActuator& known = Of(i);
   const bool torn_down = known.state() == kTearDown;
@@ -319,6 +328,8 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   // The command may still arrive. The query that takes control again fences it: once the query is
   // answered, the command has begun or never will.
   if (known.command) known.report.number = std::max(known.report.number, known.command->number);
+  known.down_requested |=
+      known.command && known.command->target == kTearDown && !known.restart.requested;
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;
   known.control.again.reset();

@@ -56,6 +56,9 @@ class Commands : StepPart {
   void MarkHung(ActuatorIndex i, bool silent, const RecordText& how);
   // The exit of a process can overtake its last sample.
   void AssumeTornDown(ActuatorIndex i);
+  // Its process has ended in a TearDown that a person has requested of it alone, and how is not
+  // known, or not well: what it has switched on may be on, but nothing brings it back by itself.
+  void StayDown(ActuatorIndex i);
   // Records that the actuator has not passed a self-check: it was found in Error, has reached its
   // state without a check, or its check was superseded. It is not driven up without a request.
   void ReportUnchecked(ActuatorIndex i);

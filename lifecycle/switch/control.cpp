@@ -107,6 +107,7 @@ void Control::Attach(ActuatorIndex i) {
   known.set_up_by.reset();
   known.restart.at.reset();  // it was started by another party first
   known.fault.reset();
+  known.down_requested = false;
   known.tolerated.reset();
   const bool beyond = known.state() == kSelfCheck || config_.RankOf(known.state());
   known.checked = (beyond && known.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);

@@ -384,7 +384,9 @@ EndedSwitch Switches::End() {
   const Switch s = *machine_.current;
   machine_.current.reset();
   // Where the only actuator did not switch, nothing was done.
-  const bool single_failed = s.only && !s.legs.empty() && s.legs.front().failed();
+  const bool failed = s.only && !s.legs.empty() && s.legs.front().failed();
+  const bool down = s.only && s.target == kTearDown && Of(*s.only).state() == kTearDown;
+  const bool single_failed = failed && !down;
   const bool undone = s.rollback.under_way || (single_failed && s.direction != Direction::kCheck);
   if (!undone && !s.only) {
     const bool a_step = !config_.RankOf(machine_.state) || machine_.state == kError;
@@ -404,7 +406,7 @@ EndedSwitch Switches::End() {
   if (s.purpose == Purpose::kStop) return ended;  // answered when the processes have exited
   memory_.OnSwitchEnded(s, undone);
   Answer(s.requests, result);
-  const bool torn_down = s.only && s.target == kTearDown && !undone;
+  const bool torn_down = down && !failed;
   if (torn_down) Degrade(*s.only, kCodeStateInvalid, texts::TornDownAlone(), recorded);
   return ended;
 }
@@ -433,10 +435,10 @@ void Switches::Apply(const Switch& s, bool undone) {
     }
     if (check) known.checked = false;
     if (undone && (!leg.ran || s.rollback.under_way)) continue;
-    // It was lost while the others switched, and is back already: it follows by itself.
-    const bool is_back =
-        leg.outcome == ActuatorOutcome::kLost && known.presence == Presence::kPresent;
-    if (is_back) continue;
+    // It was lost while the others switched, is back already, and follows by itself.
+    const bool follows = leg.outcome == ActuatorOutcome::kLost && !check && known.due &&
+                         known.presence == Presence::kPresent;
+    if (follows) continue;
     const bool reported = leg.outcome != ActuatorOutcome::kSkipped;
     Degrade(leg.actuator, leg.code, {leg.event, leg.message}, reported ? known.cause : s.cause);
   }
