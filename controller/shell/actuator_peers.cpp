@@ -338,17 +338,21 @@ Result<> ActuatorPeers::ProveAndWatch(ActuatorIndex actuator, const ActuatorRepo
           health_->ForgetUnlessPresent(vanished.actuator, machine_.actuators[vanished.actuator]);
         };
         if (known) return vanish();
-        ReportExit(actuator, pid, vanish);
+        ReportExit(actuator, vanish);
       });
 }
 
-void ActuatorPeers::ReportExit(ActuatorIndex actuator, pid_t pid, std::function<void()> report) {
-  const auto& command = machine_.actuators[actuator].command;
-  if (!command || command->target != kTearDown) return report();
-  const std::pair key{actuator, pid};
-  exits_later_[key] = context_.loop().At(
-      context_.loop().Now() + kLastSampleTime, [this, key, report = std::move(report)] {
-        const auto ended = exits_later_.extract(key);  // what runs here lives until the end of it
+void ActuatorPeers::ReportExit(ActuatorIndex actuator, std::function<void()> report) {
+  const KnownActuator& known = machine_.actuators[actuator];
+  const bool tears_down =
+      known.report.target == kTearDown || (known.command && known.command->target == kTearDown);
+  const bool killed = (known.process.termination && known.process.termination->killed) ||
+                      (machine_.stopping && machine_.stopping->sent == Shutdown::Signal::kKill);
+  if (!tears_down || killed) return report();
+  const std::uint64_t number = ++last_exit_;
+  exits_later_[number] = context_.loop().At(
+      context_.loop().Now() + kLastSampleTime, [this, number, report = std::move(report)] {
+        const auto ended = exits_later_.extract(number);  // what runs here lives until its end
         report();
       });
 }
@@ -378,8 +382,11 @@ void ActuatorPeers::WatchProgram(ActuatorIndex actuator) {
   if (pid == 0) return;
   const Result<> watched =
       dependencies_.processes->Watch(pid, [this, actuator, participant, pid](const ProcessExit&) {
-        if (peers_[actuator].link->ProgramsParticipant() == participant) health_->Forget(actuator);
-        peers_[actuator].link->OnParticipantEnded(participant, pid);
+        ReportExit(actuator, [this, actuator, participant, pid] {
+          ActuatorLink& link = *peers_[actuator].link;
+          if (link.ProgramsParticipant() == participant) health_->Forget(actuator);
+          link.OnParticipantEnded(participant, pid);
+        });
       });
   if (watched) peer.link->OnParticipantWatched(participant);
 }

@@ -54,8 +54,8 @@ class ActuatorPeers {
 
   // Calls `report`, of the exit of a process whose exit code is unknown. The exit may be seen
   // before the last sample of the process: during its TearDown that is waited for, since it says
-  // whether the TearDown had ended.
-  void ReportExit(ActuatorIndex actuator, pid_t pid, std::function<void()> report);
+  // whether the TearDown had ended; not once the processes get SIGKILL, since the budget ends soon.
+  void ReportExit(ActuatorIndex actuator, std::function<void()> report);
 
   // Keeps an event from before the begin of the machine: an actuator latches its status once, so a
   // status received before would not be received again. Returns whether it is kept.
@@ -176,7 +176,8 @@ class ActuatorPeers {
   std::unordered_map<transport::EndpointId, OtherMachine> other_machines_;  // by status writer
   PerActuator<Peer> peers_;
   // The last status of each actuator and host, in the order of receipt.
-  std::map<std::pair<ActuatorIndex, pid_t>, transport::LoopHandlePtr> exits_later_;
+  std::map<std::uint64_t, transport::LoopHandlePtr> exits_later_;  // by a number of their own
+  std::uint64_t last_exit_ = 0;
   std::map<ActuatorIndex, std::vector<event::StatusSeen>> before_begin_;
   std::map<ActuatorIndex, msg::ActuatorStatus> statuses_before_begin_;
   std::optional<Time> first_status_at_;          // of before_begin_

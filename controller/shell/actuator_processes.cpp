@@ -274,7 +274,7 @@ bool ActuatorProcesses::WatchFound(ActuatorIndex actuator, pid_t pid, const Chil
   if (pid == 0 || pid == dependencies_.pid) return false;
   const auto on_exit = [this, actuator, pid](const ProcessExit&) {
     ForgetChild(actuator, pid);
-    peers_.ReportExit(actuator, pid, [this, actuator, pid] {
+    peers_.ReportExit(actuator, [this, actuator, pid] {
       peers_.OnProcessEnded(actuator, pid);
       context_.handle(event::ProcessEnded{actuator, pid, false, "exit code unknown"});
       health_.ForgetUnlessPresent(actuator, context_.machine.actuators[actuator]);
