@@ -103,6 +103,7 @@ void HealthMonitor::Revive(ActuatorIndex actuator, MonitoredProcess& process, Ti
                            std::vector<HealthEvent>& events) {
   process.last_received = now;
   process.probed = false;
+  process.silent = false;
   process.excused = false;
   process.look.reset();
   if (process.limit != Duration::zero()) process.look = now + process.limit / 2;
@@ -231,8 +232,10 @@ bool HealthMonitor::HostIsAlive(const MonitoredProcess& process, Time now) const
 
 void HealthMonitor::Change(ActuatorIndex actuator, MonitoredProcess& process, Health health,
                            bool silent, std::string how, std::vector<HealthEvent>& events) {
-  if (process.health == health) return;
+  // One whose work thread hangs may be frozen since.
+  if (process.health == health && (process.silent || !silent)) return;
   process.health = health;
+  process.silent = silent;
   events.emplace_back(
       health_event::Changed{actuator, process.incarnation, health, silent, std::move(how)});
 }

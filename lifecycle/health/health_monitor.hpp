@@ -106,6 +106,7 @@ class HealthMonitor {
     std::optional<Time> look;  // when to examine next
     bool work_hung = false;    // by the last heartbeat, not by silence
     Health health = Health::kWell;
+    bool silent = false;  // so it was reported
     Time starved{};  // when that was last observed
   };
 
