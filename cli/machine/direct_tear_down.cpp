@@ -132,7 +132,7 @@ bool DirectTearDown::MayBeSignalled(const Target& target, Time now) const {
 void DirectTearDown::Check(Target& target, const Actuators& running) {
   const bool runs = running.contains(target.outcome.name);
   const bool has_status = running_.HasStatusOf(target.outcome.name);
-  if (!runs && !target.outcome.torn_down && has_status) {
+  if (!runs && !target.outcome.torn_down && running_.IsTornDown(target.outcome.name)) {
     target.outcome.torn_down = true;
     target.torn_down_at = node_.loop().Now();
   }
@@ -170,8 +170,10 @@ void DirectTearDown::CommandTearDown(Target& target, const Actuators& running) {
   request.number = std::max(CommandNumber(status.number), target.last_number).value() + 1;
   request.target = State(kTearDown);
   request.budget_ns = Duration(deadline_ - now).count();
-  request.status_stamp_ns = status.stamp_ns;
-  request.since_status_ns = Duration(now - found->second.at).count();
+  const bool replied = target.stamp_ns != 0;
+  request.status_stamp_ns = replied ? target.stamp_ns : status.stamp_ns;
+  request.since_status_ns =
+      Duration(now - (replied ? target.stamped_at : found->second.at)).count();
   request.incarnation = status.incarnation;
   request.machine = machine_.name;
   request.machine_id = machine_.id;
@@ -193,6 +195,8 @@ void DirectTearDown::CommandTearDown(Target& target, const Actuators& running) {
 void DirectTearDown::Learn(Target& target, const msg::ActuatorStatus& status) {
   target.last_number = std::max(target.last_number, CommandNumber(status.number));
   epoch_ = std::max(epoch_, Epoch(status.epoch) + 1);
+  target.stamp_ns = status.stamp_ns;
+  target.stamped_at = node_.loop().Now();
 }
 
 void DirectTearDown::Signal(Target& target) {

@@ -74,6 +74,10 @@ class DirectTearDown {
     std::string host;        // by that status, as the incarnation
     std::uint64_t incarnation = 0;
     bool commanded = false;
+    // Of the last status in a reply: that of the topic may be as old as its last change, and a
+    // command counts as that old.
+    std::int64_t stamp_ns = 0;
+    Time stamped_at{};
     CommandNumber last_number = 0;
     std::unique_ptr<transport::Client<msg::ActuatorCommand>> commands;
     UniqueFd process;

@@ -103,6 +103,12 @@ std::map<std::string, RunningActuators::Actuator> RunningActuators::Received() c
   return received;
 }
 
+bool RunningActuators::IsTornDown(const std::string& actuator) const {
+  const auto received = Received();
+  const auto found = received.find(actuator);
+  return found != received.end() && found->second.status.state == kTearDown;
+}
+
 std::vector<RunningActuators::Actuator> RunningActuators::All() const {
   std::vector<Actuator> all;
   for (const auto& [writer, actuator] : received_) {

@@ -46,6 +46,8 @@ class RunningActuators {
   // run one actuator, of which Now() has one.
   std::vector<Actuator> All() const;
   bool HasStatusOf(const std::string& actuator) const { return Received().contains(actuator); }
+  // Whether its status says so, also of a process that has exited since.
+  bool IsTornDown(const std::string& actuator) const;
   // Whether a process of this computer says in its status that it is an actuator of this name of
   // another machine.
   bool IsOfAnotherMachine(const std::string& actuator) const;

@@ -3,6 +3,8 @@
 #include "musher/cli/machine/direct_tear_down.hpp"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "musher/base/host.hpp"
@@ -43,6 +45,84 @@ TEST(ADirectTearDown, OfAnotherHostIsNotBelievedWhereOnlyTheStatusIsLost) {
   EXPECT_TRUE(ending->OutOfTime());
   EXPECT_FALSE(ending->Ended());
   EXPECT_EQ(ending->Outcomes().front().trouble, "its status is lost, it may run on");
+}
+
+// Its status lasts until the lease of its participant expires: "torn down, exited", exit code 0.
+TEST(ADirectTearDown, DoesNotTakeAKilledProcessForOneThatWasTornDown) {
+  transport::sim::Network network(1);
+  const auto desk = network.MakeNode("desk");
+  const auto robot = network.MakeNode("robot");
+  const auto statuses =
+      transport::MakePublisher<msg::ActuatorStatus>(
+          *robot, transport::ActuatorStatusTopic("direct_tear_down_test"), transport::kLatchedQos)
+          .value();
+  const pid_t process = fork();
+  if (process == 0) {
+    pause();
+    _exit(0);
+  }
+  msg::ActuatorStatus legs;
+  legs.name = "legs";
+  legs.machine = "dog";
+  legs.host = HostId();
+  legs.state = "Active";
+  legs.pid = process;
+  static_cast<void>(statuses->Publish(legs));
+  const auto running = RunningActuators::Begin(*desk, "direct_tear_down_test", false).value();
+  network.RunFor(std::chrono::seconds(1));
+  running->OnlyOf({"dog", ""});
+  ASSERT_EQ(running->Now().size(), 1U);
+  const auto ending =
+      DirectTearDown::Begin(*desk, "direct_tear_down_test", *running, std::chrono::seconds(20))
+          .value();
+  kill(process, SIGKILL);
+  waitpid(process, nullptr, 0);
+  network.RunFor(std::chrono::seconds(1));
+  ASSERT_TRUE(running->HasStatusOf("legs"));
+  EXPECT_FALSE(ending->Outcomes().front().torn_down);
+}
+
+// A controller had been gone for longer than the time of the TearDown: the command counted as old
+// as the last change of the actuator, which was then ended with what it had switched on.
+TEST(ADirectTearDown, CommandsAnActuatorThatHasNotChangedForLong) {
+  transport::sim::Network network(1);
+  const auto desk = network.MakeNode("desk");
+  const auto board = network.MakeNode("board");
+  const auto stamp_ns = [&board] {
+    return Duration(board->loop().Now().time_since_epoch()).count();
+  };
+  const auto statuses =
+      transport::MakePublisher<msg::ActuatorStatus>(
+          *board, transport::ActuatorStatusTopic("direct_tear_down_test"), transport::kLatchedQos)
+          .value();
+  const auto server = transport::MakeServer<msg::ActuatorCommand>(
+      *board, transport::CommandService("direct_tear_down_test", "legs"),
+      [&](const msg::ActuatorCommand::Request& request, auto reply) {
+        msg::ActuatorCommand::Response response;
+        response.status.stamp_ns = stamp_ns();
+        const std::int64_t age_ns = stamp_ns() - request.status_stamp_ns - request.since_status_ns;
+        if (age_ns > request.budget_ns) response.verdict = msg::ActuatorCommand::kVerdictRefused;
+        reply(response);
+      });
+  ASSERT_TRUE(server);
+  network.RunFor(std::chrono::seconds(1));
+  msg::ActuatorStatus legs;
+  legs.name = "legs";
+  legs.machine = "dog";
+  legs.host = "another boot/1";
+  legs.state = "Active";
+  legs.stamp_ns = stamp_ns();
+  legs.pid = 7;
+  static_cast<void>(statuses->Publish(legs));
+  network.RunFor(std::chrono::seconds(60));
+  const auto running = RunningActuators::Begin(*desk, "direct_tear_down_test", false).value();
+  network.RunFor(std::chrono::seconds(1));
+  running->OnlyOf({"dog", ""});
+  const auto ending =
+      DirectTearDown::Begin(*desk, "direct_tear_down_test", *running, std::chrono::seconds(5))
+          .value();
+  network.RunFor(std::chrono::seconds(2));
+  EXPECT_TRUE(ending->Outcomes().front().torn_down) << ending->Outcomes().front().trouble;
 }
 
 // It had seen another controller, which never led it: it was ended with what it had switched on.
