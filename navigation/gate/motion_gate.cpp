@@ -133,7 +133,9 @@ void MotionGate::Track::AddMoved(const std::vector<Point>& points, Time then,
 }
 
 MotionGate::MotionGate(const GateRules& rules)
-    : rules_(rules), views_(rules.scanners.begin(), rules.scanners.end()) {}
+    : rules_(rules),
+      views_(rules.scanners.begin(), rules.scanners.end()),
+      watches_(rules.scanners.size()) {}
 
 void MotionGate::Mount(std::size_t scanner, const Pose& on_body, bool upside_down) {
   if (!mount(scanner).given) views_[scanner].Mount(on_body, upside_down);
@@ -141,7 +143,10 @@ void MotionGate::Mount(std::size_t scanner, const Pose& on_body, bool upside_dow
 
 bool MotionGate::OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now) {
   Advance(now);
-  return scanner < views_.size() && views_[scanner].Take(scan, stamp, now);
+  if (scanner >= views_.size() || !views_[scanner].Take(scan, stamp, now)) return false;
+  watches_[scanner].Take(views_[scanner],
+                         [this](Time then) { return measured_track_.Since(then); });
+  return true;
 }
 
 void MotionGate::OnVelocity(const Velocity& velocity, Time now) {
@@ -155,6 +160,7 @@ void MotionGate::OnVelocity(const Velocity& velocity, Time now) {
 
 void MotionGate::Forget() {
   for (ScanView& view : views_) view.Forget();
+  for (ApproachWatch& watch : watches_) watch.Forget();
   measured_track_.Clear();
   commanded_track_.Clear();
   measured_at_.reset();
@@ -241,12 +247,17 @@ double MotionGate::FreeArc(const std::vector<Near>& near, const Velocity& wanted
 // On the way from its present velocity to the command, for the time of a reaction, and then to a
 // stop.
 std::optional<Point> MotionGate::TouchedOnTheWay(const std::vector<Near>& near,
+                                                 std::vector<MovingPoint> moving,
                                                  const Velocity& present,
                                                  const Velocity& command) const {
   constexpr double kDtS = 0.02;
   constexpr int kMostSteps = 250;
   Velocity now = present;
   Pose body;
+  // What is too near already counts as what stands.
+  std::erase_if(moving, [this](const MovingPoint& point) {
+    return std::hypot(point.at.x_m, point.at.y_m) < rules_.radius_m + rules_.margin_m;
+  });
   for (int step = 0; step < kMostSteps; ++step) {
     const bool brakes = step * kDtS >= rules_.reaction_s;
     if (brakes && OverGround(now) < kStandsMS) break;
@@ -261,23 +272,49 @@ std::optional<Point> MotionGate::TouchedOnTheWay(const std::vector<Near>& near,
     now.yaw_rad_s = brakes ? now.yaw_rad_s * (1 - kDtS / rules_.reaction_s) : command.yaw_rad_s;
     body = Composed(body, OnArc(now, kDtS));
     if (auto touched = Touched(near, body.at)) return touched;
+    if (auto met = Met(moving, body, now, (step + 1) * kDtS)) return met;
   }
   return std::nullopt;
 }
 
-void MotionGate::LimitByMomentum(const std::vector<Point>& points, const Velocity& present,
+// The first of the moving points that the body runs into at this place, so many seconds from now.
+// What reaches it from behind is not run into, and is removed.
+std::optional<Point> MotionGate::Met(std::vector<MovingPoint>& moving, const Pose& body,
+                                     const Velocity& velocity, double seconds) const {
+  const double keep_m = rules_.radius_m + rules_.margin_m;
+  const auto place_of = [&](const MovingPoint& point) {
+    return SeenFrom(
+        body, {point.at.x_m + point.x_m_s * seconds, point.at.y_m + point.y_m_s * seconds, 0});
+  };
+  const auto touches = [&](const MovingPoint& point) {
+    const Point place = place_of(point);
+    return std::hypot(place.x_m, place.y_m) < keep_m;
+  };
+  const auto ahead = [&](const MovingPoint& point) {
+    const Point place = place_of(point);
+    return place.x_m * velocity.x_m_s + place.y_m * velocity.y_m_s > 0;
+  };
+  for (const MovingPoint& point : moving) {
+    if (touches(point) && ahead(point)) return point.at;
+  }
+  std::erase_if(moving, touches);
+  return std::nullopt;
+}
+
+void MotionGate::LimitByMomentum(const std::vector<Point>& points,
+                                 const std::vector<MovingPoint>& moving, const Velocity& present,
                                  const Velocity& wanted, Limit& limit) const {
   constexpr double kSlowMS = 0.05;
   if (OverGround(present) < kSlowMS || limit.share == 0) return;
   const double fastest_m_s = std::max(OverGround(present), OverGround(wanted));
   const std::vector<Near> near = NearPoints(points, AheadM(fastest_m_s));
-  if (near.empty()) return;
+  if (near.empty() && moving.empty()) return;
   for (const double part : {1.0, 0.6, 0.3}) {
     Velocity command = wanted;
     command.x_m_s *= part * limit.share;
     command.y_m_s *= part * limit.share;
     command.yaw_rad_s *= part * limit.share;
-    const auto touched = TouchedOnTheWay(near, present, command);
+    const auto touched = TouchedOnTheWay(near, moving, present, command);
     if (!touched && part < 1) limit.share *= part;
     if (!touched) return;
     limit.at = touched;
@@ -396,6 +433,24 @@ std::vector<Point> MotionGate::Seen(const Track& track, Time now) const {
   return seen;
 }
 
+// The same of what moves by itself, where it is now if it has gone on.
+std::vector<MovingPoint> MotionGate::SeenMoving(const Track& track, Time now) const {
+  std::vector<MovingPoint> seen;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (!IsRecent(views_[i], now)) continue;
+    const Time taken = *views_[i].taken();
+    const Pose body = track.Since(taken);
+    const double c = std::cos(body.yaw_rad), s = std::sin(body.yaw_rad);
+    const double seconds = ToSeconds(now - taken);
+    for (const MovingPoint& point : watches_[i].moving()) {
+      const Point at = SeenFrom(body, {point.at.x_m + point.x_m_s * seconds,
+                                       point.at.y_m + point.y_m_s * seconds, point.at.z_m});
+      seen.push_back({at, c * point.x_m_s + s * point.y_m_s, c * point.y_m_s - s * point.x_m_s});
+    }
+  }
+  return seen;
+}
+
 GateVerdict MotionGate::Check(const Velocity& wanted, Time now) {
   using Kind = GateVerdict::Kind;
   const double passed_s = last_checked_ ? ToSeconds(now - *last_checked_) : 0;
@@ -419,8 +474,8 @@ GateVerdict MotionGate::Check(const Velocity& wanted, Time now) {
     LimitByUnknown(measured_track_, verdict.command, now, limit);
     LimitByUnknown(commanded_track_, verdict.command, now, limit);
     LimitByZones(seen, verdict.command, limit);
-    LimitByMomentum(seen, Measured(now), verdict.command, limit);
-    LimitByMomentum(commanded, assumed_, verdict.command, limit);
+    LimitByMomentum(seen, SeenMoving(measured_track_, now), Measured(now), verdict.command, limit);
+    LimitByMomentum(commanded, SeenMoving(commanded_track_, now), assumed_, verdict.command, limit);
     if (limit.share < 1) verdict.kind = limit.share > 0 ? Kind::kSlowed : Kind::kStopped;
   }
   verdict.command.x_m_s *= limit.share;

@@ -16,7 +16,8 @@
 //   monitor. A body that is too near already may go along and away, and turn: it is round.
 // - A body that moves otherwise than it is commanded keeps its momentum: a command is only let
 //   through if the body, on the way from its present motion to the command and then to a stop,
-//   touches nothing; else it brakes as it moves.
+//   touches nothing; else it brakes as it moves. What comes towards it by itself, as another robot
+//   does that brakes for this one, is then where it will be by that time.
 // - A place that no scanner covers, outside of its angles or at rays without a measurement, is
 //   unknown: the body enters it with `unknown_m_s` at most, and brakes in time. A gap of fewer than
 //   5 degrees counts as covered, and so does what is behind a point. The gate does not remember
@@ -35,6 +36,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/navigation/gate/approach_watch.hpp"
 #include "musher/navigation/gate/scan_view.hpp"
 
 namespace musher::navigation {
@@ -143,6 +145,7 @@ class MotionGate {
   void Assume(const Velocity& command, double seconds);
   bool IsRecent(const ScanView& view, Time now) const;
   std::vector<Point> Seen(const Track& track, Time now) const;
+  std::vector<MovingPoint> SeenMoving(const Track& track, Time now) const;
   Velocity Measured(Time now) const;
   void LimitByArc(const std::vector<Point>& points, const Velocity& wanted, Limit& limit) const;
   void LimitByUnknown(const Track& track, const Velocity& wanted, Time now, Limit& limit) const;
@@ -153,14 +156,18 @@ class MotionGate {
   double FastestMS(const Velocity& wanted) const;
   double SafeMS(double free_m) const;
   std::vector<Near> NearPoints(const std::vector<Point>& points, double ahead_m) const;
-  void LimitByMomentum(const std::vector<Point>& points, const Velocity& present,
-                       const Velocity& wanted, Limit& limit) const;
-  std::optional<Point> TouchedOnTheWay(const std::vector<Near>& near, const Velocity& present,
+  void LimitByMomentum(const std::vector<Point>& points, const std::vector<MovingPoint>& moving,
+                       const Velocity& present, const Velocity& wanted, Limit& limit) const;
+  std::optional<Point> TouchedOnTheWay(const std::vector<Near>& near,
+                                       std::vector<MovingPoint> moving, const Velocity& present,
                                        const Velocity& command) const;
+  std::optional<Point> Met(std::vector<MovingPoint>& moving, const Pose& body,
+                           const Velocity& velocity, double seconds) const;
   double YawOfAStop(const Velocity& wanted, double seconds) const;
 
   const GateRules rules_;
   std::vector<ScanView> views_;
+  std::vector<ApproachWatch> watches_;  // by scanner
   Track measured_track_;
   Track commanded_track_;
   Velocity measured_;

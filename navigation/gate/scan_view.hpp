@@ -47,6 +47,7 @@ class ScanView {
   }
   // In the frame that the body had when the scan was taken.
   const std::vector<Point>& points() const { return points_; }
+  const Point& sensor() const { return sensor_; }  // of these points, in the same frame
   std::optional<Time> taken() const { return taken_; }
   // Whether a ray with a measurement points to this place of the same frame: what is there, or
   // before it, is seen.

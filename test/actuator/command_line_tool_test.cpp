@@ -16,7 +16,7 @@
 
 namespace musher::program {
 
-// A process of a namespace. Its module subscribes once it is told to.
+// A process of a namespace. Its module subscribes on command.
 class LateModule {
  public:
   explicit LateModule(const std::string& name_space) : domain_(transport::TestDomain()) {

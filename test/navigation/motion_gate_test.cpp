@@ -72,6 +72,56 @@ TEST_F(Gate, SlowsABodyDownInProportionAndStopsItBeforeWhatItSees) {
   EXPECT_EQ(Describe(verdict), "an obstacle 0.24 m away, straight ahead, stops it");
 }
 
+class GateBesideMovers : public Gate {
+ protected:
+  // The body goes ahead with 1 m/s for half a second and sees something 11 degrees wide in this
+  // direction, whose range changes by so much a second and ends as given; behind it is a wall.
+  GateVerdict AfterHalfASecond(int degrees, double last_m, double change_m_s) {
+    for (int tenth = 5; tenth >= 0; --tenth) {
+      std::vector<std::pair<int, double>> hits;
+      for (int i = -30; i <= 30; ++i) hits.emplace_back(degrees + i, 7);
+      for (int i = -5; i <= 5; ++i) {
+        hits.emplace_back(degrees + i, last_m - change_m_s * 0.1 * tenth);
+      }
+      gate_->OnVelocity(kAhead, now_);
+      See(hits);
+      verdict_ = Check(kAhead);
+      if (tenth > 0) now_ += Milliseconds(100);
+    }
+    return verdict_;
+  }
+
+  GateVerdict verdict_;
+};
+
+// Two robots met head-on in a corridor: each could stop before where the other was.
+TEST_F(GateBesideMovers, BrakesEarlierBeforeWhatComesTowardsIt) {
+  EXPECT_EQ(AfterHalfASecond(0, 1.1, -1).kind, Kind::kFree) << "it stands, the body moves";
+  Rebuild(Rules());
+  const GateVerdict meets = AfterHalfASecond(0, 1.1, -2);
+  EXPECT_LT(meets.command.x_m_s, 0.7);
+  EXPECT_THAT(Describe(meets), HasSubstr("straight ahead, slows it down"));
+}
+
+TEST_F(GateBesideMovers, GoesOnBeforeWhatComesFromBehindOrGoesAway) {
+  EXPECT_EQ(AfterHalfASecond(180, 0.5, -1).kind, Kind::kFree) << "a person walks behind it";
+  Rebuild(Rules());
+  EXPECT_EQ(AfterHalfASecond(0, 1.1, 0.5).kind, Kind::kFree);
+}
+
+TEST_F(GateBesideMovers, TakesWhatOnlyComesIntoViewForStill) {
+  const auto pillar_at = [this](int degrees) {
+    std::vector<std::pair<int, double>> hits;
+    for (int i = -40; i <= 40; ++i) hits.emplace_back(i, 1.4);
+    for (int i = -10; i <= 10; ++i) hits.emplace_back(degrees + i, 0.8);
+    gate_->OnVelocity({}, now_);
+    See(hits);
+    now_ += Milliseconds(100);
+  };
+  for (int tenth = 0; tenth < 5; ++tenth) pillar_at(30 + 10 * tenth);  // it goes off to the left
+  EXPECT_EQ(Check({0.9, 0, 0, 0}).kind, Kind::kFree);
+}
+
 TEST_F(Gate, ChecksTheArcOnWhichACommandMovesTheBody) {
   See({{40, 0.7}});
   EXPECT_EQ(Check({1.2, 0, 0, 0}).kind, Kind::kFree) << "straight ahead it passes";

@@ -33,6 +33,7 @@ struct Counts {
   int false_arrivals = 0;  // says that it has arrived, is farther than 0.5 m away, without a jump
   int moving = 0;          // 2 s after its end
   int hits = 0;            // of persons into a robot that stood
+  int from_above = 0;      // contacts of flyers that sink onto a person
 
   void Add(const Counts& other) {
     runs += other.runs;
@@ -45,6 +46,7 @@ struct Counts {
     false_arrivals += other.false_arrivals;
     moving += other.moving;
     hits += other.hits;
+    from_above += other.from_above;
   }
   bool wrong() const { return contacts > 0 || open > 0 || moving > 0 || false_arrivals > 0; }
 };
@@ -62,6 +64,7 @@ Counts CountsOf(const Scene& scene, const SceneOutcome& outcome) {
     counts.failed += robot.end == End::kFailed;
     counts.open += robot.end == End::kOpen;
     counts.contacts += robot.contacts;
+    counts.from_above += robot.from_above;
     counts.moving += robot.end != End::kOpen && !robot.stands;
     counts.false_arrivals += robot.end == End::kArrived && robot.off_goal_m > 0.5 && !jumps;
   }
@@ -69,14 +72,14 @@ Counts CountsOf(const Scene& scene, const SceneOutcome& outcome) {
 }
 
 constexpr const char* kColumns =
-    "robots arrived refused failed open contacts false_arrivals moving hits";
+    "robots arrived refused failed open contacts false_arrivals moving hits from_above";
 
 void PrintRun(std::uint64_t seed, const Scene& scene, const SceneOutcome& outcome) {
   const Counts one = CountsOf(scene, outcome);
-  std::printf("run %llu %d %d %d %d %d %d %d %d %d %.0f s: %s\n",
+  std::printf("run %llu %d %d %d %d %d %d %d %d %d %d %.0f s: %s\n",
               static_cast<unsigned long long>(seed), one.robots, one.arrived, one.refused,
               one.failed, one.open, one.contacts, one.false_arrivals, one.moving, one.hits,
-              outcome.seconds(), scene.name.c_str());
+              one.from_above, outcome.seconds(), scene.name.c_str());
   if (!one.wrong()) return;
   for (const RobotOutcome& robot : outcome.robots) {
     std::printf("# %llu: %d contacts, least room %.3f m, %s: %s\n",
@@ -93,7 +96,8 @@ bool ReadRun(const std::string& line, Counts& counts, std::string& name) {
   double seconds = 0;
   Counts one;
   words >> word >> seed >> one.robots >> one.arrived >> one.refused >> one.failed >> one.open >>
-      one.contacts >> one.false_arrivals >> one.moving >> one.hits >> seconds >> unit;
+      one.contacts >> one.false_arrivals >> one.moving >> one.hits >> one.from_above >> seconds >>
+      unit;
   if (!words || word != "run") return false;
   std::getline(words >> std::ws, name);
   one.runs = 1;
@@ -102,9 +106,9 @@ bool ReadRun(const std::string& line, Counts& counts, std::string& name) {
 }
 
 void PrintCounts(const std::string& what, const Counts& all) {
-  std::printf("| %s | %d | %d | %d | %d | %d | %d | %d | %d | %d | %d |\n", what.c_str(), all.runs,
-              all.robots, all.arrived, all.refused, all.failed, all.open, all.contacts,
-              all.false_arrivals, all.moving, all.hits);
+  std::printf("| %s | %d | %d | %d | %d | %d | %d | %d | %d | %d | %d | %d |\n", what.c_str(),
+              all.runs, all.robots, all.arrived, all.refused, all.failed, all.open, all.contacts,
+              all.false_arrivals, all.moving, all.hits, all.from_above);
 }
 
 }  // namespace
@@ -140,8 +144,8 @@ int AddUpRandomScenes() {
   }
   std::printf(
       "| random scenes | runs | robots | arrived | refused | failed | not ended | contacts | said "
-      "arrived, and not there | moving after the end | hits of persons |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "arrived, and not there | moving after the end | hits of persons | sunk onto persons |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   PrintCounts("all", all);
   for (const auto& [word, counts] : with) PrintCounts(word, counts);
   if (all.runs == 0) return 2;

@@ -212,6 +212,7 @@ class SceneRun {
       RobotOutcome& robot = outcome.robots[i];
       robot.stands = navigation::Speed(velocity) < 0.1 && std::abs(velocity.yaw_rad_s) < 0.1;
       robot.contacts = world_.contacts(i);
+      robot.from_above = world_.from_above(i);
       robot.travelled_m = world_.travelled_m(i);
       robot.least_room_m = world_.least_room_m(i);
     }

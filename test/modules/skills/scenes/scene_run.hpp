@@ -20,6 +20,7 @@ struct RobotOutcome {
   double travelled_m = 0;
   double least_room_m = 0;
   int contacts = 0;
+  int from_above = 0;  // contacts of a flyer that sinks onto what its planar scan does not see
   bool stands = true;  // 2 s after its end
 };
 

@@ -72,6 +72,15 @@ bool SceneWorld::Reaches(const SceneMover& mover, double height_m) const {
   return !scene_.flies || height_m - kBodyHeightM < mover.height_m;
 }
 
+bool SceneWorld::SinksOntoMover(const Point& from, const Point& to) const {
+  for (std::size_t i = 0; i < movers_.size(); ++i) {
+    const SceneMover& mover = scene_.movers[i];
+    const bool below = Reaches(mover, to.z_m) && !Reaches(mover, from.z_m);
+    if (below && Flat(to, movers_[i].at) <= mover.radius_m + kSceneBodyM) return true;
+  }
+  return false;
+}
+
 double SceneWorld::RoomOf(std::size_t robot, const Point& at) const {
   double room_m = ToWalls(at, 1);
   for (std::size_t i = 0; i < movers_.size(); ++i) {
@@ -109,7 +118,8 @@ void SceneWorld::MoveBody(std::size_t robot, double seconds) {
   const double room_m = RoomOf(robot, to), before_m = RoomOf(robot, body.pose.at);
   body.least_room_m = std::min(body.least_room_m, room_m);
   if (room_m <= 0 && room_m <= before_m && Flat(to, body.pose.at) > 0) {
-    body.contacts += body.touches ? 0 : 1;
+    int& count = SinksOntoMover(body.pose.at, to) ? body.from_above : body.contacts;
+    count += body.touches ? 0 : 1;
     body.touches = true;
     body.velocity.x_m_s = body.velocity.y_m_s = 0;
     return;

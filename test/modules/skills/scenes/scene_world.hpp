@@ -5,7 +5,8 @@
 //
 // A body that would enter a wall or another disc stays where it is, which is a contact; as long as
 // it pushes, it is the same one. Of a mover that runs into a robot that stands the contact is the
-// mover's. Metres, radians, seconds; one thread; deterministic.
+// mover's. A flyer that sinks onto a mover below it is counted apart: its planar scan did not see
+// it. Metres, radians, seconds; one thread; deterministic.
 
 #include <random>
 #include <vector>
@@ -31,6 +32,7 @@ class SceneWorld {
   std::vector<float> Look(std::size_t robot, double most_m);
 
   int contacts(std::size_t robot) const { return bodies_[robot].contacts; }
+  int from_above(std::size_t robot) const { return bodies_[robot].from_above; }
   int hits_of_movers() const { return hits_of_movers_; }
   double travelled_m(std::size_t robot) const { return bodies_[robot].travelled_m; }
   double least_room_m(std::size_t robot) const { return bodies_[robot].least_room_m; }
@@ -49,6 +51,7 @@ class SceneWorld {
     double travelled_m = 0;
     double least_room_m = 10;
     int contacts = 0;
+    int from_above = 0;
     bool touches = false;
   };
   struct Mover {
@@ -63,6 +66,7 @@ class SceneWorld {
   static bool IsOver(const SceneEvent& event, double now_s);
   double ToWalls(const navigation::Point& centre, double within_m) const;
   bool Reaches(const SceneMover& mover, double height_m) const;
+  bool SinksOntoMover(const navigation::Point& from, const navigation::Point& to) const;
   // From the rim of a robot at a place to what is nearest.
   double RoomOf(std::size_t robot, const navigation::Point& at) const;
   double ToWallAlong(const navigation::Point& from, double angle_rad, double most_m) const;
