@@ -116,7 +116,7 @@ void SwitchChecker::OnReply(std::uint64_t request, const SwitchResult& result) {
                            "a request for " + result.target + " got two replies");
   }
   just_replied_.insert(result.target);
-  // That of one actuator keeps no fallback waiting.
+  // A switch of one actuator keeps no fallback waiting.
   if (result.outcome == SwitchOutcome::kSuperseded && !urgent_requested_ &&
       result.actuator.empty() && result.code != kCodePermissionDenied) {
     ReportViolation(Invariant::kPolicyNeverSupersedes,

@@ -18,8 +18,8 @@ int Urgency(const State& target) {
   return target == kError ? 1 : 0;
 }
 
-// Whether a requested switch is more urgent than another one. That of one actuator keeps neither
-// Error nor TearDown of the machine waiting.
+// Whether a requested switch is more urgent than another one. A switch of one actuator keeps
+// neither Error nor TearDown of the machine waiting.
 bool TakesOver(const State& target, const std::optional<ActuatorIndex>& only, const State& other,
                const std::optional<ActuatorIndex>& other_only) {
   const int urgency = Urgency(target);
