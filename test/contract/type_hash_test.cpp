@@ -22,8 +22,13 @@ using ::testing::MatchesRegex;
 const std::set<std::string> kOwnPackages = {"musher_msgs", "protocol", "plan_msgs", "r2_interfaces",
                                             "action_of_motion_interfaces"};
 // Types of ROS 2 that rosidl's hash is not known of.
-const std::set<std::string> kNotKnown = {"bond/msg/Status", "trajectory_msgs/msg/JointTrajectory",
-                                         "trajectory_msgs/msg/JointTrajectoryPoint"};
+const std::set<std::string> kNotKnown = {
+    "bond/msg/Status", "trajectory_msgs/msg/JointTrajectory",
+    "trajectory_msgs/msg/JointTrajectoryPoint",
+    // Kilted has a field more at the end than Jazzy, error_msg; the table has Jazzy's.
+    "nav2_msgs/action/ComputeRoute_Result", "nav2_msgs/action/ComputeRoute_GetResult_Response",
+    "nav2_msgs/action/ComputeAndTrackRoute_Result",
+    "nav2_msgs/action/ComputeAndTrackRoute_GetResult_Response"};
 
 // Our types of ROS 2's packages whose hash is not that of the table.
 std::vector<std::string> Differences(const HashTable& table) {
