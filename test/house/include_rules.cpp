@@ -110,7 +110,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"sqlite3.h", {"controller/", "test/controller/"}},
       {"nlohmann/",
        {"application/groot2/", "behavior/tree/json/", "cli/", "controller/", "cyberdog/",
-        "modules/", "view/", "test/"}},
+        "modules/", "navigation/route/route_graph.cpp", "view/", "test/"}},
       {"zlib.h",
        {"controller/storage/log_files.cpp", "controller/storage/log_reader.cpp", "view/mcap/",
         "test/controller/"}},
