@@ -28,6 +28,8 @@ constexpr Case kCases[] = {
      "file.toml:2:10: error: battery.source"},
     {"planner_server", "musher-planner", "[[robot]]\nname = 3\n",
      "file.toml:2:8: error: robot.name"},
+    {"route_server", "musher-route", "graph = \"g.geojson\"\n[[robot]]\nname = \"a\"\n",
+     "file.toml: error: graph: "},
     {"sensor_manager", "musher-sensor-manager", "[lidar]\nsource = \"scan\"\n",
      "file.toml:2:10: error: lidar.source"},
     {"wedding", "musher-wedding", "[idle]\nsway = 3\n", "file.toml:2:8: error: idle.sway"},

@@ -42,16 +42,20 @@ void ReadMemory(TableReader& root, LocalGridRules& rules) {
   SetTime(root, "memory_ms", rules.decay);
 }
 
-void ReadRobot(TableReader& reader, const std::vector<std::string>& names, RobotTable& robot) {
+void ReadName(TableReader& reader, const std::vector<std::string>& names, std::string& name) {
   reader.Require("name", "the name of the robot, as in \"jetbot_0\"");
-  if (const auto name = reader.String("name")) {
-    robot.name = name->text;
-    if (!config_toml::IsName(robot.name)) {
-      reader.Fault(name->at, "name", "expected " + std::string(config_toml::kNameRule));
-    } else if (std::find(names.begin(), names.end(), robot.name) != names.end()) {
-      reader.Fault(name->at, "name", "another table has the robot \"" + robot.name + "\"");
-    }
+  const auto word = reader.String("name");
+  if (!word) return;
+  name = word->text;
+  if (!config_toml::IsName(name)) {
+    reader.Fault(word->at, "name", "expected " + std::string(config_toml::kNameRule));
+  } else if (std::find(names.begin(), names.end(), name) != names.end()) {
+    reader.Fault(word->at, "name", "another table has the robot \"" + name + "\"");
   }
+}
+
+void ReadRobot(TableReader& reader, const std::vector<std::string>& names, RobotTable& robot) {
+  ReadName(reader, names, robot.name);
   robot.flies = reader.Choice<bool>("kind", {{"ground", false}, {"flyer", true}}).value_or(false);
   robot.odometry = robot.name + "/odom";
   SetNumber(reader, "radius_m", 0.01, 10, robot.radius_m);

@@ -48,7 +48,11 @@ void SetFrame(config_toml::TableReader& reader, std::string& value);
 // What robots remember of what they have seen.
 void ReadMemory(config_toml::TableReader& root, LocalGridRules& rules);
 
-// The keys of `robot`; reports a name that one of `names` has.
+// The name of a robot; reports one that `names` has.
+void ReadName(config_toml::TableReader& reader, const std::vector<std::string>& names,
+              std::string& name);
+
+// The keys of `robot`, with its name.
 void ReadRobot(config_toml::TableReader& reader, const std::vector<std::string>& names,
                RobotTable& robot);
 
