@@ -6,83 +6,10 @@
 
 #include "musher/behavior/tree/nav2/path_places.hpp"
 #include "musher/behavior/tree/nav2/register.hpp"
+#include "musher/behavior/tree/nav2/task_node.hpp"
 
 namespace musher::tree::nav2 {
 namespace {
-
-// One task of the robot, from its start to its end. A halt cancels it. The code of a failure is
-// there until the node ends otherwise or is halted, and for the next run of the tree no more.
-class TaskNode : public StatefulAction, public RunObserver {
- protected:
-  TaskNode(Setup& setup, std::uint16_t unknown)
-      : code_(setup.Output<std::uint16_t>("error_code_id", "of nav2's action; 0: success")),
-        error_(setup.Output<std::string>("error_msg", "why it has failed")),
-        unknown_(unknown) {
-    IgnoreServer(setup);
-  }
-
-  static void IgnoreServer(Setup& setup) {
-    static_cast<void>(setup.OptionalInput<std::string>("server_name", "ignored"));
-    static_cast<void>(setup.OptionalInput<double>("server_timeout", "ignored: ms"));
-  }
-
-  // Null: the robot has no such task.
-  virtual std::unique_ptr<Task> Begin() = 0;
-  // Its end, or that of the cancelled one.
-  virtual void OnEnd(const TaskEnd& /*end*/) {}
-  // That the node has, of a failed task.
-  virtual std::uint16_t CodeOf(const TaskEnd& end) const { return end.error_code; }
-
-  Status Poll(Time now) {
-    if (task_ == nullptr) return Finish({.error = "the robot does not have this action"});
-    const std::optional<TaskEnd> end = task_->Poll(now);
-    if (!end) return Status::kRunning;
-    task_.reset();
-    return Finish(*end);
-  }
-  void Replace() {
-    std::unique_ptr<Task> next = Begin();  // the one before is cancelled when it is replaced
-    task_ = std::move(next);
-  }
-  void OnNewRun(const Tick& /*tick*/) override {
-    if (failed_) SetCode(kNoError, "");
-  }
-
- private:
-  Status OnStart(const Tick& tick) override {
-    try {
-      Replace();
-      return Poll(tick.now);
-    } catch (...) {
-      task_.reset();
-      throw;
-    }
-  }
-  Status OnRunning(const Tick& tick) override { return Poll(tick.now); }
-  void OnHalted(const Tick& /*tick*/) override {
-    task_.reset();
-    SetCode(kNoError, "");
-    OnEnd({});
-  }
-
-  Status Finish(const TaskEnd& end) {
-    const std::uint16_t code = end.success ? kNoError : CodeOf(end);
-    SetCode(end.success || code != kNoError ? code : unknown_, end.error);
-    OnEnd(end);
-    return end.success ? Status::kSuccess : Status::kFailure;
-  }
-  void SetCode(std::uint16_t code, const std::string& error) {
-    failed_ = code != kNoError;
-    code_.Set(code);
-    error_.Set(error);
-  }
-
-  OutPort<std::uint16_t> code_;
-  OutPort<std::string> error_;
-  const std::uint16_t unknown_;
-  bool failed_ = false;
-  std::unique_ptr<Task> task_;
-};
 
 class ComputePathToPose : public TaskNode {
  public:

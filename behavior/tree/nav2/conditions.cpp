@@ -251,6 +251,13 @@ const std::vector<KnownCodes>& CodesToRecoverFrom() {
        "SUCCESS where the controller has failed with UNKNOWN, PATIENCE_EXCEEDED, "
        "FAILED_TO_MAKE_PROGRESS or NO_VALID_CONTROL.",
        {kControllerUnknown, kPatienceExceeded, kFailedToMakeProgress, kNoValidControl}},
+      {"WouldARouteRecoveryHelp",
+       "SUCCESS where the route server has failed with UNKNOWN, TIMEOUT or NO_VALID_ROUTE.",
+       {kRouteUnknown, kRouteTimeout, kNoValidRoute}},
+      {"WouldASmootherRecoveryHelp",
+       "SUCCESS where the smoother has failed with UNKNOWN, TIMEOUT, FAILED_TO_SMOOTH_PATH or "
+       "SMOOTHED_PATH_IN_COLLISION.",
+       {kSmootherUnknown, kSmootherTimeout, kFailedToSmooth, kSmoothedPathInCollision}},
   };
   return codes;
 }

@@ -2,6 +2,7 @@
 // Poses, paths and goals of the nodes of nav2, in the frame of the map. Metres, radians; yaw to the
 // left is positive. In XML a pose is "x;y;yaw". Plain values; any thread.
 
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -31,6 +32,23 @@ struct Goals {
   std::vector<Pose> poses;
 
   friend bool operator==(const Goals&, const Goals&) = default;
+};
+
+// A way through a graph of places: its nodes, and the ids of the edges from each one to the next.
+struct Route {
+  struct Node {
+    std::uint16_t id = 0;
+    double x_m = 0;
+    double y_m = 0;
+    double z_m = 0;
+
+    friend bool operator==(const Node&, const Node&) = default;
+  };
+  std::vector<Node> nodes;
+  std::vector<std::uint16_t> edges;
+  double cost = 0;
+
+  friend bool operator==(const Route&, const Route&) = default;
 };
 
 // How well a drive keeps to its path.

@@ -39,18 +39,10 @@ constexpr std::array kNodeModels = {
               ""},
     NodeModel{"Action", "ClearCostmapExceptRegion", "service_name server_timeout reset_distance",
               ""},
-    NodeModel{"Action", "ComputeAndTrackRoute",
-              "start_id goal_id start goal use_start use_poses server_name server_timeout",
-              "execution_time error_code_id error_msg last_node_id next_node_id current_edge_id "
-              "route path rerouted"},
-    NodeModel{"Action", "ComputeRoute",
-              "start_id goal_id start goal use_start use_poses server_name server_timeout",
-              "planning_time path route error_code_id error_msg"},
     NodeModel{"Action", "DockRobot",
               "dock_id dock_pose dock_type max_staging_time navigate_to_staging_pose use_dock_id "
               "server_name server_timeout",
               "error_code_id error_msg num_retries success"},
-    NodeModel{"Action", "ExtractRouteNodesAsGoals", "route", "goals"},
     NodeModel{"Action", "FollowObject",
               "pose_topic max_duration tracked_frame server_name server_timeout", kErrors},
     NodeModel{"Action", "NavigateThroughPoses", "goals behavior_tree server_name server_timeout",
@@ -61,10 +53,6 @@ constexpr std::array kNodeModels = {
               "service_name server_timeout input_goals use_footprint cost_threshold "
               "consider_unknown_as_obstacle input_waypoint_statuses",
               "output_goals output_waypoint_statuses"},
-    NodeModel{"Action", "SmoothPath",
-              "smoother_id unsmoothed_path max_smoothing_duration check_for_collisions server_name "
-              "server_timeout",
-              "smoothed_path smoothing_duration was_completed error_code_id error_msg"},
     NodeModel{"Action", "ToggleCollisionMonitor", "enable service_name server_timeout", ""},
     NodeModel{"Action", "UndockRobot", "dock_type max_undocking_time server_name server_timeout",
               "error_code_id error_msg success"},
@@ -73,8 +61,6 @@ constexpr std::array kNodeModels = {
     NodeModel{"Condition", "IsStopped", "velocity_threshold duration_stopped", ""},
     NodeModel{"Condition", "IsStuck", "", ""},
     NodeModel{"Condition", "TransformAvailable", "child parent", ""},
-    NodeModel{"Condition", "WouldARouteRecoveryHelp", "error_code error_codes_to_check", ""},
-    NodeModel{"Condition", "WouldASmootherRecoveryHelp", "error_code error_codes_to_check", ""},
     NodeModel{"Control", "NonblockingSequence", "", ""},
     NodeModel{"Control", "PauseResumeController", "pause_service_name resume_service_name", ""},
     NodeModel{"Control", "PersistentSequence", "current_child_idx", ""},
@@ -130,6 +116,7 @@ void AddNodes(Factory& factory, Robot& robot) {
   AddConditionNodes(factory, robot);
   AddActionNodes(factory, robot);
   AddPathNodes(factory, robot);
+  AddRouteNodes(factory, robot);
   AddModels(factory);
 }
 

@@ -5,8 +5,8 @@
 //   tree::nav2::AddNodes(factory, robot);   // robot.hpp
 //
 // docs/nav2-nodes.md lists them with their ports. Nodes of nav2 that need a server which no robot
-// of ours has (SmoothPath, DockRobot, ...) have models only: a tree with them is checked, and their
-// tick fails.
+// of ours has (DockRobot, UndockRobot, ...) have models only: a tree with them is checked, and
+// their tick fails.
 //
 // Threads: one at a time, like the trees.
 

@@ -32,5 +32,6 @@ void AddDecoratorNodes(Factory& factory, Robot& robot);
 void AddConditionNodes(Factory& factory, Robot& robot);
 void AddActionNodes(Factory& factory, Robot& robot);
 void AddPathNodes(Factory& factory, Robot& robot);
+void AddRouteNodes(Factory& factory, Robot& robot);
 
 }  // namespace musher::tree::nav2

@@ -48,6 +48,18 @@ inline constexpr std::uint16_t kPlacesUnknown = 300;  // of ComputePathThroughPo
 inline constexpr std::uint16_t kPlacesTimeout = 307;  // planner + 100, and kNoPlacesGiven
 inline constexpr std::uint16_t kNoValidPathThroughPlaces = 308;
 inline constexpr std::uint16_t kNoPlacesGiven = 309;
+inline constexpr std::uint16_t kRouteUnknown = 400;  // of ComputeRoute and ComputeAndTrackRoute
+inline constexpr std::uint16_t kRoutePose = 401;
+inline constexpr std::uint16_t kNoValidGraph = 402;
+inline constexpr std::uint16_t kNotOnGraph = 403;
+inline constexpr std::uint16_t kRouteTimeout = 404;
+inline constexpr std::uint16_t kNoValidRoute = 405;
+inline constexpr std::uint16_t kSmootherUnknown = 500;
+inline constexpr std::uint16_t kInvalidSmoother = 501;
+inline constexpr std::uint16_t kSmootherTimeout = 502;
+inline constexpr std::uint16_t kSmoothedPathInCollision = 503;
+inline constexpr std::uint16_t kFailedToSmooth = 504;
+inline constexpr std::uint16_t kPathToSmoothInvalid = 505;
 inline constexpr std::uint16_t kSpinUnknown = 700;
 inline constexpr std::uint16_t kSpinTimeout = 701;
 inline constexpr std::uint16_t kSpinPose = 702;
@@ -68,7 +80,28 @@ struct TaskEnd {
   bool success = false;
   std::uint16_t error_code = kNoError;  // of a failure: 0 becomes UNKNOWN of the action
   std::string error{};                  // why it has failed
-  Path path{};                          // of ComputePath()
+  Path path{};                          // of ComputePath(), ComputeRoute() and SmoothPath()
+  Route route{};                        // of ComputeRoute()
+};
+
+// Where a route begins and ends.
+struct RouteRequest {
+  bool by_poses = false;        // false: by the ids of nodes
+  std::optional<Pose> start{};  // nullopt: where the robot is
+  Pose goal{};
+  std::uint16_t start_id = 0;
+  std::uint16_t goal_id = 0;
+};
+
+// How far a robot is along a route.
+struct RouteProgress {
+  std::uint16_t last_node = 0;  // 0 also: none
+  std::uint16_t next_node = 0;
+  std::uint16_t edge = 0;
+  Route route{};
+  Path path{};                // along it
+  bool rerouted = false;      // it is another route than in the report before
+  std::uint64_t reports = 0;  // so far; 0: nothing is known yet
 };
 
 class Task {
@@ -79,6 +112,8 @@ class Task {
   virtual ~Task() = default;
   // Nullopt: it goes on.
   virtual std::optional<TaskEnd> Poll(Time now) = 0;
+  // Of TrackRoute(). Null: it has none.
+  virtual const RouteProgress* progress() const { return nullptr; }
 };
 
 class Robot {
@@ -129,6 +164,15 @@ class Robot {
   // Straight ahead; negative: backwards. It fails after `limit`; 0: there is none. Its codes are
   // those of DriveOnHeading; BackUp makes its own of them.
   virtual std::unique_ptr<Task> Drive(double distance_m, double speed_m_s, Duration limit) = 0;
+  // A route over the graph of its route server, and the path along it.
+  virtual std::unique_ptr<Task> ComputeRoute(const RouteRequest& /*request*/) { return nullptr; }
+  // The same, and how far the robot is along it, until it is at its end. It moves nothing.
+  virtual std::unique_ptr<Task> TrackRoute(const RouteRequest& /*request*/) { return nullptr; }
+  // A path without sharp corners. With `check` it fails where the robot sees something on it.
+  virtual std::unique_ptr<Task> SmoothPath(const Path& /*path*/, const std::string& /*smoother*/,
+                                           bool /*check*/) {
+    return nullptr;
+  }
   // The service of a costmap, as the tree names it.
   virtual std::unique_ptr<Task> ClearCostmap(const std::string& service) = 0;
 };

@@ -18,6 +18,7 @@ class FakeRobot : public Robot {
   std::map<std::string, std::string, std::less<>> selected;
   // The end of each task of this name, at its next poll. None: it goes on.
   std::map<std::string, TaskEnd, std::less<>> ends;
+  RouteProgress progress;  // of the task "track"
   bool has_tasks = true;
   bool polls_throw = false;
   bool has_wings = false;
@@ -67,6 +68,18 @@ class FakeRobot : public Robot {
     return Begin("drive", " " + NumberText(distance_m) + " at " + NumberText(speed_m_s) + " in " +
                               NumberText(ToSeconds(limit)));
   }
+  std::unique_ptr<Task> ComputeRoute(const RouteRequest& request) override {
+    return Begin("route", " " + TextOf(request));
+  }
+  std::unique_ptr<Task> TrackRoute(const RouteRequest& request) override {
+    return Begin("track", " " + TextOf(request));
+  }
+  std::unique_ptr<Task> SmoothPath(const Path& path, const std::string& smoother,
+                                   bool check) override {
+    return Begin("smooth", " " + NumberText(LengthOf(path)) + " m" +
+                               (smoother.empty() ? "" : " by " + smoother) +
+                               (check ? ", checked" : ""));
+  }
   std::unique_ptr<Task> ClearCostmap(const std::string& service) override {
     return Begin("clear", " " + service);
   }
@@ -85,6 +98,9 @@ class FakeRobot : public Robot {
       ended_ = true;
       return found->second;
     }
+    const RouteProgress* progress() const override {
+      return name_ == "track" ? &robot_.progress : nullptr;
+    }
 
    private:
     FakeRobot& robot_;
@@ -92,6 +108,13 @@ class FakeRobot : public Robot {
     bool ended_ = false;
   };
 
+  static std::string TextOf(const RouteRequest& request) {
+    if (!request.by_poses) {
+      return std::to_string(request.start_id) + " to " + std::to_string(request.goal_id);
+    }
+    return (request.start ? "from " + NumberText(request.start->x_m) + " " : "") + "to " +
+           NumberText(request.goal.x_m);
+  }
   std::unique_ptr<Task> Begin(const std::string& name, const std::string& how) {
     if (!has_tasks) return nullptr;
     log += name + how + "; ";

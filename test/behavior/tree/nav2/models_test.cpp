@@ -32,12 +32,12 @@ TEST(Nav2Models, DescribeEachNodeThatRuns) {
 TEST(Nav2Models, CheckATreeWithNodesThatNoRobotHas) {
   const std::string tree =
       "<PipelineSequence><RateController hz=\"1\"><Sequence>"
-      "<ComputeRoute goal=\"{goal}\" path=\"{raw}\"/>"
-      "<SmoothPath unsmoothed_path=\"{raw}\" smoothed_path=\"{path}\"/></Sequence></RateController>"
+      "<ComputePathToPose goal=\"{goal}\" path=\"{path}\"/>"
+      "<DockRobot dock_pose=\"{dock}\" success=\"{docked}\"/></Sequence></RateController>"
       "<FollowPath path=\"{path}\" tracking_feedback=\"{f}\"/></PipelineSequence>";
   EXPECT_EQ(Findings(Main(tree), ForCheck()), "");
-  EXPECT_THAT(Findings(Main("<ComputeRoute goals=\"{goals}\"/>"), ForCheck()),
-              HasSubstr("<ComputeRoute> has no port 'goals'; did you mean 'goal'?"));
+  EXPECT_THAT(Findings(Main("<DockRobot dock_poses=\"{dock}\"/>"), ForCheck()),
+              HasSubstr("<DockRobot> has no port 'dock_poses'; did you mean 'dock_pose'?"));
   EXPECT_THAT(Findings(Main("<RateController hz=\"often\"><Wait/></RateController>"), ForCheck()),
               HasSubstr("port 'hz': 'often' is not valid: expected number"));
   EXPECT_THAT(Findings(Main("<GoalReached goal=\"1;2\"/>"), ForCheck()),
@@ -53,7 +53,7 @@ TEST(Nav2Models, FailInATickWhereNoRobotHasTheNode) {
   FakeRobot robot;
   Factory factory;
   AddNodes(factory, robot);
-  const auto tree = MakeTree(Main("<SmoothPath/>"), factory);
+  const auto tree = MakeTree(Main("<DockRobot/>"), factory);
   EXPECT_THAT(tree->TickOnce(At(0)).error().message, HasSubstr("placeholder of a model"));
 }
 TEST(Nav2Models, DoNotReplaceANodeOfTheProgram) {

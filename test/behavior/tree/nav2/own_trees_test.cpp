@@ -1,6 +1,6 @@
 // Which nodes nav2's own trees use, with which ports and values: read from the files of
-// nav2_bt_navigator and from its documentation, not from our models. Each is checked, and those
-// that need no server which our robots do not have can be ticked.
+// nav2_bt_navigator and from its documentation, not from our models. Each is checked, and can be
+// ticked.
 
 #include <map>
 #include <set>
@@ -14,7 +14,6 @@ namespace musher::tree::nav2::own_trees_test {
 // decorator is followed by nothing: it is checked around a child of its own.
 struct OwnTree {
   std::string name;
-  bool needs_other_servers;  // routes, or a smoother
   std::string uses;
 };
 
@@ -68,7 +67,7 @@ const std::string kRoute =
     "WouldAPlannerRecoveryHelp error_code={route_code}\n";
 
 const std::vector<OwnTree> kTrees = {
-    {"follow_point", false,
+    {"follow_point",
      "PipelineSequence\n" + kSelectors +
          "RateController hz=1.0\nSequence\n"
          "GoalUpdater input_goal={goal} output_goal={updated}\n"
@@ -78,10 +77,10 @@ const std::vector<OwnTree> kTrees = {
          "KeepRunningUntilFailure\n"
          "FollowPath path={shorter} controller_id={controller} error_code_id={follow_code} "
          "error_msg={follow_error}\n"},
-    {"nav_to_pose_with_consistent_replanning_and_if_path_becomes_invalid", false,
+    {"nav_to_pose_with_consistent_replanning_and_if_path_becomes_invalid",
      kSelectors + "RateController hz=2.0\n" + kWhereInvalid +
          "PathExpiringTimer seconds=10 path={path}\n" + kPlan + kFollow + kRecover + kSpin},
-    {"navigate_on_route_graph_w_recovery", true,
+    {"navigate_on_route_graph_w_recovery",
      kSelectors + "RateController hz=0.5\n" + kWhereInvalid + kRoute +
          "GetCurrentPose current_pose={here}\n"
          "GetPoseFromPath path={route_path} index=0 pose={first}\n"
@@ -96,50 +95,50 @@ const std::vector<OwnTree> kTrees = {
          "SmoothPath unsmoothed_path={route_path} smoothed_path={path} "
          "smoother_id=route_smoother error_code_id={smooth_code} error_msg={smooth_error}\n" +
          kWhereHelpful + kFollow + kRecover},
-    {"navigate_through_poses_w_replanning_and_recovery", false,
+    {"navigate_through_poses_w_replanning_and_recovery",
      kMoreSelectors + kSelectors + "RateController hz=0.333\n" + kWhereNewPathIsNeeded +
          "RemovePassedGoals input_goals={goals} output_goals={goals} radius=0.7 "
          "input_waypoint_statuses={statuses} output_waypoint_statuses={statuses}\n"
          "ComputePathThroughPoses goals={goals} path={path} planner_id={planner} "
          "error_code_id={plan_code} error_msg={plan_error}\n" +
          kWhereHelpful + kFollowWithFeedback + kRecover + kSpin},
-    {"the same of Jazzy and before", false,
+    {"the same of Jazzy and before",
      "RateController hz=0.333\n"
      "RemovePassedGoals input_goals={goals} output_goals={goals} radius=0.7\n"
      "ComputePathThroughPoses goals={goals} path={path} planner_id=GridBased "
      "error_code_id={plan_code}\n"
      "FollowPath path={path} controller_id=FollowPath error_code_id={follow_code}\n" +
          kWhereHelpful + kRecover + kSpin},
-    {"navigate_to_pose_w_replanning_and_recovery", false,
+    {"navigate_to_pose_w_replanning_and_recovery",
      kMoreSelectors + kSelectors + "RateController hz=1.0\n" + kWhereNewPathIsNeeded + kPlan +
          kWhereHelpful + kFollowWithFeedback + kRecover + kSpin},
-    {"navigate_to_pose_w_replanning_goal_patience_and_recovery", false,
+    {"navigate_to_pose_w_replanning_goal_patience_and_recovery",
      kSelectors + "RateController hz=1.0\n" + kPlan +
          "ReactiveSequence\nPathLongerOnApproach path={path} prox_len=3.0 length_factor=2.0\n"
          "RetryUntilSuccessful num_attempts=1\nSequenceWithMemory\nCancelControl\n" +
          kFollowWithFeedback + kRecover + kSpin},
-    {"navigate_to_pose_w_bounds_check", false,
+    {"navigate_to_pose_w_bounds_check",
      kPlan +
          "ReactiveSequence\n"
          "IsWithinPathTrackingBounds max_error_left=0.5 max_error_right=0.5 "
          "max_error_heading=3.14 tracking_feedback={feedback}\n" +
          kFollowWithFeedback},
-    {"navigate_w_recovery_and_replanning_only_if_path_becomes_invalid", false,
+    {"navigate_w_recovery_and_replanning_only_if_path_becomes_invalid",
      kSelectors + "RateController hz=1.0\n" + kWhereInvalid + kPlan + kFollow + kRecover + kSpin},
-    {"navigate_w_replanning_distance", false,
+    {"navigate_w_replanning_distance",
      kSelectors + "PipelineSequence\nDistanceController distance=1.0\n" + kPlan + kFollow},
-    {"navigate_w_replanning_only_if_goal_is_updated", false,
+    {"navigate_w_replanning_only_if_goal_is_updated",
      kSelectors + "PipelineSequence\nGoalUpdatedController\n" + kPlan + kFollow},
-    {"navigate_w_replanning_only_if_path_becomes_invalid", false,
+    {"navigate_w_replanning_only_if_path_becomes_invalid",
      kSelectors + "PipelineSequence\nRateController hz=1.0\n" + kWhereInvalid + kPlan + kFollow},
-    {"navigate_w_replanning_speed", false,
+    {"navigate_w_replanning_speed",
      kSelectors +
          "PipelineSequence\nSpeedController min_rate=0.1 max_rate=1.0 min_speed=0.0 "
          "max_speed=0.26\n" +
          kPlan + kFollow},
-    {"navigate_w_replanning_time", false,
+    {"navigate_w_replanning_time",
      kSelectors + "PipelineSequence\nRateController hz=1.0\n" + kPlan + kFollow},
-    {"navigate_w_routing_global_planning_and_control_w_recovery", true,
+    {"navigate_w_routing_global_planning_and_control_w_recovery",
      kSelectors + "RateController hz=0.5\nRateController hz=1.0\n" + kWhereInvalid + kRoute +
          "ExtractRouteNodesAsGoals route={route} goals={route_goals}\n"
          "AppendGoalPoseToGoals input_goals={route_goals} output_goals={route_goals} "
@@ -149,7 +148,7 @@ const std::vector<OwnTree> kTrees = {
          "ComputePathThroughPoses goals={next_goals} path={path} planner_id={planner} "
          "error_code_id={plan_code} error_msg={plan_error}\n" +
          kWhereHelpful + kFollow + kRecover},
-    {"odometry_calibration", false,
+    {"odometry_calibration",
      "Sequence\nDriveOnHeading dist_to_travel=0.2 speed=0.02 time_allowance=100\n" + kSpin},
 };
 
@@ -190,21 +189,17 @@ TEST(Nav2OwnTrees, AreCheckedWithoutAFinding) {
   for (const OwnTree& tree : kTrees)
     EXPECT_EQ(Findings(XmlOf(tree, factory), factory), "") << tree.name;
 }
-TEST(Nav2OwnTrees, HaveNoNodeThatOnlyHasAModelUnlessTheyNeedOtherServers) {
+// Two of them could not be ticked: those with a route.
+TEST(Nav2OwnTrees, HaveNoNodeThatOnlyHasAModel) {
   FakeRobot robot;
   Factory factory;
   AddNodes(factory, robot);
-  const std::set<std::string> of_other_servers = {"ComputeRoute", "ExtractRouteNodesAsGoals",
-                                                  "SmoothPath", "WouldARouteRecoveryHelp"};
   for (const OwnTree& tree : kTrees) {
-    bool needs = false;
     for (const std::string& name : NodesOf(tree)) {
       const Factory::Registered* node = factory.Find(name);
       ASSERT_NE(node, nullptr) << name;
-      EXPECT_EQ(node->placeholder, of_other_servers.contains(name)) << tree.name << ": " << name;
-      needs = needs || node->placeholder;
+      EXPECT_FALSE(node->placeholder) << tree.name << ": " << name;
     }
-    EXPECT_EQ(needs, tree.needs_other_servers) << tree.name;
   }
 }
 
