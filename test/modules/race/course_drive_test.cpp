@@ -110,6 +110,34 @@ TEST(WayToTheArrow, IsDrivenByTheCamerasAlone) {
   ExpectNoFault(result, route);
 }
 
+// The same with the body on a motion board on LCM, in virtual time: what the race and the motion
+// manager know of it has come by datagrams, and so do all its commands.
+TEST(WayToTheArrowOverLcm, IsDrivenByTheCamerasAlone) {
+  const Route route{4, {{"qr_a", "A-2"}, {"arrow", "right"}, {"qr_b", "B-1"}}, true};
+  DriveSettings settings = SettingsOf(route);
+  settings.over_lcm = true;
+  settings.until = "R1_TO_QRB";
+  CourseDrive drive(settings);
+  const DriveResult result = drive.Run();
+  EXPECT_EQ(result.state, "R1_TO_QRB") << Joined(result.log);
+  EXPECT_THAT(result.states, Contains("IN_A2"));
+  EXPECT_GT(result.datagrams, static_cast<std::size_t>(result.took / Milliseconds(20)));
+  ExpectNoFault(result, route);
+}
+
+TEST(WholeCourseOverLcm, IsDrivenByTheCamerasAlone) {
+  for (const Route& route : {Route{4, {{"qr_a", "A-2"}, {"arrow", "right"}, {"qr_b", "B-1"}}},
+                             Route{20, {{"qr_a", "A-1"}, {"arrow", "left"}, {"qr_b", "B-2"}}}}) {
+    DriveSettings settings = SettingsOf(route);
+    settings.over_lcm = true;
+    CourseDrive drive(settings);
+    const DriveResult result = drive.Run();
+    EXPECT_EQ(result.state, "END") << Joined(result.log);
+    EXPECT_TRUE(result.world->referee().finished()) << Joined(result.log);
+    ExpectNoFault(result, route);
+  }
+}
+
 // A lamp over the S lane: the line walker was not stopped by it.
 TEST(WayThroughTheSLane, StopsAtAYellowLightAndGoesOnAfterIt) {
   DriveSettings settings;

@@ -13,7 +13,6 @@
 #include "musher/base/toml/file.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/yaw.hpp"
-#include "musher/modules/motion/motion_wire.hpp"
 #include "musher/modules/race/course_for_hall.hpp"
 #include "musher/modules/race/course_reader.hpp"
 #include "musher/modules/world/render/shot.hpp"
@@ -113,22 +112,12 @@ cv::Mat MatOf(const world::Image& image) {
   return {image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data())};
 }
 
-msg::Odometry OdometryOf(const world::World& world) {
-  motion::BodyMotion motion;
-  motion.stamp = world.now();
-  const world::Pose2& at = world.body().odometry();
-  motion.X_OB.translation() << at.position_m, 0;
-  motion.X_OB.linear() = Eigen::AngleAxisd(at.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  motion.v_B = {world.body().speed().x(), world.body().speed().y(), 0};
-  motion.w_B = world.body().turn_rate();
-  return motion::OdometryOf({}, motion, 0);
-}
-
 }  // namespace
 
 CourseDrive::CourseDrive(DriveSettings settings)
     : settings_(std::move(settings)),
-      dog_(SceneOf(settings_)),
+      dog_(SceneOf(settings_),
+           settings_.over_lcm ? SimulatedDog::Wire::kLcm : SimulatedDog::Wire::kNone),
       walker_config_(WalkerOf(settings_)),
       walker_(walker_config_.walk),
       race_(CourseOf(settings_), *this) {
@@ -201,6 +190,7 @@ DriveResult CourseDrive::Run() {
   for (const Reservation& each : race_.memory().reservations()) {
     result_.reservations.push_back(each.Text());
   }
+  result_.datagrams = dog_.datagrams();
   result_.world = dog_.world();
   return std::move(result_);
 }
@@ -234,7 +224,7 @@ void CourseDrive::Step() {
   const std::size_t feet = dog_.world().referee().whole_foot_count();
   if (feet > std::exchange(feet_, feet)) Log("referee", "a foot is wholly on a line");
   const Time now = dog_.now();
-  const msg::Odometry odometry = OdometryOf(dog_.world());
+  const msg::Odometry odometry = dog_.odometry();
   walker_.OnOdometry(odometry, now);
   const msg::Pose& pose = odometry.pose.pose;
   race_.OnOdometry(msg::FromStamp(odometry.header.stamp).count(),
@@ -242,8 +232,7 @@ void CourseDrive::Step() {
   Deliver();
   LookAround();
   if (world::IsDue(dog_.world().now(), 10)) {
-    const world::Body& body = dog_.world().body();
-    race_.OnBody(static_cast<int>(body.status()), dog_.present_motion(), now);
+    race_.OnBody(dog_.body_status(), dog_.present_motion(), now);
     for (Index i = 0; i < race_.course().walks.size(); ++i) {
       race_.OnWalkerStatus(i, walker_.StatusText(now), now);
     }

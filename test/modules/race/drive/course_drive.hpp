@@ -40,6 +40,7 @@ struct DriveSettings {
   // With a course, detectors and a walker that `musher-race course` writes for it.
   std::optional<OtherHall> hall;
   std::uint64_t seed = 1;
+  bool over_lcm = false;  // the body is on a motion board on LCM, by real datagrams
   std::map<std::string, std::string> chosen;  // of the scene: qr_a, qr_b, arrow
   bool yellow_light = false;  // appears before the robot in the START lane, for some seconds
   // The same over another place, in the scene's frame.
@@ -74,6 +75,7 @@ struct DriveResult {
   std::vector<std::string> log;
   Duration took{};
   std::size_t pictures = 0;
+  std::size_t datagrams = 0;              // of LCM
   std::vector<std::string> reservations;  // what the race is not sure of, with the states
   Latencies latencies;
   std::optional<world::World> world;  // at the end; its referee has the judgement
