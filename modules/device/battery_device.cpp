@@ -55,6 +55,7 @@ Result<> BatteryDevice::Connect() {
     ReadHost();
   }
   if (endpoints_.opened() && config_.source == BatterySource::kCan) OpenCan();
+  if (endpoints_.opened() && config_.source == BatterySource::kI2c) OpenI2c();
   return endpoints_.opened();
 }
 
@@ -67,6 +68,18 @@ void BatteryDevice::OpenCan() {
   events.log = [this](const std::string& line) { dependencies_.log("battery: " + line); };
   can_ = std::make_unique<CanBattery>(dependencies_.node.loop(), dependencies_.open_can,
                                       config_.frames, config_.silence, std::move(events));
+}
+
+void BatteryDevice::OpenI2c() {
+  I2cLink::Events events;
+  events.on_record = [this](const I2cRecord::Values& values) { OnReading(FromRecord(values)); };
+  events.on_refused = [this](const Error& error) {
+    const std::int32_t code = BmsCode(static_cast<KeyCode>(error.code));
+    Refuse(error.message + " (" + std::to_string(code) + ")");
+  };
+  events.on_fault = [this](const std::string& why) { Lose(why); };
+  i2c_ = std::make_unique<I2cLink>(dependencies_.node.loop(), dependencies_.i2c, config_.registers,
+                                   config_.silence, std::move(events));
 }
 
 void BatteryDevice::ReadHost() {
@@ -98,7 +111,9 @@ void BatteryDevice::OnReading(const BatteryReading& reading) {
 }
 
 void BatteryDevice::RestartSilenceTimer() {
-  if (config_.source == BatterySource::kCan) return;  // its link knows which frame is missing
+  const bool has_link =
+      config_.source == BatterySource::kCan || config_.source == BatterySource::kI2c;
+  if (has_link) return;  // which knows what is missing
   silence_ = dependencies_.clock.At(dependencies_.clock.Now() + config_.silence, [this] {
     Lose("silent for " + std::to_string(ToMilliseconds(config_.silence)) + " ms");
   });

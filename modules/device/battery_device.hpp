@@ -1,6 +1,7 @@
 #pragma once
-// The battery: takes readings from the world, the host or a CAN bus, publishes `bms_status` and
-// serves `bms_cmd`. When the source is silent this is logged, and its last value is not repeated.
+// The battery: takes readings from the world, the host, a CAN or an I2C bus, publishes `bms_status`
+// and serves `bms_cmd`. When the source is silent this is logged, and its last value is not
+// repeated.
 //
 // Threads: the loop's.
 
@@ -15,6 +16,7 @@
 #include "musher/modules/device/can_battery.hpp"
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
+#include "musher/modules/device/i2c_link.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::device {
@@ -42,6 +44,7 @@ class BatteryDevice {
   Result<> Connect();
 
   void OpenCan();
+  void OpenI2c();
   void ReadHost();
   void OnReading(const BatteryReading& reading);
   void Refuse(const std::string& reason);
@@ -70,6 +73,7 @@ class BatteryDevice {
   transport::Publisher<msg::Bool>* motor_power_ = nullptr;
   transport::Subscription* readings_ = nullptr;  // null: not of the world
   std::unique_ptr<CanBattery> can_;              // null: not on a CAN bus
+  std::unique_ptr<I2cLink> i2c_;                 // null: not on an I2C bus
   transport::Endpoints endpoints_;               // last: its callbacks use the rest
 };
 

@@ -35,7 +35,7 @@ const CanNames& BatteryCanNames() {
   return names;
 }
 
-BatteryReading FromCan(const CanRecord::Values& values) {
+BatteryReading FromRecord(const CanRecord::Values& values) {
   constexpr double kMilli = 1e-3;
   BatteryReading reading;
   reading.percent = ValueOf(values, kCharge);
@@ -96,7 +96,7 @@ void CanBattery::OnRecord(const CanRecord::Values& values) {
     if (waiting_ && waiting_->up == powered_) End(Ok());
     if (undo_until_) Undo();
   }
-  events_.on_reading(FromCan(values));
+  events_.on_reading(FromRecord(values));
 }
 
 void CanBattery::OnFault(const std::string& why) {

@@ -23,7 +23,7 @@ namespace musher::device {
 const CanNames& BatteryCanNames();
 
 // Of a record; values that it lacks are kNotMeasured.
-BatteryReading FromCan(const CanRecord::Values& values);
+BatteryReading FromRecord(const CanRecord::Values& values);
 
 class CanBattery {
  public:

@@ -7,6 +7,8 @@
 #include "musher/lifecycle/state.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
 #include "musher/modules/device/can_socket.hpp"
+#include "musher/modules/device/gpio_chip.hpp"
+#include "musher/modules/device/i2c_link.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/node.hpp"
 
@@ -21,6 +23,8 @@ struct Dependencies {
   std::function<State()> state;                 // of the actuator
   std::function<Result<>()> may_power_motors;   // or why it is refused
   CanBus::Open open_can = CanSocket::Open;
+  GpioLine::Open open_gpio = OpenGpioLine;
+  I2cDoor i2c = I2cOfThisComputer();
 };
 
 }  // namespace musher::device

@@ -13,6 +13,7 @@
 #include "musher/base/toml/names.hpp"
 #include "musher/base/toml/rows.hpp"
 #include "musher/modules/device/can_battery.hpp"
+#include "musher/modules/device/i2c_registers_toml.hpp"
 #include "musher/modules/device/self_check.hpp"
 
 namespace musher::device {
@@ -70,6 +71,16 @@ void CheckSource(TableReader& reader, const BatteryConfig& battery,
   } else {
     WarnOfUnused(reader, "can", {"frames"});
   }
+  if (source == BatterySource::kI2c) {
+    reader.Require("registers", "the file of the battery's registers");
+    if (battery.silence <= battery.registers.period) {
+      reader.Fault(
+          reader.At("silence_ms"), "silence_ms",
+          "expected more than period_ms of its registers, or every reading comes too late");
+    }
+  } else {
+    WarnOfUnused(reader, "i2c", {"registers"});
+  }
   if (source != BatterySource::kHost) {
     return WarnOfUnused(reader, "host", {"folder", "name", "period_ms"});
   }
@@ -78,29 +89,37 @@ void CheckSource(TableReader& reader, const BatteryConfig& battery,
                "expected more than period_ms, or every reading comes too late");
 }
 
-// A file of frames that another one names: its own diagnostics, and its content.
-class CanFiles {
+// Files of frames or registers that another file names: their own diagnostics, and their content.
+class BusFiles {
  public:
-  explicit CanFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  explicit BusFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   std::optional<CanProtocol> Read(const std::string& file, const CanNames& names) {
-    auto parsed = ReadCanFile(config_toml::Absolute(folder_, file), names);
-    std::ranges::move(parsed.diagnostics, std::back_inserter(diagnostics));
-    return std::move(parsed.config);
+    return Take(ReadCanFile(config_toml::Absolute(folder_, file), names));
+  }
+  std::optional<I2cProtocol> Read(const std::string& file, const RegisterNames& names) {
+    return Take(ReadI2cFile(config_toml::Absolute(folder_, file), names));
   }
 
   std::vector<Diagnostic> diagnostics;
 
  private:
+  template <typename T>
+  std::optional<T> Take(Parsed<T> parsed) {
+    std::ranges::move(parsed.diagnostics, std::back_inserter(diagnostics));
+    return std::move(parsed.config);
+  }
+
   const std::filesystem::path folder_;
 };
 
 Rows BatteryRows(BatteryConfig& battery, std::optional<BatterySource>& source,
-                 const std::filesystem::path& folder, CanFiles& files) {
+                 const std::filesystem::path& folder, BusFiles& files) {
   const auto read_source = [&](TableReader& reader) {
     source = reader.Choice<BatterySource>("source", {{"world", BatterySource::kWorld},
                                                      {"host", BatterySource::kHost},
                                                      {"can", BatterySource::kCan},
+                                                     {"i2c", BatterySource::kI2c},
                                                      {"none", BatterySource::kNone}});
     battery.source = source.value_or(battery.source);
   };
@@ -119,23 +138,67 @@ Rows BatteryRows(BatteryConfig& battery, std::optional<BatterySource>& source,
       battery.frames = *std::move(frames);
     }
   };
+  const auto read_registers = [&](TableReader& reader) {
+    const auto file = reader.String("registers");
+    if (!file || source != BatterySource::kI2c) return;
+    const RegisterNames names{BatteryCanNames().fields, BatteryCanNames().needed_field};
+    if (auto registers = files.Read(file->text, names)) battery.registers = *std::move(registers);
+  };
   return {
-      row::Required("source", "\"world\", \"host\", \"can\" or \"none\"", read_source),
+      row::Required("source", "\"world\", \"host\", \"can\", \"i2c\" or \"none\"", read_source),
       row::File("folder", battery.folder, folder),
       read_name,
       row::Time("period_ms", battery.period, kLeastPeriodMs),
       row::Time("silence_ms", battery.silence, kLeastPeriodMs),
       read_frames,
+      read_registers,
       [&](TableReader& reader) { CheckSource(reader, battery, source); },
   };
 }
 
 Row SourceOfKeys(KeySource& source) {
-  return row::Required("source", "\"world\", \"input\" or \"none\"",
+  return row::Required("source", "\"world\", \"input\", \"gpio\" or \"none\"",
                        row::Choice("source", source,
                                    {{"world", KeySource::kWorld},
                                     {"input", KeySource::kInput},
+                                    {"gpio", KeySource::kGpio},
                                     {"none", KeySource::kNone}}));
+}
+
+// The names of the GPIO lines of a file: a line has one user.
+using UsedLines = std::vector<std::string>;
+
+void UseLine(TableReader& reader, std::string_view key, UsedLines& used, GpioSpec& spec) {
+  const auto word = reader.String(key);
+  if (!word) return;
+  spec.line = word->text;
+  if (spec.line.empty()) {
+    reader.Fault(word->at, key, "expected the name of a GPIO line, or \"gpiochip0:5\"");
+  } else if (std::ranges::find(used, spec.line) != used.end()) {
+    reader.Fault(word->at, key,
+                 "the line " + config_toml::Quote(spec.line) + " is used above already");
+  }
+  used.push_back(spec.line);
+}
+
+// Of an input. `is_used`: whether the device is on it; else its keys have no effect.
+Row InputLine(GpioSpec& spec, UsedLines& used, std::function<bool()> is_used) {
+  return [&spec, &used, is_used = std::move(is_used)](TableReader& reader) {
+    if (!is_used())
+      return WarnOfUnused(reader, "gpio", {"line", "active_low", "bias", "debounce_ms"});
+    reader.Require("line", "the name of a GPIO line, or \"gpiochip0:5\"");
+    UseLine(reader, "line", used, spec);
+    spec.active_low = reader.Bool("active_low").value_or(spec.active_low);
+    spec.bias = reader
+                    .Choice<GpioBias>("bias", {{"as-is", GpioBias::kAsIs},
+                                               {"pull-up", GpioBias::kPullUp},
+                                               {"pull-down", GpioBias::kPullDown},
+                                               {"none", GpioBias::kNone}})
+                    .value_or(spec.bias);
+    constexpr std::int64_t kMostDebounceMs = 1000;
+    const auto debounce = reader.Integer("debounce_ms", 0, kMostDebounceMs, "ms");
+    if (debounce) spec.debounce = Milliseconds(*debounce);
+  };
 }
 
 // What only a source "input" uses.
@@ -164,7 +227,7 @@ void CheckTouch(TableReader& reader, const TouchConfig& touch) {
 
 constexpr std::int64_t kHighestCode = 767;  // KEY_MAX of the kernel
 
-Rows TouchRows(TouchConfig& touch, const std::filesystem::path& folder) {
+Rows TouchRows(TouchConfig& touch, const std::filesystem::path& folder, UsedLines& lines) {
   TouchCodes& codes = touch.codes;
   return {
       SourceOfKeys(touch.source),
@@ -178,23 +241,31 @@ Rows TouchRows(TouchConfig& touch, const std::filesystem::path& folder) {
                          row::Integer("double", codes.double_tap, 1, kHighestCode),
                          row::Integer("hold", codes.hold, 1, kHighestCode)}),
       [&touch](TableReader& reader) { CheckTouch(reader, touch); },
+      InputLine(touch.line, lines, [&touch] { return touch.source == KeySource::kGpio; }),
   };
 }
 
-Rows PowerKeyRows(PowerKeyConfig& key, const std::filesystem::path& folder) {
+Rows PowerKeyRows(PowerKeyConfig& key, const std::filesystem::path& folder, UsedLines& lines) {
   return {
       SourceOfKeys(key.source),
       row::File("device", key.device, folder),
       row::Integer("key_code", key.code, 1, kHighestCode),
       row::Time("hold_ms", key.hold, kLeastPeriodMs),
       [&](TableReader& reader) { CheckInput(reader, key); },
+      InputLine(key.line, lines, [&key] { return key.source == KeySource::kGpio; }),
   };
 }
 
-// The lights: names of LEDs, or files of frames.
-Rows LedRows(LedConfig& led, const std::filesystem::path& folder, CanFiles& files) {
+// The lights: names of LEDs or lines, or files of frames.
+Rows LedRows(LedConfig& led, const std::filesystem::path& folder, BusFiles& files,
+             UsedLines& lines) {
   constexpr std::array<std::string_view, kLedTargets.size()> kKeys = {"head", "tail", "mini"};
-  const auto read_light = [&led, &files](TableReader& reader, std::string_view key, std::size_t i) {
+  const auto read_light = [&led, &files, &lines](TableReader& reader, std::string_view key,
+                                                 std::size_t i) {
+    if (led.source == LedSource::kGpio) {
+      UseLine(reader, key, lines, led.lines.at(i));
+      return reader.Has(key);
+    }
     const auto word = reader.String(key);
     if (!word) return false;
     if (led.source == LedSource::kCan) {
@@ -205,7 +276,8 @@ Rows LedRows(LedConfig& led, const std::filesystem::path& folder, CanFiles& file
         reader.Fault(word->at, key, "expected the name of an LED, found a path");
       }
     } else {
-      reader.Warn(word->at, key, "has no effect: only a source \"host\" or \"can\" uses it");
+      reader.Warn(word->at, key,
+                  "has no effect: only a source \"host\", \"can\" or \"gpio\" uses it");
     }
     return true;
   };
@@ -213,15 +285,22 @@ Rows LedRows(LedConfig& led, const std::filesystem::path& folder, CanFiles& file
     bool any = false;
     for (std::size_t i = 0; i < kKeys.size(); ++i) any |= read_light(reader, kKeys.at(i), i);
     if (led.source != LedSource::kHost) WarnOfUnused(reader, "host", {"folder"});
-    const bool needs_one = led.source == LedSource::kHost || led.source == LedSource::kCan;
+    if (led.source == LedSource::kGpio) {
+      const bool active_low = reader.Bool("active_low").value_or(false);
+      for (GpioSpec& line : led.lines) line.active_low = active_low;
+    } else {
+      WarnOfUnused(reader, "gpio", {"active_low"});
+    }
+    const bool needs_one = led.source != LedSource::kWorld && led.source != LedSource::kNone;
     if (any || !needs_one) return;
     reader.Fault(reader.At("source"), "source", "expected a key head, tail or mini beside it");
   };
-  return {row::Required("source", "\"world\", \"host\", \"can\" or \"none\"",
+  return {row::Required("source", "\"world\", \"host\", \"can\", \"gpio\" or \"none\"",
                         row::Choice("source", led.source,
                                     {{"world", LedSource::kWorld},
                                      {"host", LedSource::kHost},
                                      {"can", LedSource::kCan},
+                                     {"gpio", LedSource::kGpio},
                                      {"none", LedSource::kNone}})),
           row::File("folder", led.folder, folder), read_lights};
 }
@@ -232,12 +311,66 @@ Row WorldSource(bool& present) {
                        row::Choice("source", present, {{"world", true}, {"none", false}}));
 }
 
+// A name of a topic; and no second time.
+Row ContactName(std::string& name, std::vector<std::string>& taken) {
+  const auto read = [&name, &taken](TableReader& reader) {
+    const auto word = reader.Topic("name", "bumper_left", {.of = "a contact", .relative = true});
+    if (!word) return;
+    name = word->text;
+    if (std::ranges::find(taken, name) != taken.end()) {
+      reader.Fault(word->at, "name", config_toml::Quote(name) + " is defined above already");
+    }
+    taken.push_back(name);
+  };
+  return row::Required("name", "the name of the contact, which its topic has", read);
+}
+
+void ReadContacts(TableReader& root, std::vector<ContactConfig>& contacts, UsedLines& lines) {
+  std::vector<std::string> taken;
+  for (TableReader& reader : root.Subs("contact")) {
+    ContactConfig contact;
+    ReadRows(reader, {ContactName(contact.name, taken),
+                      InputLine(contact.line, lines, [] { return true; })});
+    contacts.push_back(std::move(contact));
+  }
+}
+
+void ReadMeasurements(TableReader& root, std::vector<MeasurementConfig>& measurements,
+                      BusFiles& files) {
+  std::vector<std::string> taken;
+  for (TableReader& reader : root.Subs("measurement")) {
+    MeasurementConfig measurement;
+    const auto read_registers = [&](TableReader& table) {
+      const auto file = table.String("registers");
+      if (!file) return;
+      if (auto found = files.Read(file->text, RegisterNames{})) {
+        measurement.registers = *std::move(found);
+      }
+      for (const RegisterValue& value : measurement.registers.values) {
+        if (std::ranges::find(taken, value.name) != taken.end()) {
+          table.Fault(file->at, "registers",
+                      "its value " + config_toml::Quote(value.name) + " is defined above already");
+        }
+        taken.push_back(value.name);
+      }
+    };
+    ReadRows(reader,
+             {row::Required("registers", "the file of the sensor's registers", read_registers),
+              row::Time("silence_ms", measurement.silence, kLeastPeriodMs),
+              row::Check(
+                  "silence_ms", [&] { return measurement.silence > measurement.registers.period; },
+                  "expected more than period_ms of its registers")});
+    measurements.push_back(std::move(measurement));
+  }
+}
+
 DeviceConfig Read(const Table& table, const std::string& path, Findings& findings,
-                  CanFiles& files) {
+                  BusFiles& files) {
   DeviceConfig config;
   const std::filesystem::path folder = config_toml::FolderOf(path);
   const std::vector<std::string> none;
   std::optional<BatterySource> source;
+  UsedLines lines;
   TableReader root(table, {1, 1}, "", findings);
   ReadRows(root,
            {row::Time("self_check_ms", config.self_check_time),
@@ -245,17 +378,19 @@ DeviceConfig Read(const Table& table, const std::string& path, Findings& finding
             DeviceNames("critical", config.critical, config.skip, findings),
             row::Required("battery", "a table [battery] with the source of its readings",
                           row::Sub("battery", BatteryRows(config.battery, source, folder, files))),
-            row::Sub("touch", TouchRows(config.touch, folder)),
-            row::Sub("led", LedRows(config.led, folder, files)),
+            row::Sub("touch", TouchRows(config.touch, folder, lines)),
+            row::Sub("led", LedRows(config.led, folder, files, lines)),
             row::Sub("uwb", {WorldSource(config.uwb)}),
-            row::Sub("power_key", PowerKeyRows(config.power_key, folder))});
+            row::Sub("power_key", PowerKeyRows(config.power_key, folder, lines)),
+            [&](TableReader& reader) { ReadContacts(reader, config.contacts, lines); },
+            [&](TableReader& reader) { ReadMeasurements(reader, config.measurements, files); }});
   return config;
 }
 
 }  // namespace
 
 Parsed<DeviceConfig> ReadDeviceText(std::string_view text, const std::string& path) {
-  CanFiles files(config_toml::FolderOf(path));
+  BusFiles files(config_toml::FolderOf(path));
   auto parsed = config_toml::ReadTextWith<Parsed<DeviceConfig>>(
       text, path,
       [&](const Table& root, Findings& findings) { return Read(root, path, findings, files); });

@@ -10,14 +10,19 @@
 #include "musher/base/toml/parsed.hpp"
 #include "musher/modules/device/can_lights.hpp"
 #include "musher/modules/device/can_protocol.hpp"
+#include "musher/modules/device/contact_devices.hpp"
+#include "musher/modules/device/gpio_lights.hpp"
+#include "musher/modules/device/gpio_line.hpp"
 #include "musher/modules/device/host_lights.hpp"
+#include "musher/modules/device/i2c_registers.hpp"
 #include "musher/modules/device/input_device.hpp"
 #include "musher/modules/device/input_key.hpp"
+#include "musher/modules/device/measurement_devices.hpp"
 #include "musher/modules/device/power_supply.hpp"
 
 namespace musher::device {
 
-enum class BatterySource : std::uint8_t { kNone, kWorld, kHost, kCan };
+enum class BatterySource : std::uint8_t { kNone, kWorld, kHost, kCan, kI2c };
 
 struct BatteryConfig {
   BatterySource source = BatterySource::kNone;
@@ -26,17 +31,19 @@ struct BatteryConfig {
   Duration period = Milliseconds(1000);     // host: how often it is read
   Duration silence = Milliseconds(5000);    // timeout without a reading
   CanProtocol frames;                       // can
+  I2cProtocol registers;                    // i2c
 
   friend bool operator==(const BatteryConfig&, const BatteryConfig&) = default;
 };
 
-enum class KeySource : std::uint8_t { kNone, kWorld, kInput };
+enum class KeySource : std::uint8_t { kNone, kWorld, kInput, kGpio };
 
 struct PowerKeyConfig {
   KeySource source = KeySource::kNone;
   std::string device;                  // input: "/dev/input/event0"
   std::uint16_t code = kPowerKeyCode;  // input: of the key
   Duration hold = Milliseconds(3000);  // pressed for this long it requests power-off
+  GpioSpec line;                       // gpio
 
   friend bool operator==(const PowerKeyConfig&, const PowerKeyConfig&) = default;
 };
@@ -56,17 +63,19 @@ struct TouchConfig {
   KeySource source = KeySource::kNone;
   InputSource input;             // input
   TouchCodes codes{kTouchCode};  // input
+  GpioSpec line;                 // gpio: active while it is touched
 
   friend bool operator==(const TouchConfig&, const TouchConfig&) = default;
 };
 
-enum class LedSource : std::uint8_t { kNone, kWorld, kHost, kCan };
+enum class LedSource : std::uint8_t { kNone, kWorld, kHost, kCan, kGpio };
 
 struct LedConfig {
   LedSource source = LedSource::kNone;
   std::string folder = kLedFolder;  // host: absolute
   LedNames names;                   // host
   LightProtocols frames;            // can
+  LampLines lines;                  // gpio
 
   friend bool operator==(const LedConfig&, const LedConfig&) = default;
 };
@@ -80,6 +89,8 @@ struct DeviceConfig {
   LedConfig led;
   bool uwb = false;  // there is one, on the world's topic
   PowerKeyConfig power_key;
+  std::vector<ContactConfig> contacts;          // on GPIO lines
+  std::vector<MeasurementConfig> measurements;  // of I2C buses
 
   friend bool operator==(const DeviceConfig&, const DeviceConfig&) = default;
 };

@@ -26,6 +26,8 @@ Result<std::unique_ptr<Devices>> Devices::Make(const Dependencies& dependencies,
   auto power_key = PowerKeyDevice::Make(dependencies, config.power_key);
   if (!power_key) return power_key.error();
   devices->power_key_ = std::move(power_key).value();
+  devices->contacts_ = std::make_unique<ContactDevices>(dependencies, config.contacts);
+  devices->measurements_ = std::make_unique<MeasurementDevices>(dependencies, config.measurements);
   return devices;
 }
 
@@ -33,13 +35,17 @@ std::vector<DeviceResult> Devices::Check() const {
   std::vector<DeviceResult> findings;
   for (const std::string_view device : kDevices) {
     if (std::find(skip_.begin(), skip_.end(), device) != skip_.end()) continue;
-    const Result<> result = device == "bms"     ? battery_->Check()
-                            : device == "touch" ? touch_->Check()
-                            : device == "led"   ? led_->Check()
-                                                : uwb_->Check();
-    findings.push_back({std::string(device), result});
+    findings.push_back({std::string(device), Check(device)});
   }
   return findings;
+}
+
+Result<> Devices::Check(std::string_view device) const {
+  if (device == "bms") return battery_->Check();
+  if (device == "touch") return touch_->Check();
+  if (device == "led") return led_->Check();
+  if (device == "uwb") return uwb_->Check();
+  return device == "contact" ? contacts_->Check() : measurements_->Check();
 }
 
 void Devices::Enter(const State& state) {

@@ -5,12 +5,15 @@
 // Threads: the loop's.
 
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "musher/modules/device/battery_device.hpp"
+#include "musher/modules/device/contact_devices.hpp"
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/led_device.hpp"
+#include "musher/modules/device/measurement_devices.hpp"
 #include "musher/modules/device/power_key_device.hpp"
 #include "musher/modules/device/self_check.hpp"
 #include "musher/modules/device/touch_device.hpp"
@@ -37,6 +40,7 @@ class Devices {
 
  private:
   explicit Devices(std::vector<std::string> skip) : skip_(std::move(skip)) {}
+  Result<> Check(std::string_view device) const;
 
   const std::vector<std::string> skip_;
   std::unique_ptr<LedDevice> led_;
@@ -44,6 +48,8 @@ class Devices {
   std::unique_ptr<TouchDevice> touch_;
   std::unique_ptr<UwbDevice> uwb_;
   std::unique_ptr<PowerKeyDevice> power_key_;
+  std::unique_ptr<ContactDevices> contacts_;
+  std::unique_ptr<MeasurementDevices> measurements_;
   bool low_power_ = false;  // the robot's state
 };
 

@@ -6,6 +6,7 @@
 #include "musher/base/toml/findings.hpp"
 #include "musher/cyberdog/codes/module_codes.hpp"
 #include "musher/modules/device/can_lights.hpp"
+#include "musher/modules/device/gpio_lights.hpp"
 #include "musher/modules/device/host_lights.hpp"
 
 namespace musher::device {
@@ -75,6 +76,9 @@ std::unique_ptr<LightOutput> LedDevice::MakeOutput() {
     case LedSource::kCan:
       return std::make_unique<CanLights>(loop, dependencies_.open_can, config_.frames,
                                          dependencies_.log);
+    case LedSource::kGpio:
+      return std::make_unique<GpioLights>(loop, dependencies_.open_gpio, config_.lines,
+                                          dependencies_.log);
     case LedSource::kNone:
       break;
   }
@@ -88,7 +92,7 @@ Result<> LedDevice::Execute(const msg::LedExecute::Request& request) {
   Result<> done = arbiter_.Execute(request);
   if (arbiter_ != before) ShowAll();
   if (!done) return done;
-  const bool own = config_.source == LedSource::kHost || config_.source == LedSource::kCan;
+  const bool own = config_.source != LedSource::kWorld && output_;
   const std::string fault = own ? output_->FaultOf(request.target) : "";
   if (fault.empty()) return Ok();
   return Error{MakeCode(cyberdog::module_code::kLed, KeyCode::kTimeout),

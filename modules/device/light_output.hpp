@@ -1,5 +1,6 @@
 #pragma once
-// Where the lights are: on a topic of the world, LEDs of this computer, or boards on a CAN bus.
+// Where the lights are: on a topic of the world, LEDs of this computer, boards on a CAN bus, or
+// lamps on GPIO lines.
 //
 // Threads: the loop's.
 

@@ -26,6 +26,10 @@ Result<> PowerKeyDevice::Connect() {
         [this](bool pressed) { OnKey(pressed); }, dependencies_.log);
     return endpoints_.opened();
   }
+  if (config_.source == KeySource::kGpio) {
+    OpenLine();
+    return endpoints_.opened();
+  }
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::EndpointId) {
     pressed_ = false;
@@ -34,6 +38,29 @@ Result<> PowerKeyDevice::Connect() {
       "world/power_key", [this](const msg::Bool& pressed) { OnKey(pressed.data); },
       transport::kDefaultQos, std::move(events));
   return endpoints_.opened();
+}
+
+void PowerKeyDevice::OpenLine() {
+  GpioInput::Events events;
+  events.on_level = [this](bool pressed) { OnLine(pressed); };
+  events.on_gap = [this] {
+    was_released_ = false;
+    OnKey(false);  // it may not have been held all the time
+  };
+  events.on_lost = [] {};
+  events.log = [this](const std::string& line) { dependencies_.log("power key: " + line); };
+  line_ = std::make_unique<GpioInput>(dependencies_.node.loop(), dependencies_.open_gpio,
+                                      config_.line, std::move(events));
+}
+
+// One that is pressed from the start, or after a gap, may be none: its line has a short circuit, or
+// is active at the other voltage.
+void PowerKeyDevice::OnLine(bool pressed) {
+  if (!pressed) was_released_ = true;
+  if (was_released_) return OnKey(pressed);
+  dependencies_.log(
+      "power key: pressed at the start: it counts once it was released; if it is not pressed, "
+      "change active_low, or look at its line");
 }
 
 void PowerKeyDevice::OnKey(bool pressed) {

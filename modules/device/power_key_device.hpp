@@ -1,7 +1,8 @@
 #pragma once
 // The power key: held for its time (CyberDog: 3 s), it requests `poweroff` from the machine's
 // manager, once until it is released. A driver that exits while the key is pressed does not cancel
-// the request; an input device that is unplugged does.
+// the request; an input device that is unplugged does, and so
+// does a line that is lost.
 //
 // Threads: the loop's.
 
@@ -11,6 +12,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
+#include "musher/modules/device/gpio_input.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::device {
@@ -31,6 +33,8 @@ class PowerKeyDevice {
         config_(config),
         endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect();
+  void OpenLine();
+  void OnLine(bool pressed);
   void OnKey(bool pressed);
   void OnHeld(Time due);
   void PowerOff();
@@ -38,7 +42,9 @@ class PowerKeyDevice {
   const Dependencies dependencies_;
   const PowerKeyConfig config_;
   bool pressed_ = false;
+  bool was_released_ = false;  // its line, since the last gap
   std::unique_ptr<InputKey> input_;
+  std::unique_ptr<GpioInput> line_;
   transport::LoopHandlePtr held_;  // by the steady clock: it powers off the real robot
   transport::Client<msg::Trigger>* power_off_ = nullptr;
   transport::Endpoints endpoints_;  // last: its callbacks use the rest

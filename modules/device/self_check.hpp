@@ -16,7 +16,8 @@
 namespace musher::device {
 
 // In the order of the check.
-inline constexpr std::array<std::string_view, 4> kDevices = {"bms", "touch", "led", "uwb"};
+inline constexpr std::array<std::string_view, 6> kDevices = {"bms", "touch",   "led",
+                                                             "uwb", "contact", "measurement"};
 
 struct DeviceResult {
   std::string device;

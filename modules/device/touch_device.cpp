@@ -25,6 +25,7 @@ Result<> TouchDevice::Connect() {
   }
   if (Result<> opened = endpoints_.opened(); !opened) return opened;
   if (config_.source == KeySource::kInput) OpenInput();
+  if (config_.source == KeySource::kGpio) OpenLine();
   return Ok();
 }
 
@@ -36,21 +37,36 @@ void TouchDevice::OpenInput() {
   }
   InputDevice::Events events;
   events.on_key = [this](std::uint16_t code, bool pressed) { OnKey(code, pressed); };
-  events.on_gap = [this] {
-    taps_.Forget();
-    tap_time_.reset();
-  };
+  events.on_gap = [this] { ForgetTaps(); };
   events.log = [this](const std::string& line) { dependencies_.log("touch: " + line); };
   input_ = std::make_unique<InputDevice>(dependencies_.node.loop(), config_.input, std::move(codes),
                                          std::move(events));
 }
 
+// As a pad that reports only that it is touched.
+void TouchDevice::OpenLine() {
+  GpioInput::Events events;
+  events.on_level = [this](bool touched) { OnPad(touched); };
+  events.on_gap = [this] { ForgetTaps(); };
+  events.on_lost = [] {};
+  events.log = [this](const std::string& line) { dependencies_.log("touch: " + line); };
+  line_ = std::make_unique<GpioInput>(dependencies_.node.loop(), dependencies_.open_gpio,
+                                      config_.line, std::move(events));
+}
+
+void TouchDevice::ForgetTaps() {
+  taps_.Forget();
+  tap_time_.reset();
+}
+
+void TouchDevice::OnPad(bool touched) {
+  if (const auto touch = taps_.OnTouch(touched, dependencies_.node.loop().Now())) OnTouch(*touch);
+  ArmTaps();
+}
+
 void TouchDevice::OnKey(std::uint16_t code, bool pressed) {
   const TouchCodes& codes = config_.codes;
-  if (code == codes.tap) {
-    if (const auto touch = taps_.OnTouch(pressed, dependencies_.node.loop().Now())) OnTouch(*touch);
-    return ArmTaps();
-  }
+  if (code == codes.tap) return OnPad(pressed);
   const bool begins = pressed ? pressed_.insert(code).second : (pressed_.erase(code), false);
   if (!begins) return;
   if (code == codes.single) OnTouch(msg::TouchStatus::kSingle);
@@ -113,6 +129,7 @@ Result<> TouchDevice::Check() const {
     return Error{MakeCode(cyberdog::module_code::kTouch, KeyCode::kSelfCheckFailed), why};
   };
   if (input_ && !input_->fault().empty()) return failed("the input device: " + input_->fault());
+  if (line_ && !line_->fault().empty()) return failed("the line: " + line_->fault());
   if (touches_ && touches_->MatchedWriters() == 0) return failed("no publisher of world/touch");
   return Ok();
 }

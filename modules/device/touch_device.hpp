@@ -14,6 +14,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
+#include "musher/modules/device/gpio_input.hpp"
 #include "musher/modules/device/input_device.hpp"
 #include "musher/modules/device/touch.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -31,7 +32,8 @@ class TouchDevice {
   static Result<std::unique_ptr<TouchDevice>> Make(const Dependencies& dependencies,
                                                    const TouchConfig& config);
 
-  // Fails with 1509 while nothing publishes touches, or the input device cannot be read.
+  // Fails with 1509 while nothing publishes touches, or the input device or the line cannot be
+  // read.
   Result<> Check() const;
 
   void OnTimeJumped() { double_tap_.Forget(); }
@@ -44,6 +46,9 @@ class TouchDevice {
         endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect();
   void OpenInput();
+  void OpenLine();
+  void ForgetTaps();
+  void OnPad(bool touched);
   void OnKey(std::uint16_t code, bool pressed);
   void ArmTaps();
   void OnTapTime(Time due);
@@ -62,6 +67,7 @@ class TouchDevice {
   transport::Client<msg::Trigger>* low_power_exit_ = nullptr;
   transport::Subscription* touches_ = nullptr;  // null: there is none
   std::unique_ptr<InputDevice> input_;
+  std::unique_ptr<GpioInput> line_;
   transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 

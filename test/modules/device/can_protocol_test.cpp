@@ -140,7 +140,7 @@ TEST(CanFile, OfTheBatteryOfACyberDog2HasItsFrames) {
   // 78 %, 25,860 mV, -1,250 mA, 31 °C; 300 cycles, 97 %; charging from outside, the motors are off.
   ASSERT_TRUE(record.Take(Frame({0x834100, true}, {78, 0x04, 0x65, 0x1E, 0xFB, 31, 0, 0})));
   ASSERT_TRUE(record.Take(Frame({0x834101, true}, {0x2C, 0x01, 97, 0, 0, 0x8A, 0, 0})).value());
-  const BatteryReading reading = FromCan(record.values());
+  const BatteryReading reading = FromRecord(record.values());
   EXPECT_EQ(reading.percent, 78);
   EXPECT_NEAR(reading.voltage_v, 25.86, 1e-9);
   EXPECT_NEAR(reading.current_a, -1.25, 1e-9);

@@ -55,7 +55,7 @@ hold_ms = 5000
   expected.touch.source = KeySource::kWorld;
   expected.led.source = LedSource::kWorld;
   expected.uwb = true;
-  expected.power_key = {KeySource::kInput, "/dev/input/event3", 142, Milliseconds(5000)};
+  expected.power_key = {KeySource::kInput, "/dev/input/event3", 142, Milliseconds(5000), {}};
   EXPECT_EQ(*reading.config, expected);
 }
 
@@ -75,13 +75,12 @@ TEST(DeviceConfig, ReportsWhatIsWrongAndWhere) {
         "critical = [\"led\"]\nself_check_ms = 0\n[battery]\nsource = \"wrld\"\nperiod_ms = 1\n"
         "[touch]\n[led]\nsource = 3\n",
         {"/robot/device.toml:1:1: error: unknown key \"skipp\"; did you mean \"skip\"?",
-         ":3:9: error: skip: expected one of bms, touch, led and uwb, found \"bmss\"; did you mean "
-         "\"bms\"?",
+         ":3:9: error: skip: expected one of bms, touch, led, uwb, contact and measurement, found "
+         "\"bmss\"; did you mean \"bms\"?",
          ":4:13: error: critical: a device that is skipped cannot be critical",
          ":5:17: error: self_check_ms: expected an integer from 1",
-         ":7:10: error: battery.source: expected one of world, host, can and none, found \"wrld\"; "
-         "did "
-         "you mean \"world\"?",
+         ":7:10: error: battery.source: expected one of world, host, can, i2c and none, found "
+         "\"wrld\"; did you mean \"world\"?",
          ":8:13: error: battery.period_ms: expected an integer from 100",
          ":9:1: error: touch: the key \"source\" is missing",
          ":11:10: error: led.source: expected"}},
@@ -123,10 +122,84 @@ TEST(DeviceConfig, ReportsWhatIsWrongAndWhere) {
         "[battery]\nsource = \"none\"\n[led]\nsource = \"world\"\nfolder = \"/sys\"\n"
         "tail = \"x\"\n",
         {":5:10: warning: led.folder: has no effect", ":6:8: warning: led.tail: has no effect"}},
+       {"a pad on no line",
+        "[battery]\nsource = \"none\"\n[touch]\nsource = \"gpio\"\n",
+        {"touch: the key \"line\" is missing"}},
+       {"a line with two users",
+        "[battery]\nsource = \"none\"\n[touch]\nsource = \"gpio\"\nline = \"A\"\n[[contact]]\n"
+        "name = \"x\"\nline = \"A\"\n",
+        {":8:8: error: contact.line: the line \"A\" is used above already"}},
+       {"a line without effect",
+        "[battery]\nsource = \"none\"\n[touch]\nsource = \"world\"\nline = \"A\"\n",
+        {":5:8: warning: touch.line: has no effect: only a source \"gpio\" uses it"}},
+       {"a debounce of a minute",
+        "[battery]\nsource = \"none\"\n[power_key]\nsource = \"gpio\"\nline = \"A\"\n"
+        "debounce_ms = 60000\n",
+        {":6:15: error: power_key.debounce_ms: expected an integer"}},
+       {"two contacts of a name",
+        "[battery]\nsource = \"none\"\n[[contact]]\nname = \"x\"\nline = \"A\"\n[[contact]]\n"
+        "name = \"x\"\nline = \"B\"\n",
+        {":7:8: error: contact.name: \"x\" is defined above already"}},
+       {"lamps without a line",
+        "[battery]\nsource = \"none\"\n[led]\nsource = \"gpio\"\n",
+        {":4:10: error: led.source: expected a key head, tail or mini beside it"}},
+       {"a battery on an I2C bus without its file",
+        "[battery]\nsource = \"i2c\"\n",
+        {"battery: the key \"registers\" is missing"}},
+       {"a file of registers that is missing",
+        "[battery]\nsource = \"none\"\n[[measurement]]\nregisters = \"nowhere.toml\"\n",
+        {"/robot/nowhere.toml: error: "}},
        {"a path for a name",
         host + "name = \"../BAT0\"\n",
         {"expected the name of a supply, found a path"}},
        {"no TOML", "skip = \n", {"/robot/device.toml:1:"}}});
+}
+
+TEST(DeviceConfig, HasLinesAndRegisters) {
+  const std::string folder = SourceDir() + "/config/device/";
+  const Parsed<DeviceConfig> reading = ReadDeviceText(R"(
+[battery]
+source = "i2c"
+registers = "i2c/battery.toml"
+[touch]
+source = "gpio"
+line = "PAD"
+[power_key]
+source = "gpio"
+line = "gpiochip0:5"
+active_low = true
+bias = "pull-up"
+debounce_ms = 30
+[led]
+source = "gpio"
+tail = "LAMP"
+active_low = true
+[[contact]]
+name = "bumper"
+line = "BUMPER"
+bias = "pull-down"
+[[measurement]]
+registers = "i2c/thermometer.toml"
+silence_ms = 3000
+)",
+                                                      folder + "device.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.config);
+  const DeviceConfig& config = *reading.config;
+  EXPECT_EQ(config.battery.source, BatterySource::kI2c);
+  EXPECT_EQ(config.battery.registers.address, 0x0B);
+  EXPECT_EQ(config.touch.line, (GpioSpec{"PAD", false, GpioBias::kAsIs, Milliseconds(10)}));
+  EXPECT_EQ(config.power_key.line,
+            (GpioSpec{"gpiochip0:5", true, GpioBias::kPullUp, Milliseconds(30)}));
+  EXPECT_EQ(config.led.lines.at(0).line, "");
+  EXPECT_EQ(config.led.lines.at(1).line, "LAMP");
+  EXPECT_TRUE(config.led.lines.at(1).active_low);
+  ASSERT_EQ(config.contacts.size(), 1U);
+  EXPECT_EQ(config.contacts[0].name, "bumper");
+  EXPECT_EQ(config.contacts[0].line.bias, GpioBias::kPullDown);
+  ASSERT_EQ(config.measurements.size(), 1U);
+  EXPECT_EQ(config.measurements[0].registers.values.at(0).name, "board_temperature");
+  EXPECT_EQ(config.measurements[0].silence, std::chrono::seconds(3));
 }
 
 TEST(DeviceConfig, OfTheDemoIsGoodAndNamesEveryKey) {

@@ -347,7 +347,7 @@ TEST_F(DeviceCheck, LeavesOutSkippedAndMissingDevices) {
   config_.skip = {"bms", "uwb"};
   config_.touch.source = KeySource::kNone;
   Start();
-  EXPECT_THAT(devices_->Check(), SizeIs(2));
+  EXPECT_THAT(devices_->Check(), SizeIs(4));
   EXPECT_THAT(Failures(), ElementsAre(1109));
 }
 
