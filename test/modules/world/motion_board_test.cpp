@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -13,10 +14,12 @@
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/yaw.hpp"
 #include "musher/modules/motion/board_message.hpp"
 #include "musher/modules/motion/lcm_backend.hpp"
 #include "musher/modules/motion/motion_shell.hpp"
 #include "musher/modules/motion/motion_table.hpp"
+#include "musher/modules/motion/tool/square_walk.hpp"
 #include "musher/modules/motion/topic_backend.hpp"
 #include "musher/modules/motion/user_gait.hpp"
 #include "musher/modules/world/process/world_host.hpp"
@@ -132,14 +135,37 @@ class MotionBoard : public ::testing::TestWithParam<motion::BoardKind> {
     const msg::MotionResultCmd::Response response = Call(*client_, request);
     return response.result || response.code != 0 ? response.code : -1;
   }
+  void Frame(const std::array<float, 3>& speed) {
+    motion::ServoCommand command;
+    command.requested.id = motion::kUserTrot;
+    command.requested.arguments.vel_des = {speed[0], speed[1], speed[2]};
+    motion_->Do(motion::motion_event::ServoArrived{command});
+    network_.RunFor(Milliseconds(50));
+  }
   void Stream(Duration duration, float speed) {
-    for (const Time end = network_.now() + duration; network_.now() < end;) {
-      motion::ServoCommand command;
-      command.requested.id = motion::kUserTrot;
-      command.requested.arguments.vel_des = {speed, 0, 0};
-      motion_->Do(motion::motion_event::ServoArrived{command});
-      network_.RunFor(Milliseconds(50));
+    for (const Time end = network_.now() + duration; network_.now() < end;) Frame({speed, 0, 0});
+  }
+  motion::tool::PlanarPose Odometry() const {
+    const msg::Pose& pose = last_.pose.pose;
+    return {{pose.position.x, pose.position.y}, msg::YawOf(pose.orientation)};
+  }
+  // As `musher-motion walk --square`; returns how far its end is from its beginning, by odometry.
+  double WalkSquare(double side_m, double speed_m_s) {
+    motion::tool::SquareWalk walk(Odometry(), side_m, speed_m_s);
+    for (const Time end = network_.now() + seconds(120); !walk.done() && network_.now() < end;) {
+      Frame(walk.Step(Odometry()));
     }
+    EXPECT_TRUE(walk.done());
+    network_.RunFor(seconds(2));  // until it stands still
+    return walk.Gap(Odometry());
+  }
+  // As in LowPower, OTA and TearDown. CyberDog's code.
+  std::int32_t LieDown(const State& state, std::int32_t id) {
+    motion_->Do(motion::motion_event::Closed{state});
+    std::optional<std::int32_t> code;
+    motion_->LieDown(id, 0, [&](const motion::motion_action::Answer& a) { code = a.code; });
+    network_.RunUntil([&] { return code.has_value(); }, network_.now() + seconds(60));
+    return code.value_or(-1);
   }
   void SetFault(const std::string& fault) {
     static_cast<void>(faults_->Publish({fault}));
@@ -225,6 +251,41 @@ TEST_P(MotionBoard, FollowsAStreamAndStopsWhenItEnds) {
   EXPECT_NEAR(last_.twist.twist.linear.x, 0.4, 0.05);
   network_.RunFor(seconds(1));
   EXPECT_EQ(TheBody().gait(), 1) << "WALK_STAND";
+  EXPECT_NEAR(SpeedOfBody(), 0, 0.01);
+}
+
+TEST_P(MotionBoard, WalksASquareByItsOdometry) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  network_.RunFor(seconds(1));
+  const Pose2 before = TheBody().pose();
+  EXPECT_LT(WalkSquare(1.0, 0.3), 0.05);
+  EXPECT_EQ(TheBody().gait(), 1) << "WALK_STAND";
+  EXPECT_LT((TheBody().pose().position_m - before.position_m).norm(), 0.3) << "where it really is";
+  EXPECT_NEAR(std::remainder(Odometry().yaw, 2 * M_PI), 0, 0.1);
+}
+
+// What `scripts/demo` requests of the body, state by state.
+TEST_P(MotionBoard, GoesThroughTheDayOfTheDemo) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  EXPECT_LT(WalkSquare(2.0, 0.6), 0.3);
+  Stream(seconds(2), 0.3F);
+  EXPECT_EQ(LieDown(kLowPower, motion::kGetDown), 0) << log_;
+  EXPECT_EQ(TheBody().mode(), 7);
+  EXPECT_EQ(Do(motion::kRecoveryStand), 3003);
+  EXPECT_EQ(Do(motion::kEmergencyStop), 0) << "in each state";
+  motion_->Do(motion::motion_event::Opened{});
+  EXPECT_EQ(Do(motion::kUserTrot, 1000, {0.3F, 0, 0}), 3040);
+  EXPECT_EQ(Do(motion::kRecoveryStand), 0);
+  Stream(seconds(2), 0.3F);
+  EXPECT_EQ(LieDown(kOta, motion::kGetDown), 0) << log_;
+  motion_.reset();  // the next version
+  StartMotion();
+  EXPECT_EQ(TheBody().mode(), 7);
+  EXPECT_EQ(Do(motion::kRecoveryStand), 0);
+  Stream(seconds(2), 0.3F);
+  EXPECT_EQ(LieDown(kTearDown, motion::kPassiveGetDown), 0) << log_;
+  EXPECT_EQ(TheBody().mode(), 7);
+  network_.RunFor(seconds(1));  // until it stands still
   EXPECT_NEAR(SpeedOfBody(), 0, 0.01);
 }
 
