@@ -149,7 +149,7 @@ void NoteOpen(const Hall& hall, const Hall& base, AdaptedFile& file) {
   if (hall.s1_m != base.s1_m) {
     file.open.emplace_back(
         "s1_m: where the S lane is seen from START (ycy_center of front_start) and START from lane "
-        "Q (right_start, left_start) is to be measured: musher-vision look");
+        "Q (left_start) is to be measured: musher-vision look");
   }
   if (hall.bay_b_in_m != base.bay_b_in_m) {
     file.open.emplace_back(
