@@ -16,6 +16,9 @@
 #include "musher/modules/vision/course/marker_finder.hpp"
 #include "musher/modules/world/render/render.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/test/modules/race/drive/check_places.hpp"
+#include "musher/test/modules/race/drive/other_halls.hpp"
+#include "musher/test/support/nightly.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::race::testing {
@@ -24,17 +27,6 @@ namespace {
 using ::testing::Contains;
 using ::testing::Le;
 using ::testing::SizeIs;
-
-struct Route {
-  std::uint64_t seed;
-  std::map<std::string, std::string> chosen;
-  bool yellow_light = false;
-  std::optional<double> slip = {};
-  std::set<std::string> unseen = {};
-};
-void PrintTo(const Route& route, std::ostream* out) {
-  *out << "seed " << route.seed;
-}
 
 std::string Joined(const std::vector<std::string>& log) {
   std::string all;
@@ -263,54 +255,6 @@ TEST(HallScene, WithTheMeasuresOfTheShippedSceneIsThatScene) {
   }
 }
 
-struct HallCase {
-  int number;
-  Route route;
-  OtherHall hall;
-  std::string until = {};
-  bool ends = false;  // it is known to reach END
-};
-void PrintTo(const HallCase& hall, std::ostream* out) {
-  *out << "hall " << hall.number;
-}
-
-HallCase Case(int number, double lane_m, double line_m, SCurve s, double slip, Flooring flooring,
-              double kelvin, double share, const Route& route) {
-  HallCase hall{number, route, {HallOf(lane_m, line_m), s, flooring, {kelvin, share}}};
-  hall.route.slip = slip;
-  return hall;
-}
-
-HallCase Driven(HallCase hall) {
-  hall.ends = true;
-  return hall;
-}
-
-Route RouteOf(std::uint64_t seed, const char* qr_a, const char* arrow, const char* qr_b) {
-  return {seed, {{"qr_a", qr_a}, {"arrow", arrow}, {"qr_b", qr_b}}};
-}
-
-const std::vector<HallCase>& Halls() {
-  using enum Flooring;
-  static const std::vector<HallCase> halls = {
-      Driven(Case(1, 0.70, 0.03, {1.6, 50}, 0.00, kGrey, 6500, 1.0,
-                  RouteOf(11, "A-1", "left", "B-1"))),
-      Case(2, 0.70, 0.05, {1.4, 50}, 0.03, kOak, 3000, 0.6, RouteOf(12, "A-2", "right", "B-2")),
-      Case(3, 0.75, 0.07, {2.0, 40}, 0.05, kTiles, 8000, 0.4, RouteOf(13, "A-1", "right", "B-1")),
-      Case(4, 0.75, 0.04, {1.5, 45}, 0.10, kBlueMat, 6500, 0.15, RouteOf(14, "A-2", "left", "B-2")),
-      Case(5, 0.80, 0.05, {1.8, 50}, 0.15, kWetSpots, 6500, 1.2, RouteOf(15, "A-1", "left", "B-2")),
-      Case(6, 0.83, 0.03, {1.6, 60}, 0.08, kGrey, 3000, 0.3, RouteOf(16, "A-2", "right", "B-1")),
-      Case(7, 0.83, 0.07, {1.4, 45}, 0.02, kOak, 6500, 1.2, RouteOf(17, "A-1", "right", "B-2")),
-      Case(8, 0.87, 0.05, {2.2, 35}, 0.12, kTiles, 3000, 0.8, RouteOf(18, "A-2", "left", "B-1")),
-      Case(9, 0.90, 0.04, {1.7, 50}, 0.05, kBlueMat, 8000, 1.0, RouteOf(19, "A-1", "left", "B-1")),
-      Case(10, 0.93, 0.06, {1.9, 45}, 0.15, kWetSpots, 8000, 0.5,
-           RouteOf(20, "A-2", "right", "B-2")),
-      Case(11, 0.97, 0.05, {1.6, 55}, 0.07, kOak, 8000, 0.2, RouteOf(21, "A-1", "right", "B-1")),
-      Case(12, 1.00, 0.07, {2.0, 50}, 0.10, kGrey, 6500, 0.15, RouteOf(22, "A-2", "left", "B-2")),
-  };
-  return halls;
-}
-
 // Looks of the light's detector in a hall: from places in five lanes, at each with no lamp and with
 // one at several distances ahead.
 struct LampLooks {
@@ -390,6 +334,58 @@ TEST(YellowLight, IsSeenInEachHallAndOnlyWhereItIs) {
   }
 }
 
+// In pictures of the world's renderer, and in those of the painter that has no part in it.
+const std::vector<HallCase>& HallsInBothPictures() {
+  static const std::vector<HallCase> halls = [] {
+    std::vector<HallCase> both = Halls();
+    for (HallCase hall : Halls()) {
+      hall.hall.painted = true;
+      both.push_back(hall);
+    }
+    return both;
+  }();
+  return halls;
+}
+
+std::string PicturesOf(const HallCase& hall) {
+  return hall.hall.painted ? "painted" : "rendered";
+}
+
+// What is known to lead away from its place: beside a bay that is hardly wider than the body, a
+// line of the next bay; and where the cross lane of zone B is wider than the camera's region.
+bool IsKnownToLeadAway(const HallCase& hall, const std::string& check) {
+  const double lane_m = hall.hall.hall.lane_m;
+  if (check == "left_dy" || check == "bay_sides_dy") return lane_m < 0.75;
+  if (check == "junction_ycy") return hall.number == 9;
+  if (check == "left_cross_ycy" || check == "right_cross_ycy") return lane_m > 0.97;
+  return false;
+}
+
+// A way back ended 0.7 m beside the START lane, with feet on its line: the check at its end took
+// lines of lane Q and of a bay for those of the START lane, and led away from it five times.
+TEST(ChecksInOtherHalls, LeadToTheirPlaces) {
+  for (const HallCase& hall : HallsInBothPictures()) {
+    if (!::musher::testing::Nightly() && hall.number != 5) continue;
+    DriveSettings settings = SettingsOf(hall.route);
+    settings.hall = hall.hall;
+    CourseDrive drive(settings);
+    std::map<Saying, int> counts;
+    for (const CheckPlace& place : CheckPlaces(hall.hall.hall, hall.hall.s)) {
+      for (const double off : {-0.2, -0.1, 0.0, 0.1, 0.2}) {
+        const Saying said = SaidFrom(drive, place, off);
+        ++counts[said];
+        EXPECT_TRUE(said != Saying::kAway || IsKnownToLeadAway(hall, place.check))
+            << "hall " << hall.number << ", " << PicturesOf(hall) << ": " << place.check << " of "
+            << place.state << " from " << off << " beside its place";
+      }
+    }
+    std::cout << fmt::format("hall {:2}, {:8}: right {:3}, unsure {:3}, away {}, none {}\n",
+                             hall.number, PicturesOf(hall), counts[Saying::kRight],
+                             counts[Saying::kUnsure], counts[Saying::kAway], counts[Saying::kNone]);
+    EXPECT_GT(counts[Saying::kRight], 60);
+  }
+}
+
 DriveResult DriveIn(const HallCase& hall) {
   DriveSettings settings = SettingsOf(hall.route);
   settings.hall = hall.hall;
@@ -398,10 +394,11 @@ DriveResult DriveIn(const HallCase& hall) {
   CourseDrive drive(settings);
   DriveResult result = drive.Run();
   std::cout << fmt::format(
-      "hall {:2}: lane {:.2f} m, line {:.2f} m, S {:.1f} m {:.0f}°, slip {:.2f}, {}, {:.0f} K, "
-      "light {:.2f}: {}, {} whole feet ({} touches), {} wrong words, {} reservations, {:.0f} s\n",
-      hall.number, hall.hall.hall.lane_m, hall.hall.hall.line_m, hall.hall.s.radius_m,
-      hall.hall.s.arc_deg, *hall.route.slip, NameOf(hall.hall.flooring),
+      "hall {:2}, {}: lane {:.2f} m, line {:.2f} m, S {:.1f} m {:.0f}°, slip {:.2f}, {}, {:.0f} "
+      "K, light {:.2f}: {}, {} whole feet ({} touches), {} wrong words, {} reservations, {:.0f} "
+      "s\n",
+      hall.number, PicturesOf(hall), hall.hall.hall.lane_m, hall.hall.hall.line_m,
+      hall.hall.s.radius_m, hall.hall.s.arc_deg, *hall.route.slip, NameOf(hall.hall.flooring),
       hall.hall.light.temperature_k, hall.hall.light.share, result.state,
       result.world->referee().whole_foot_count(), result.world->referee().touch_count(),
       result.wrong_words.size(), result.reservations.size(), ToSeconds(result.took));
@@ -432,10 +429,32 @@ TEST_P(WholeCourseOfAnotherHall, IsDrivenOrEndsWithItsReason) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Nightly, WholeCourseOfAnotherHall, ::testing::ValuesIn(Halls()),
-                         [](const auto& hall) {
-                           return "Hall" + std::to_string(hall.param.number);
+INSTANTIATE_TEST_SUITE_P(Nightly, WholeCourseOfAnotherHall,
+                         ::testing::ValuesIn(HallsInBothPictures()), [](const auto& hall) {
+                           return "Hall" + std::to_string(hall.param.number) + "_" +
+                                  PicturesOf(hall.param);
                          });
+
+// From the last bay, in both pictures.
+TEST(WayBackToTheStartOfOtherHalls, EndsInTheStartLane) {
+  for (HallCase hall : HallsInBothPictures()) {
+    if (hall.number != 4 && hall.number != 5) continue;
+    const Hall& measures = hall.hall.hall;
+    DriveSettings settings = SettingsOf(hall.route);
+    settings.hall = hall.hall;
+    const bool west = hall.route.chosen.at("qr_a") == "A-2";  // the other bay than at first
+    settings.from = west ? "A1_TO_START" : "A2_TO_START";
+    settings.pose = world::Pose2{
+        {(west ? -1 : 1) * measures.bay_a_aside_m, measures.bay_a_in_m - measures.cross_m},
+        -M_PI / 2};
+    settings.limit = std::chrono::minutes(2);
+    CourseDrive drive(settings);
+    const DriveResult result = drive.Run();
+    EXPECT_EQ(result.state, "END") << Joined(result.log);
+    EXPECT_EQ(result.world->referee().whole_foot_count(), 0U) << Joined(result.log);
+    EXPECT_NEAR(result.world->body().pose().position_m.y(), 0, 0.12) << Joined(result.log);
+  }
+}
 
 // What the gate drives of these: into the first bay of a narrow hall, and of a wide one.
 TEST(WayToTheBayOfAnotherHall, IsDrivenByTheCamerasAlone) {

@@ -133,17 +133,6 @@ void Wet(cv::Mat& floor, cv::RNG& random) {
   floor += three;
 }
 
-// A black body's red, green and blue beside those of 6500 K (linear, of the sRGB primaries).
-cv::Scalar ColorOf(double kelvin) {
-  const std::array<std::array<double, 4>, 3> known{
-      {{3000, 0.33, 0.66, 1.43}, {6500, 1, 1, 1}, {8000, 1.13, 1.02, 0.9}}};
-  const auto& low = kelvin <= 6500 ? known[0] : known[1];
-  const auto& high = kelvin <= 6500 ? known[1] : known[2];
-  const double t = std::clamp((kelvin - low[0]) / (high[0] - low[0]), 0.0, 1.0);
-  return {low[1] + t * (high[1] - low[1]), low[2] + t * (high[2] - low[2]),
-          low[3] + t * (high[3] - low[3])};
-}
-
 // Pools of the light of warm lamps, beside that of the hall.
 void AddPools(cv::Mat& floor, cv::RNG& random) {
   constexpr int kLamps = 4;
@@ -213,6 +202,24 @@ const Maps& KnownMapsOf(const Camera& camera) {
 
 }  // namespace
 
+cv::Scalar ColorOfLight(double kelvin) {
+  const std::array<std::array<double, 4>, 3> known{
+      {{3000, 0.33, 0.66, 1.43}, {6500, 1, 1, 1}, {8000, 1.13, 1.02, 0.9}}};
+  const auto& low = kelvin <= 6500 ? known[0] : known[1];
+  const auto& high = kelvin <= 6500 ? known[1] : known[2];
+  const double t = std::clamp((kelvin - low[0]) / (high[0] - low[0]), 0.0, 1.0);
+  return {low[1] + t * (high[1] - low[1]), low[2] + t * (high[2] - low[2]),
+          low[3] + t * (high[3] - low[3])};
+}
+
+cv::Mat UnmarkedFloor(const Floor& floor) {
+  cv::RNG random(floor.seed);
+  cv::Mat above = FloorOf(floor, random);
+  if (floor.light.pools) AddPools(above, random);
+  if (floor.material == Material::kWet) Wet(above, random);
+  return above;
+}
+
 FloorPicture::FloorPicture(const Floor& floor) : floor_(floor) {
   cv::RNG random(floor.seed);
   above_ = FloorOf(floor, random);
@@ -240,7 +247,8 @@ cv::Mat FloorPicture::SeenBy(const Camera& camera) const {
   // The exposure follows the light down to a fifth of daylight; below it the picture is darker.
   constexpr double kAutomatic = 0.2;
   cv::multiply(
-      seen, ColorOf(floor_.light.kelvin) * (1.6 * std::min(1.0, floor_.light.share / kAutomatic)),
+      seen,
+      ColorOfLight(floor_.light.kelvin) * (1.6 * std::min(1.0, floor_.light.share / kAutomatic)),
       seen);
   cv::min(seen, 1, seen);
   cv::pow(seen, 1 / 2.2, seen);

@@ -56,6 +56,12 @@ inline constexpr Camera kFront{false, 0.27, 0, 0.35, 0, 8, 80};
 inline constexpr Camera kLeft{true, 0.22, 0.06, 0.34, 90, 20, 180};
 inline constexpr Camera kRight{true, 0.22, -0.06, 0.34, -90, 20, 180};
 
+// The floor without its tapes, CV_32FC3, linear light, blue first, 200 pixels a metre.
+cv::Mat UnmarkedFloor(const Floor& floor);
+
+// A black body's blue, green and red beside those of 6500 K (linear, of the sRGB primaries).
+cv::Scalar ColorOfLight(double kelvin);
+
 // The pictures of one floor, painted once.
 class FloorPicture {
  public:

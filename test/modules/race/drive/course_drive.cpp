@@ -108,8 +108,30 @@ Duration CpuTime() {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-cv::Mat MatOf(const world::Image& image) {
-  return {image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data())};
+vision::floors::Material MaterialOf(Flooring flooring) {
+  using vision::floors::Material;
+  switch (flooring) {
+    case Flooring::kOak:
+      return Material::kOak;
+    case Flooring::kTiles:
+      return Material::kConcrete;
+    case Flooring::kBlueMat:
+      return Material::kBlueMat;
+    case Flooring::kWetSpots:
+      return Material::kWet;
+    case Flooring::kGrey:
+    case Flooring::kShipped:
+      break;
+  }
+  return Material::kGrey;
+}
+
+HallPaint PaintOf(const OtherHall& hall, std::uint64_t seed) {
+  HallPaint paint;
+  paint.floor.material = MaterialOf(hall.flooring);
+  paint.floor.light = {hall.light.temperature_k, hall.light.share, false};
+  paint.floor.seed = seed;
+  return paint;
 }
 
 }  // namespace
@@ -125,6 +147,9 @@ CourseDrive::CourseDrive(DriveSettings settings)
   scenery_ = world::Scenery::Make(scene).value();
   const bool painted = settings_.hall && settings_.hall->flooring != Flooring::kShipped;
   if (painted) std::filesystem::remove(scene.ground.file);
+  if (settings_.hall && settings_.hall->painted) {
+    painter_.emplace(scene, PaintOf(*settings_.hall, settings_.seed));
+  }
   for (std::size_t i = 0; i < cameras_.size(); ++i) cameras_[i].emplace(scene.cameras.cameras[i]);
   for (const vision::CourseEntry& entry : VisionOf(settings_).detectors) {
     DetectorChannel channel{
@@ -199,21 +224,26 @@ std::vector<std::string> CourseDrive::LinesFrom(const world::Pose2& pose) {
   std::vector<std::string> found;
   for (DetectorChannel& channel : channels_) {
     if (channel.entry.kind != vision::CourseKind::kLines) continue;
-    world::View view = world::ViewOf(dog_.world(), channel.camera);
-    view.body = pose;
-    view.attitude = {dog_.world().scene().body.stand_height_m, 0, 0};
-    const world::Image image = cameras_[channel.camera]->Shoot(*scenery_, view);
-    const vision::CourseSight sight = channel.detector->Look(MatOf(image), 1, std::nullopt);
+    const cv::Mat picture = PictureFrom(channel.camera, pose);
+    const vision::CourseSight sight = channel.detector->Look(picture, 1, std::nullopt);
     const msg::YellowLines& lines = *sight.lines;
-    found.push_back(fmt::format("{:12} {} lines, ycy {:6} {:+.3f}, dy {:6} {:+.3f}",
+    found.push_back(fmt::format("{:12} {} lines, ycy {:6} {:+.3f}, dy {:6} {:+.3f} {}",
                                 channel.entry.name, lines.contours, lines.ycy, lines.middle_offset,
-                                lines.dy, lines.line_offset));
+                                lines.dy, lines.line_offset, lines.doubt));
     if (settings_.pictures.empty()) continue;
-    cv::Mat drawn = MatOf(image).clone();
+    cv::Mat drawn = picture.clone();
     channel.detector->Draw(drawn);
     cv::imwrite(settings_.pictures + "/" + channel.entry.name + ".png", drawn);
   }
   return found;
+}
+
+msg::YellowLines CourseDrive::LinesFrom(Index detector, const world::Pose2& pose) {
+  for (DetectorChannel& channel : channels_) {
+    if (channel.of_race != detector) continue;
+    return channel.detector->Look(PictureFrom(channel.camera, pose), 1, std::nullopt).lines.value();
+  }
+  throw std::runtime_error("no detector of the race");
 }
 
 void CourseDrive::Step() {
@@ -253,6 +283,21 @@ void CourseDrive::TickRace(Time now) {
   race_.PassTime(now);
 }
 
+cv::Mat CourseDrive::PictureOf(std::size_t camera, const world::View& view) const {
+  if (painter_) return painter_->Taken(camera, view);
+  const world::Image image = cameras_[camera]->Shoot(*scenery_, view);
+  return cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data()))
+      .clone();
+}
+
+// Of a standing robot.
+cv::Mat CourseDrive::PictureFrom(std::size_t camera, const world::Pose2& pose) const {
+  world::View view = world::ViewOf(dog_.world(), camera);
+  view.body = pose;
+  view.attitude = {dog_.world().scene().body.stand_height_m, 0, 0};
+  return PictureOf(camera, view);
+}
+
 bool CourseDrive::Wanted(const DetectorChannel& channel) const {
   return channel.wanted_by_race || (channel.of_walker && walker_.active());
 }
@@ -261,17 +306,17 @@ void CourseDrive::LookAround() {
   if (!world::IsDue(dog_.world().now(), kRateHz)) return;
   const std::int64_t stamp_ns = dog_.world().now().count();
   for (std::size_t camera = 0; camera < cameras_.size(); ++camera) {
-    std::optional<world::Image> image;
+    std::optional<cv::Mat> picture;
     for (DetectorChannel& channel : channels_) {
       if (channel.camera != camera || !Wanted(channel)) continue;
       using Verdict = vision::StampGate::Verdict;
       const Verdict verdict = channel.gate.Check(stamp_ns);
       if (verdict != Verdict::kLook && verdict != Verdict::kLookAfterJump) continue;
-      if (!image) {
-        image = cameras_[camera]->Shoot(*scenery_, world::ViewOf(dog_.world(), camera));
+      if (!picture) {
+        picture = PictureOf(camera, world::ViewOf(dog_.world(), camera));
         ++shots_;
       }
-      Look(channel, MatOf(*image));
+      Look(channel, *picture);
     }
   }
 }

@@ -22,6 +22,7 @@
 #include "musher/modules/race/race.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/modules/world/render/render.hpp"
+#include "musher/test/modules/race/drive/hall_painter.hpp"
 #include "musher/test/modules/race/drive/hall_scene.hpp"
 #include "musher/test/modules/race/drive/simulated_dog.hpp"
 
@@ -33,6 +34,7 @@ struct OtherHall {
   SCurve s;
   Flooring flooring = Flooring::kShipped;
   HallLight light;
+  bool painted = false;  // its pictures are of HallPainter, not of the world's renderer
 };
 
 struct DriveSettings {
@@ -92,6 +94,10 @@ class CourseDrive : private RaceOutputs {
   // What each detector of lines finds from a standing robot at a pose, a line for each: to tune the
   // regions and targets of config/vision/course.toml.
   std::vector<std::string> LinesFrom(const world::Pose2& pose);
+  // What one of the race's detectors of lines finds there.
+  msg::YellowLines LinesFrom(Index detector, const world::Pose2& pose);
+
+  const Course& course() const { return race_.course(); }
 
  private:
   // A detector of the vision module, and who gets what it finds.
@@ -112,6 +118,8 @@ class CourseDrive : private RaceOutputs {
 
   void Step();
   void LookAround();
+  cv::Mat PictureOf(std::size_t camera, const world::View& view) const;
+  cv::Mat PictureFrom(std::size_t camera, const world::Pose2& pose) const;
   void Look(DetectorChannel& channel, const cv::Mat& picture);
   void ShowWalker(line_walker::View view, const msg::YellowLines& lines, Time taken);
   void Deliver();
@@ -135,6 +143,7 @@ class CourseDrive : private RaceOutputs {
   const DriveSettings settings_;
   SimulatedDog dog_;
   std::unique_ptr<world::Scenery> scenery_;
+  std::optional<HallPainter> painter_;
   std::array<std::optional<world::Camera>, world::kCameras> cameras_;
   std::vector<DetectorChannel> channels_;
   line_walker::WalkerConfig walker_config_;
