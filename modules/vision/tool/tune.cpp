@@ -80,8 +80,18 @@ Region* RegionOf(CourseParameters& parameters) {
   return nullptr;
 }
 
+// Why a detector is not sure of a picture; empty: it is.
+std::string DoubtOf(const CourseSight& sight) {
+  return sight.lines ? sight.lines->doubt : sight.doubt;
+}
+
+struct Looked {
+  Verdict verdict = Verdict::kMissed;
+  std::string doubt;
+};
+
 // As a detector of the file does, but for what is proposed.
-Verdict Look(const Labelled& picture, const Proposal& proposal) {
+Looked Look(const Labelled& picture, const Proposal& proposal) {
   const CourseEntry& entry = *picture.entry;
   CourseParameters parameters = entry.parameters;
   const auto [name, range] = ColorOf(parameters);
@@ -91,14 +101,15 @@ Verdict Look(const Labelled& picture, const Proposal& proposal) {
   if (region != proposal.regions.end()) *RegionOf(parameters) = region->second;
   const auto balance = proposal.balance ? proposal.balance : entry.balance;
   const auto detector = FactoryOf(parameters, balance).make();
-  if (!detector) return Verdict::kMissed;
-  return Compare(picture, detector.value()->Look(picture.bgr, 1, std::nullopt));
+  if (!detector) return {};
+  const CourseSight sight = detector.value()->Look(picture.bgr, 1, std::nullopt);
+  return {Compare(picture, sight), DoubtOf(sight)};
 }
 
 Score ScoreOf(const std::vector<Labelled>& pictures, const Proposal& proposal) {
   Score score;
   for (const Labelled& picture : pictures) {
-    const Verdict verdict = Look(picture, proposal);
+    const Verdict verdict = Look(picture, proposal).verdict;
     ++(verdict == Verdict::kRight    ? score.right
        : verdict == Verdict::kMissed ? score.missed
                                      : score.wrong);
@@ -367,10 +378,11 @@ void PrintScores(const std::vector<Labelled>& pictures, const Proposal& proposal
     out << fmt::format("  {:<26}{:>4} right {:>4} missed {:>4} wrong\n", name, score.right,
                        score.missed, score.wrong);
     for (const Labelled& picture : own) {
-      const Verdict verdict = Look(picture, proposal);
-      if (verdict == Verdict::kRight) continue;
-      out << fmt::format("    {}: {}\n", verdict == Verdict::kWrong ? "wrong" : "missed",
-                         std::filesystem::path(picture.file).filename().string());
+      const Looked looked = Look(picture, proposal);
+      if (looked.verdict == Verdict::kRight) continue;
+      out << fmt::format("    {}: {}{}\n", looked.verdict == Verdict::kWrong ? "wrong" : "missed",
+                         std::filesystem::path(picture.file).filename().string(),
+                         looked.doubt.empty() ? "" : ": " + looked.doubt);
     }
   }
 }

@@ -105,6 +105,14 @@ TEST_F(TuneTest, NamesTheDetectorsWhoseOwnColorWinsOverTheTable) {
   EXPECT_THAT(out_.str(), Not(HasSubstr("remove")));
 }
 
+TEST_F(TuneTest, SaysOfAMissedPictureThatTheFloorHasTheColorOfTheLines) {
+  Save("lane-center-floor.png", {100, 540}, kYellow, kYellow);
+  ASSERT_TRUE(Tune());
+  EXPECT_THAT(out_.str(),
+              HasSubstr("    missed: lane-center-floor.png: the floor has the colour of "
+                        "the lines: 100 % of the region\n"));
+}
+
 TEST_F(TuneTest, LeavesColorsThatAreRight) {
   Save("lane-left-1.png", {203, 540}, kYellow);
   Save("lane-none-1.png", {}, kYellow);
