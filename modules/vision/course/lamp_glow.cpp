@@ -12,6 +12,9 @@ namespace {
 constexpr double kSixth = 30;  // of OpenCV's hues
 constexpr double kRedHue = 0, kGreenHue = 2 * kSixth, kBlueHue = 4 * kSixth;
 
+// Of a light, in the picture: eyes of an animal and a lid of wood are round and darker.
+constexpr double kLeastRed = 170;
+
 // The red, green or blue of a pixel, 0 to 255.
 double ChannelOf(const cv::Vec3b& hsv, double hue) {
   const double value = hsv[2], least = value * (1 - hsv[1] / 255.0);
@@ -208,6 +211,7 @@ bool Shines(const cv::Mat& hsv, const cv::Rect& box) {
   const Mean middle = MeanBetween(hsv, box, 0, 0.4), rim = MeanBetween(hsv, box, 0.75, 0.92);
   const Mean around = MeanBetween(hsv, box, kAroundFrom, kAroundTo);
   if (around.count == 0) return false;
+  if (std::max(middle.red, rim.red) < kLeastRed) return false;
   // A lamp with a white middle is bright up to its rim: what is darker there is its glow on a wall.
   constexpr double kWhite = 90, kBrightRim = 0.87;
   if (middle.saturation < kWhite && rim.luma < kBrightRim * middle.luma) return false;
@@ -257,22 +261,26 @@ LampsInWarmLight FindLampsInWarmLight(const cv::Mat& bgr, const HsvRange& color,
   constexpr int kNoisePx = 3;
   constexpr int kScale = 2;  // a quarter of the pixels takes a quarter of the time
   LampsInWarmLight lamps;
-  cv::Mat half, hsv, green, saturation;
+  cv::Mat half, hsv, green, red, saturation;
   cv::resize(bgr, half, {std::max(1, bgr.cols / kScale), std::max(1, bgr.rows / kScale)}, 0, 0,
              cv::INTER_AREA);
   cv::GaussianBlur(half, half, {kNoisePx, kNoisePx}, 0);
   cv::cvtColor(half, hsv, cv::COLOR_BGR2HSV);
   cv::extractChannel(half, green, 1);
+  cv::extractChannel(half, red, 2);
   cv::extractChannel(hsv, saturation, 1);
   const auto whole = [](const cv::Rect& box) {
     return cv::Rect(box.tl() * kScale, box.br() * kScale);
+  };
+  const auto is_dim = [&](const cv::Rect& box) {
+    return LevelBetween(red, box, 0, 0.8).value_or(0) < kLeastRed;
   };
   const auto more = [&](const cv::Mat& channel, const cv::Rect& box) {
     const auto around = LevelBetween(channel, box, kEdge, kBeyond);
     return around ? LevelBetween(channel, box, 0, 0.8).value_or(0) - *around : 0;
   };
   for (const cv::Rect& box : SharpRounds(green)) {
-    if (more(green, box) < kLeastContrast) continue;
+    if (more(green, box) < kLeastContrast || is_dim(box)) continue;
     const double more_saturated = more(saturation, box);
     const bool has_color = more_saturated >= -kMostPaler && ShareOf(hsv, box, color) >= kLeastShare;
     const bool all_green = LevelBetween(green, box, 0, 0.8).value_or(0) >= kAllGreen;
@@ -283,7 +291,8 @@ LampsInWarmLight FindLampsInWarmLight(const cv::Mat& bgr, const HsvRange& color,
     }
   }
   for (const cv::Rect& box : SharpRounds(saturation)) {
-    if (more(saturation, box) < kLeastMoreSaturated || ShareOf(hsv, box, color) < kLeastShare) {
+    if (more(saturation, box) < kLeastMoreSaturated || ShareOf(hsv, box, color) < kLeastShare ||
+        is_dim(box)) {
       continue;
     }
     const bool shines = more(green, box) >= kLeastContrast || Shines(hsv, box);

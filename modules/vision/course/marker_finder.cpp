@@ -168,6 +168,62 @@ WarmLook LookInWarmLight(const cv::Mat& bgr, double coverage, const MarkerParame
   return warm;
 }
 
+// How much more saturated the box is than what is around it, in levels of 255.
+double MoreSaturated(const cv::Mat& saturation, const cv::Rect& box) {
+  const cv::Point less(box.width / 5, box.height / 5), more(box.width / 3, box.height / 3);
+  const cv::Rect inner(box.tl() + less, box.br() - less);
+  const cv::Rect wide =
+      cv::Rect(box.tl() - more, box.br() + more) & cv::Rect({0, 0}, saturation.size());
+  const double in_box = cv::sum(saturation(box))[0], in_wide = cv::sum(saturation(wide))[0];
+  const int around_px2 = wide.area() - box.area();
+  if (inner.empty() || around_px2 <= 0) return 0;
+  return cv::mean(saturation(inner))[0] - (in_wide - in_box) / around_px2;
+}
+
+// White paper has the tint of what is around it, as a wall in warm light; a sign has more.
+constexpr double kLeastOffPaper = 24;
+
+// The saturation of what has a hue of the range or near to it, however pale; 0 of the rest. White
+// paper that the camera clips has another hue than the darker wall around it.
+cv::Mat SaturationOfHue(const cv::Mat& hsv, const HsvRange& color) {
+  constexpr int kNoisePx = 5, kNear = 8, kHues = 180;
+  const HsvRange pale{{(color.from[0] - kNear + kHues) % kHues, 0, 0},
+                      {(color.to[0] + kNear) % kHues, 255, 255}};
+  cv::Mat saturation;
+  cv::extractChannel(hsv, saturation, 1);
+  cv::bitwise_and(saturation, MaskOfHsv(hsv, pale), saturation);
+  cv::GaussianBlur(saturation, saturation, {kNoisePx, kNoisePx}, 0);
+  return saturation;
+}
+
+// A sign where much of the picture has its colour, as a wall in warm light: the largest shape of
+// what is above a level of saturation, where the next level has the same shape, and which is
+// clearly more saturated than what is around it.
+std::optional<Marker> FindMoreSaturated(const cv::Mat& saturation, const cv::Mat& mask,
+                                        const MarkerParameters& parameters) {
+  constexpr int kFrom = 70, kStep = 10, kTo = 250;
+  constexpr double kSame = 0.8;  // of the area of both
+  std::optional<Marker> largest;
+  std::vector<cv::Rect> last;
+  for (int level = kFrom; level < kTo; level += kStep) {
+    cv::Mat above = (saturation >= level) & mask;
+    CleanMask(above, parameters.kernel_px, parameters.kernel_px);
+    std::vector<cv::Rect> boxes;
+    for (const Contour& outline : OutlinesOf(above)) {
+      const auto marker = MarkerOf(outline, mask.size(), parameters);
+      if (!marker) continue;
+      boxes.push_back(marker->box);
+      const bool is_sharp = std::ranges::any_of(last, [&](const cv::Rect& other) {
+        return (marker->box & other).area() > kSame * (marker->box | other).area();
+      });
+      if (!is_sharp || (largest && marker->size_px <= largest->size_px)) continue;
+      if (MoreSaturated(saturation, marker->box) >= kLeastOffPaper) largest = marker;
+    }
+    last = std::move(boxes);
+  }
+  return largest;
+}
+
 }  // namespace
 
 MarkerParameters LightParameters() {
@@ -207,12 +263,18 @@ MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters)
       }
     }
   }
+  const cv::Mat saturation =
+      parameters.shines ? cv::Mat() : SaturationOfHue(hsv, parameters.yellow);
+  if (!parameters.shines && coverage > kMostCoverage) {
+    look.marker = FindMoreSaturated(saturation, mask, parameters);
+  }
   CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
   for (const Contour& outline : OutlinesOf(mask)) {
     const auto marker = MarkerOf(outline, bgr.size(), parameters);
     if (!marker || (look.marker && marker->size_px <= look.marker->size_px)) continue;
-    if (parameters.shines && !Shines(hsv, marker->box)) continue;
-    look.marker = marker;
+    const bool is_it = parameters.shines ? Shines(hsv, marker->box)
+                                         : MoreSaturated(saturation, marker->box) >= kLeastOffPaper;
+    if (is_it) look.marker = marker;
   }
   if (parameters.shines) {
     // Also beside an outline: a farther lamp has one, the white core of a near one has none.

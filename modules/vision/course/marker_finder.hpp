@@ -7,6 +7,10 @@
 // wide as high, within limits, without dents, and as full as a circle or a square is; a light as a
 // circle. The fullest of the largest counts. What the picture's edge cuts is none.
 //
+// A sign is clearly more saturated than what around it has its hue: white paper in warm light is
+// not. Where much of the picture has the colour, as a wall in that light, what has an outline by
+// its saturation alone counts, too.
+//
 // A light has to shine as well (lamp_glow.hpp): it may be amber, and so bright that its middle is
 // white in the picture. Where much of the picture has its colour, under warm lamps, it has a sharp
 // edge and more green light than what is around it, or is clearly more saturated than the rest

@@ -48,6 +48,25 @@ TEST(Marker, IsNeitherTooSmallNorTooLarge) {
   EXPECT_FALSE(FindMarker(WithDisc({300, 100}, 72), {}));
 }
 
+// The wall's mask and the sign's were one outline.
+TEST(Marker, IsFoundBeforeAWallOfItsColor) {
+  cv::Mat bgr(480, 640, CV_8UC3, cv::Scalar(110, 165, 205));
+  cv::circle(bgr, {300, 100}, 30, kYellow, cv::FILLED, cv::LINE_AA);
+  const auto disc = FindMarker(bgr, {});
+  ASSERT_TRUE(disc);
+  EXPECT_NEAR(disc->size_px, 61, 5);
+  bgr.setTo(cv::Scalar(110, 165, 205));
+  EXPECT_FALSE(FindMarker(bgr, {}));
+}
+
+// It is as yellow as the wall, which is darker; where the camera clips it, its hue is that of
+// signs.
+TEST(Marker, IsNotWhitePaperInWarmLight) {
+  cv::Mat bgr(480, 640, CV_8UC3, cv::Scalar(100, 140, 186));
+  cv::circle(bgr, {300, 100}, 30, cv::Scalar(140, 200, 255), cv::FILLED, cv::LINE_AA);
+  EXPECT_FALSE(FindMarker(bgr, {}));
+}
+
 TEST(Yellow, ThatIsALineOrATriangleOrAnArrowIsNoMarker) {
   cv::Mat line = GreyPicture();
   line(cv::Rect(100, 100, 200, 30)).setTo(kYellow);
