@@ -222,9 +222,29 @@ void AddLate(Mixer& mixer, const KnownActuator& known, const std::vector<Late>& 
   }
 }
 
-void AddRecord(Mixer& mixer, const KnownActuator& r) {
-  mixer.Add(r, ToMilliseconds(r.clock_theirs - r.clock_ours));
-  if (r.command) mixer.Add(ToMilliseconds(r.command->clock_ahead));
+// Whether its process has exited in a TearDown, and the controller knows that. None is started
+// after that; on another host its systemd may still report one.
+bool HasEndedForGood(const Model& model, const Machine& machine, ActuatorIndex i) {
+  const KnownActuator& known = machine.actuators[i];
+  return machine.phase == Phase::kStopping && model.host_of[i] == kHere && !known.command &&
+         known.presence == Presence::kLost && known.report.incarnation != 0 &&
+         known.report.incarnation == known.process.dead;
+}
+
+void AddRecord(Mixer& mixer, const Model& model, const Machine& machine, ActuatorIndex i) {
+  if (machine.phase == Phase::kStopped) return;  // the controller handles nothing any more
+  const KnownActuator& known = machine.actuators[i];
+  mixer.Add(ToMilliseconds(known.clock_theirs - known.clock_ours));
+  if (HasEndedForGood(model, machine, i)) {
+    KnownActuator ended = known;
+    ActuatorReport& report = ended.report;
+    report.number = report.outcome_number = CommandNumber();
+    report.outcome_code = report.degraded_code = kCodeOk;
+    report.detached = false;
+    return mixer.Add(ended);
+  }
+  mixer.Add(known);
+  if (known.command) mixer.Add(ToMilliseconds(known.command->clock_ahead));
 }
 
 void AddLegs(Mixer& mixer, const std::vector<Leg>& legs, ActuatorIndex i) {
@@ -238,7 +258,7 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   Mixer mixer(world.now);
   const Machine& machine = world.machine;
   const KnownActuator& known = machine.actuators[i];
-  AddRecord(mixer, known);
+  AddRecord(mixer, model, machine, i);
   if (model.releases) {
     mixer.Add(known.report.emergency_stop, known.report.released_stop,
               known.report.other_stops.size());

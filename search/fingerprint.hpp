@@ -3,6 +3,8 @@
 // collision is below 10^-21.
 //
 // Without what no decision depends on: texts, ids of records, durations, the codes of failures.
+// Of a process that has exited in a TearDown, its last command and outcome; of a machine that is
+// torn down, all that its controller knew of the actuators.
 // Times count from now, stamps by their order. Actuators with the same config and no order among
 // them are interchangeable: the fingerprint does not distinguish them.
 

@@ -80,6 +80,19 @@ bool IsOver(const World& world, const SimActuator& actuator, const KnownActuator
          (published || IsKnown(world, known, reply.report));
 }
 
+// The controller ignores the reply of a process whose exit it knows. That of a process on another
+// host may be a false report.
+void RemoveRepliesOfTheExited(SimActuator& actuator, const KnownActuator& known) {
+  const auto is_ignored = [&](const event::Replied& reply) {
+    return reply.report.incarnation == known.process.dead;
+  };
+  std::erase_if(actuator.replies, is_ignored);
+  std::erase_if(actuator.late, [&](const Late& late) {
+    const auto* reply = std::get_if<event::Replied>(&late);
+    return reply != nullptr && is_ignored(*reply);
+  });
+}
+
 // Removes what is not awaited, so that nodes that differ only by it become one.
 void Tidy(Harness& harness) {
   World& world = harness.world();
@@ -93,6 +106,7 @@ void Tidy(Harness& harness) {
     const ActuatorReport& report = actuator.core.report;
     std::erase_if(actuator.replies,
                   [&](const auto& reply) { return IsOver(world, actuator, known, reply); });
+    if (harness.HostOf(i) == kHere) RemoveRepliesOfTheExited(actuator, known);
     if (IsKnown(world, known, report) || IsAwaited(world, actuator, known)) {
       actuator.status_due = false;
     }
