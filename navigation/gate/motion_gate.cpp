@@ -305,16 +305,20 @@ void MotionGate::LimitByMomentum(const std::vector<Point>& points,
                                  const std::vector<MovingPoint>& moving, const Velocity& present,
                                  const Velocity& wanted, Limit& limit) const {
   constexpr double kSlowMS = 0.05;
+  // A slower body stops at once. It passes a person who walks to and fro before it.
+  constexpr double kGivesWayMS = 0.3;
   if (OverGround(present) < kSlowMS || limit.share == 0) return;
   const double fastest_m_s = std::max(OverGround(present), OverGround(wanted));
   const std::vector<Near> near = NearPoints(points, AheadM(fastest_m_s));
-  if (near.empty() && moving.empty()) return;
+  const bool gives_way = OverGround(present) >= kGivesWayMS && !moving.empty();
+  if (near.empty() && !gives_way) return;
   for (const double part : {1.0, 0.6, 0.3}) {
     Velocity command = wanted;
     command.x_m_s *= part * limit.share;
     command.y_m_s *= part * limit.share;
     command.yaw_rad_s *= part * limit.share;
-    const auto touched = TouchedOnTheWay(near, moving, present, command);
+    const auto touched =
+        TouchedOnTheWay(near, gives_way ? moving : std::vector<MovingPoint>(), present, command);
     if (!touched && part < 1) limit.share *= part;
     if (!touched) return;
     limit.at = touched;
