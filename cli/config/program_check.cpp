@@ -65,9 +65,9 @@ bool SupportsCheck(const std::string& program) {
       "musher-device-manager", "musher-sensor-manager",  "musher-camera-manager",
       "musher-vision-manager", "musher-wedding",         "musher-world",
       "musher-skills",         "musher-plan-dispatcher", "musher-meilin-planner",
-      "musher-planner",        "musher-controller",      "musher-route",           "musher-race",
-      "musher-meilin",         "musher-line-walker",     "musher-meilin-server",
-      "musher-vp-engine"};
+      "musher-planner",        "musher-controller",      "musher-route",
+      "musher-race",           "musher-meilin",          "musher-line-walker",
+      "musher-meilin-server",  "musher-vp-engine"};
   return programs.contains(fs::path(program).filename().string());
 }
 

@@ -107,7 +107,7 @@ class HealthMonitor {
     bool work_hung = false;    // by the last heartbeat, not by silence
     Health health = Health::kWell;
     bool silent = false;  // so it was reported
-    Time starved{};  // when that was last observed
+    Time starved{};       // when that was last observed
   };
 
   static void SetLimit(MonitoredProcess& process, Duration period);
