@@ -370,6 +370,18 @@ TEST_F(Monitor, ReportsTheWorkThreadsVerdictAndItsState) {
   EXPECT_EQ(how_, "its work thread makes progress again");
 }
 
+// It was reported as hung, and no more, for ever.
+TEST_F(Monitor, ReportsThatAProcessWhoseWorkThreadHangsIsSilentSince) {
+  Watch(0, true);
+  heartbeat_[0] = {kHeartbeat, Health::kHung, "Active", Milliseconds(512), {}};
+  RunFor(Milliseconds(200));
+  EXPECT_THAT(Found(), ElementsAre("a hung"));
+  heartbeats_[0] = false;
+  kernel_.process = Process::kStopped;
+  RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+}
+
 TEST_F(Monitor, NeverEvaluatesAnActuatorOfAProtocolWithoutHeartbeats) {
   config_.actuators[0].protocol = Protocol::kCyberdog;
   monitor_.Watch(0, kFirst, "here", true, now_);

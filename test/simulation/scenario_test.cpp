@@ -193,6 +193,18 @@ TEST(FoundScenario, AControllerMayLeadBackWhatHasFailedToFall) {
   EXPECT_EQ(ViolationOf(400866, {7, 8, 9, 10, 11, 12, 13}), "");
 }
 
+// Its work thread had hung before it was frozen: it stayed present for ever.
+TEST(FoundScenario, AHungActuatorThatIsFrozenSinceIsLost) {
+  EXPECT_EQ(ViolationOf(425338, {1, 9, 10}), "");
+  EXPECT_EQ(ViolationOf(457457, {8, 13, 14, 15, 16, 17, 20}), "");
+}
+
+// `musher estop` returned 0 while all of them were being torn down, and nothing had latched the
+// stop.
+TEST(FoundScenario, AStopIsNotConfirmedByTornDownActuatorsAlone) {
+  EXPECT_EQ(ViolationOf(46409, {2, 3, 4, 5, 8, 14, 23}), "");
+}
+
 // Its host was rebooted within a millisecond.
 TEST(FoundScenario, AReleaseWaitsForAProcessThatStillCountsAsASecondOne) {
   EXPECT_EQ(ViolationOf(1008712, {2, 4, 10, 12}), "");
