@@ -152,7 +152,10 @@ void ExecProcess::OnSetUp(bool ok) {
 
 void ExecProcess::OnSignal() {
   signalfd_siginfo signal{};
-  if (read(signals_.get(), &signal, sizeof(signal)) == sizeof(signal)) End(0, Wanted::kNo);
+  if (read(signals_.get(), &signal, sizeof(signal)) != sizeof(signal)) return;
+  // Exit code 0 would say that the TearDown had ended.
+  const bool cut_off = runner_.tearing_down() && actuator_.CurrentState() != kTearDown;
+  End(cut_off ? 1 : 0, Wanted::kNo);
 }
 
 // Called when the program has exited and after each callback: an exit that looked like part of

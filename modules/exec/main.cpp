@@ -42,8 +42,8 @@ FILE, for example:
   end_program = true                  # then ends the program, until musher-exec is restarted
 A state that FILE leaves out does nothing and succeeds.
 
-Exit codes: 0 torn down, or ended by a signal; 1 SetUp failed or the program ended by itself;
-2 usage or config.)";
+Exit codes: 0 torn down, or ended by a signal; 1 SetUp failed, the program ended by itself, or a
+signal came in TearDown; 2 usage or config.)";
 
 struct Options {
   std::string file;

@@ -212,6 +212,17 @@ TEST(MusherExec, EndsOnSigtermWhileItIsBeingSetUp) {
   EXPECT_TRUE(HasExited(program));
 }
 
+// A SIGTERM in its TearDown ended it with exit code 0: torn down, with the motors on.
+TEST(MusherExec, IsNotTornDownByASignalInItsTearDown) {
+  ExecPeer peer;
+  peer.Start("[state.TearDown]\nshell = \"echo $$ > $MUSHER_TEST/slow; exec sleep infinity\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.Send("TearDown");
+  ASSERT_GT(ReadPid(peer.folder() / "slow"), 0);
+  peer.Signal(SIGTERM);
+  EXPECT_EQ(peer.AwaitExit(), 1);
+}
+
 TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramHasExited) {
   ExecPeer peer;
   peer.Start(std::string(kProgram) +
