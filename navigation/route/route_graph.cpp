@@ -107,7 +107,7 @@ class GraphReader {
       return faults_.Add(path + ".properties.id", fmt::format("the graph has node {} already", id));
     }
     const Json* frame = Member(properties, "frame");
-    if (frame != nullptr && *frame != frame_ && *frame != "") {
+    if (frame != nullptr && *frame != frame_ && *frame != Json("")) {
       return faults_.Add(
           path + ".properties.frame",
           "expected \"" + frame_ + "\", the frame of the server, found " + TextOf(*frame));
@@ -362,8 +362,10 @@ Path PathAlong(const RouteGraph& graph, const Route& route, double step_m, doubl
     const Point& a = graph.nodes[graph.edges[edge].from].at;
     const Point& b = graph.nodes[graph.edges[edge].to].at;
     yaw_rad = YawBetween(a, b, yaw_rad);
-    const auto count = std::max(1.0, std::ceil(Distance(a, b) / each_m));
-    for (double i = 0; i < count; ++i) path.push_back({Between(a, b, i / count), yaw_rad});
+    const int count = static_cast<int>(std::max(1.0, std::ceil(Distance(a, b) / each_m)));
+    for (int i = 0; i < count; ++i) {
+      path.push_back({Between(a, b, static_cast<double>(i) / count), yaw_rad});
+    }
   }
   path.push_back({graph.nodes[route.nodes.back()].at, yaw_rad});
   return path;

@@ -42,8 +42,11 @@ class RoundedPath {
     if (points_.empty()) return points_.push_back(to);
     const Point from = points_.back();
     if (from == to) return;
-    const auto count = std::max(1.0, std::ceil(Distance(from, to) / rules_.step_m));
-    for (double i = 1; i <= count; ++i) points_.push_back(Between(from, to, i / count));
+    const int count =
+        static_cast<int>(std::max(1.0, std::ceil(Distance(from, to) / rules_.step_m)));
+    for (int i = 1; i <= count; ++i) {
+      points_.push_back(Between(from, to, static_cast<double>(i) / count));
+    }
   }
   // A parabola from before the corner to behind it. It leaves the corner by half of `before_m`,
   // times the sine of half of the turn.
@@ -56,9 +59,10 @@ class RoundedPath {
     const Point begin = Between(corner, a, cut_m / to_m), end = Between(corner, b, cut_m / from_m);
     LineTo(begin);
     // An even number: a pose lies in the middle, where the curve is nearest to the corner.
-    const double pieces = std::max(kPiecesOfCorner, 2 * std::ceil(cut_m / rules_.step_m));
-    for (double i = 1; i <= pieces; ++i) {
-      const double share = i / pieces;
+    const int pieces =
+        static_cast<int>(std::max(kPiecesOfCorner, 2 * std::ceil(cut_m / rules_.step_m)));
+    for (int i = 1; i <= pieces; ++i) {
+      const double share = static_cast<double>(i) / pieces;
       points_.push_back(Between(Between(begin, corner, share), Between(corner, end, share), share));
     }
   }
