@@ -9,6 +9,7 @@ namespace {
 
 constexpr Duration kLeastApart = Milliseconds(150);  // less is within the errors of the ranges
 constexpr Duration kMostApart = std::chrono::seconds(1);
+constexpr Duration kKeptEach = Milliseconds(40);  // of a faster scanner not every scan
 constexpr double kErrorM = 0.04;         // of a range, and of the motion between two scans …
 constexpr double kErrorShare = 0.02;     // … which grows with the range
 constexpr double kFastestMoverMS = 2.5;  // a person who runs; a larger step is another one
@@ -37,8 +38,10 @@ Point Into(const Pose& pose, const Point& place) {
 }
 
 const Point* Nearest(const std::vector<Point>& points, const Point& place) {
-  const auto nearest = std::ranges::min_element(
-      points, {}, [&place](const Point& point) { return Apart(point, place); });
+  const auto nearest = std::ranges::min_element(points, {}, [&place](const Point& point) {
+    const double x = point.x_m - place.x_m, y = point.y_m - place.y_m;
+    return x * x + y * y;
+  });
   return nearest == points.end() ? nullptr : &*nearest;
 }
 
@@ -84,6 +87,7 @@ void ApproachWatch::Take(const ScanView& scan, const std::function<Pose(Time)>& 
     }
   }
   if (moving_.size() < kLeastPoints) moving_.clear();
+  if (!earlier_.empty() && taken - earlier_.back().taken < kKeptEach) return;
   Earlier& last = earlier_.emplace_back(Earlier{taken, scan.sensor(), scan.points(), {}});
   for (const Point& point : last.points) {
     double& free_m = last.free_m[DegreeAt(last.sensor, point)];

@@ -382,6 +382,20 @@ TEST_F(Monitor, ReportsThatAProcessWhoseWorkThreadHangsIsSilentSince) {
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
+// A busy computer would fill the journal.
+TEST_F(Monitor, ReportsAProcessThatIsStarvedAgainOnlyOnce) {
+  Watch(0, true);
+  kernel_.waited = std::chrono::seconds(60);
+  for (int times = 0; times < 3; ++times) {
+    heartbeats_[0] = false;
+    RunFor(Milliseconds(500));
+    heartbeats_[0] = true;
+    RunFor(Milliseconds(200));
+  }
+  const std::vector<std::string> found = Found();
+  EXPECT_EQ(std::ranges::count(found, "a starved, silent"), 1);
+}
+
 TEST_F(Monitor, NeverEvaluatesAnActuatorOfAProtocolWithoutHeartbeats) {
   config_.actuators[0].protocol = Protocol::kCyberdog;
   monitor_.Watch(0, kFirst, "here", true, now_);
