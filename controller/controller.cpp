@@ -381,6 +381,13 @@ void Controller::AddSaves(ShellDependencies& dependencies) {
         [actuators](StateStore& store) { return store.SaveRemoteActuators(actuators, HostId()); },
         std::move(done));
   };
+  dependencies.save_down_actuators = [save](const std::vector<DownActuator>& actuators,
+                                            OnSaved done) {
+    save(
+        Stored::kDownActuators,
+        [actuators](StateStore& store) { return store.SaveDownActuators(actuators, HostId()); },
+        std::move(done));
+  };
   if (store_) {
     dependencies.save_children = [this](const std::vector<ChildProcess>& children, OnSaved done) {
       const auto write = [store = store_, children] {
@@ -500,6 +507,7 @@ void Controller::Begin() {
   begin.stop_intent =
       store_ ? store_->LoadStopIntent() : StateStore::StopIntentIn(config_.state_dir);
   begin.remote = StateStore::RemoteActuatorsIn(config_.state_dir, HostId());
+  begin.down = StateStore::DownActuatorsIn(config_.state_dir, HostId());
   shell_->Begin(std::move(begin), children);
   if (store_ && store_->copied_from()) shell_->Remark(kCodeOk, CopiedText());
   if (!store_) return shell_->OnJournalWritten(NoFolder());

@@ -46,6 +46,7 @@ struct Disk {
   StoredPolicy policy;
   bool stop_intent = false;
   std::vector<RemoteActuator> remote;
+  std::vector<DownActuator> down;
 };
 
 // A fake robot but for its actuators; a value.

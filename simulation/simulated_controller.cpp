@@ -80,6 +80,9 @@ void SimulatedController::SetSaves(ControllerShell::Dependencies& dependencies) 
   dependencies.save_remote_actuators = [this](const auto& actuators, const auto& done) {
     Save(disk_.remote, actuators, done);
   };
+  dependencies.save_down_actuators = [this](const auto& actuators, const auto& done) {
+    Save(disk_.down, actuators, done);
+  };
   dependencies.save_children = [this](const std::vector<ChildProcess>& children, const auto& done) {
     disk_.children.clear();
     for (const ChildProcess& child : children) disk_.children[child.actuator] = child;
@@ -202,6 +205,7 @@ void SimulatedController::Begin(bool takeover, Starter starter) {
   begin.stops = LoadStops();
   begin.stop_intent = disk_.stop_intent;
   if (opened_ != FolderOpens::kNo) begin.remote = disk_.remote;
+  if (opened_ != FolderOpens::kNo) begin.down = disk_.down;
   begin.policy = LoadPolicy();
   begin.restarted = starter == Starter::kSupervisor;
   begin.supervised = starter != Starter::kPerson;

@@ -103,6 +103,11 @@ class StateStore {
   static std::vector<RemoteActuator> RemoteActuatorsIn(const std::string& dir,
                                                        const std::string& host);
 
+  // The actuators that have ended. What was lost, or given up, before this computer was booted is
+  // skipped: its processes start afresh. So are damaged lines.
+  Result<> SaveDownActuators(const std::vector<DownActuator>& actuators, const std::string& host);
+  static std::vector<DownActuator> DownActuatorsIn(const std::string& dir, const std::string& host);
+
   // The stored values of the policy; nothing without a file. A file that cannot be read counts as
   // the lowest battery level that powers nothing off.
   Result<> SavePolicy(const StoredPolicy& policy);
@@ -165,6 +170,7 @@ class StateStore {
   std::string ConfigHashFile() const { return ConfigHashFileIn(dir_); }
   static std::string StopIntentFileIn(const std::string& dir) { return dir + "/stop_intent"; }
   std::string StopIntentFile() const { return StopIntentFileIn(dir_); }
+  static std::string DownActuatorsFileIn(const std::string& dir) { return dir + "/down_actuators"; }
   static std::string RemoteActuatorsFileIn(const std::string& dir) {
     return dir + "/remote_actuators";
   }

@@ -158,6 +158,9 @@ struct KnownActuator {
   // A person has requested its TearDown alone, and its process was lost in it: it is not started
   // again.
   bool down_requested = false;
+  // In which its last process was lost: what it had switched on may be on. Until a process is set
+  // up again, which its TearDown then ends. "": none.
+  State lost_in{};
   bool met = false;  // its process was present, in this run of the controller
   // The process ran before this controller, announced itself after the machine went on, or replaced
   // another process, and was less active than the machine: it stays there until a switch up is
@@ -281,6 +284,7 @@ inline constexpr std::tuple kFields<KnownActuator> = {
     Field{"failed_checks", &KnownActuator::failed_checks},
     Field{"set_again", &KnownActuator::set_again},
     Field{"down_requested", &KnownActuator::down_requested},
+    Field{"lost_in", &KnownActuator::lost_in},
     Field{"met", &KnownActuator::met},
     Field{"found_below", &KnownActuator::found_below},
     Field{"held", &KnownActuator::held},

@@ -70,6 +70,22 @@ struct RemoteActuator {
   friend bool operator==(const RemoteActuator&, const RemoteActuator&) = default;
 };
 
+// Why an actuator stays down until a person starts it again.
+enum class StaysDown {
+  kNo,
+  kTornDown,  // a person has torn it down alone
+  kGivenUp,   // its process has exited, and is not restarted
+};
+
+// An actuator that has ended, as it is stored for the next controller.
+struct DownActuator {
+  std::string name;
+  StaysDown stays_down = StaysDown::kNo;
+  State lost_in{};  // in which its process was lost, with no successor that is set up; "": in none
+
+  friend bool operator==(const DownActuator&, const DownActuator&) = default;
+};
+
 // What a controller stores on disk for the next one.
 enum class Stored {
   kEpoch,
@@ -77,6 +93,7 @@ enum class Stored {
   kPolicy,
   kStopIntent,  // the machine is to be torn down and to stay down
   kRemoteActuators,
+  kDownActuators,
   kJournal,  // not by a save: its writer reports when writing begins to fail, and when it works
 };
 std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
@@ -96,9 +113,15 @@ struct Unsaved {
 namespace musher::fields {
 
 template <>
-inline constexpr std::array<std::string_view, 6> kValueNames<Stored> = {
-    "epoch", "emergency stops", "policy", "stop intent", "remote actuators", "journal"};
+inline constexpr std::array<std::string_view, 7> kValueNames<Stored> = {
+    "epoch",          "emergency stops", "policy", "stop intent", "remote actuators",
+    "down actuators", "journal"};
 static_assert(EndsWith(Stored::kJournal));
+
+template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<StaysDown> = {"no", "torn-down",
+                                                                           "given-up"};
+static_assert(EndsWith(StaysDown::kGivenUp));
 
 template <>
 inline constexpr std::tuple kFields<UnreadFolder> = {
@@ -123,6 +146,13 @@ template <>
 inline constexpr std::tuple kFields<RemoteActuator> = {
     Field{"name", &RemoteActuator::name},
     Field{"host", &RemoteActuator::host},
+};
+
+template <>
+inline constexpr std::tuple kFields<DownActuator> = {
+    Field{"name", &DownActuator::name},
+    Field{"stays_down", &DownActuator::stays_down},
+    Field{"lost_in", &DownActuator::lost_in},
 };
 
 template <>

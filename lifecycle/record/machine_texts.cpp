@@ -251,6 +251,13 @@ RecordText MayStillRunOn(const std::string& host) {
                   {{"host", host}});
 }
 
+RecordText LostWithoutTearDown(const State& state) {
+  return MakeText(EventName::kLostWithoutTearDown,
+                  "its process has ended in {state} without its TearDown; what it had switched on "
+                  "may be on",
+                  {{"state", state}});
+}
+
 RecordText KeepsRunning(const State& state) {
   return MakeText(EventName::kMayStillRun,
                   "keeps running in {state}: it has no state TearDown, and the controller did not "

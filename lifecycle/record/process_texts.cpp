@@ -86,6 +86,14 @@ RecordText GivenUp(int restarts, const std::optional<std::string>& why) {
                   {{"restarts", restarts}, {"reason", why.value_or("its process ended")}});
 }
 
+RecordText GivenUpBefore(const State& lost_in) {
+  const std::string where = lost_in.empty() ? "" : ", lost in {state}";
+  return MakeText(EventName::kRestartLimitReached,
+                  "given up before this controller started" + where +
+                      "; only a restart that a person requests starts it",
+                  {{"state", lost_in}});
+}
+
 RecordText RestartedTooOften(int starts, Duration reset_after) {
   return MakeText(EventName::kRestartLimitReached,
                   "started {starts} times in a row; not driven until it has run for "

@@ -78,6 +78,7 @@ RecordText HostUnreached(const std::string& host, const std::string& why);
 RecordText MayStillRun(const std::optional<State>& state);  // none: not known
 RecordText MayStillRunOn(const std::string& host);
 RecordText KeepsRunning(const State& state);  // nothing can end it
+RecordText LostWithoutTearDown(const State& state);
 
 // A switch: switch_texts.cpp. `to`: "to Active", "of eyes to Active".
 // `by`: Requester::name.
@@ -182,6 +183,8 @@ RecordText ProcessNotStarted(const std::string& why);
 RecordText Exited(std::int32_t pid, const std::string& how, bool clean, bool in_set_up);
 RecordText RestartPrevented(const std::string& how, int exit_code, const std::string& actuator);
 RecordText GivenUp(int restarts, const std::optional<std::string>& why);
+// By an earlier controller. `lost_in`: "" = it had not been set up.
+RecordText GivenUpBefore(const State& lost_in);
 RecordText RestartedTooOften(int starts, Duration reset_after);
 
 // The policy: policy_texts.cpp.

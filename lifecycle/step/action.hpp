@@ -89,6 +89,11 @@ struct SaveRemoteActuators {
   SaveNumber save = 0;
   friend bool operator==(const SaveRemoteActuators&, const SaveRemoteActuators&) = default;
 };
+struct SaveDownActuators {
+  std::vector<DownActuator> actuators;
+  SaveNumber save = 0;
+  friend bool operator==(const SaveDownActuators&, const SaveDownActuators&) = default;
+};
 // Run the command of [policy.power_off] or [policy.reboot], if there is one. The machine is torn
 // down, or its time has expired.
 struct RunPowerCommand {
@@ -142,7 +147,7 @@ using Action =
                  action::SignalProcess, action::AnswerSetState, action::AnswerCall,
                  action::TakeBacktrace, action::PublishEmergencyStop, action::SaveEmergencyStops,
                  action::SaveEpoch, action::SavePolicy, action::SaveStopIntent,
-                 action::SaveRemoteActuators, action::RunPowerCommand, action::Record,
-                 action::StartUpEnded, action::Fenced, action::Stopped>;
+                 action::SaveRemoteActuators, action::SaveDownActuators, action::RunPowerCommand,
+                 action::Record, action::StartUpEnded, action::Fenced, action::Stopped>;
 
 }  // namespace musher

@@ -25,6 +25,8 @@ void Saver::Save(Stored what) {
       return Do(action::SaveStopIntent{machine_.phase == Phase::kStopping, save});
     case Stored::kRemoteActuators:
       return Do(action::SaveRemoteActuators{RemoteActuators(), save});
+    case Stored::kDownActuators:
+      return Do(action::SaveDownActuators{machine_.saves.down, save});
     case Stored::kJournal:
       break;
   }
@@ -67,6 +69,48 @@ void Saver::NoteHosts() {
     changed = true;
   }
   if (changed) Save(Stored::kRemoteActuators);
+}
+
+// Why this controller does not start the actuator again by itself.
+StaysDown Saver::WhyDown(ActuatorIndex i) const {
+  const KnownActuator& known = Of(i);
+  if (ConfigOf(i).command.empty()) return StaysDown::kNo;  // whoever starts it decides
+  if (known.state() == kTearDown && (known.held || known.report.detached)) {
+    return known.restart.requested || known.restart.at ? StaysDown::kNo : StaysDown::kTornDown;
+  }
+  const bool exited = ProcessOf(i) == 0 && known.report.incarnation == known.process.dead;
+  const bool away = known.presence == Presence::kLost || known.presence == Presence::kAbsent;
+  const bool begins = known.process.launch != Launch::kNone || known.set_up_by || known.exit_by;
+  const bool ended = away && exited && known.fault && !begins && !IsComing(i);
+  return ended ? StaysDown::kGivenUp : StaysDown::kNo;
+}
+
+StaysDown Saver::WhyStoredDown(ActuatorIndex i) const {
+  const auto& stored = machine_.saves.down;
+  const auto found = std::ranges::find(stored, ConfigOf(i).name, &DownActuator::name);
+  return found == stored.end() ? StaysDown::kNo : found->stays_down;
+}
+
+// A TearDown of the machine brings every actuator down alike: the start after it, of which a person
+// decides, starts them all.
+std::vector<DownActuator> Saver::DownActuators() const {
+  const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
+  const bool is_down =
+      machine_.phase == Phase::kStopped && machine_.stopping->after != AfterTearDown::kStartsAgain;
+  std::vector<DownActuator> down;
+  if (is_down) return down;
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    const DownActuator one{ConfigOf(i).name, ends ? WhyStoredDown(i) : WhyDown(i), Of(i).lost_in};
+    if (one.stays_down != StaysDown::kNo || !one.lost_in.empty()) down.push_back(one);
+  }
+  return down;
+}
+
+void Saver::NoteDown() {
+  std::vector<DownActuator> down = DownActuators();
+  if (down == machine_.saves.down) return;
+  machine_.saves.down = std::move(down);
+  Save(Stored::kDownActuators);
 }
 
 void Saver::On(const event::SaveEnded& ended) {

@@ -15,11 +15,16 @@ class Saver : StepPart {
   void Save(Stored what);
   // Saves the actuators on other hosts, when they have changed.
   void NoteHosts();
+  // Saves the actuators that have ended, when they have changed.
+  void NoteDown();
   void On(const event::SaveEnded& ended);
 
  private:
   std::vector<RemoteActuator> RemoteActuators() const;
   bool IsElsewhere(ActuatorIndex i) const;
+  std::vector<DownActuator> DownActuators() const;
+  StaysDown WhyDown(ActuatorIndex i) const;
+  StaysDown WhyStoredDown(ActuatorIndex i) const;
 };
 
 }  // namespace musher

@@ -41,6 +41,7 @@ void StartUp::Begin(const event::Begin& begin) {
     if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
   }
   RecordMachine(kCodeOk, texts::ControllerStarted(machine_.epoch, machine_.actuators.size()));
+  TakeUpDown(begin);
   if (machine_.start_up.finishing) {
     RecordMachine(kCodeOk, texts::TearDownResumedBySupervisor(), kBegun);
   } else if (begin.stop_intent) {
@@ -48,6 +49,30 @@ void StartUp::Begin(const event::Begin& begin) {
   }
   StartStage(machine_.start_up.by_hand || machine_.start_up.finishing ? LastStage(config_) : 1,
              kBegun);
+}
+
+// What a person has torn down alone, and what was given up, comes on by no restart of the
+// controller and by no boot, but by a start of the person.
+void StartUp::TakeUpDown(const event::Begin& begin) {
+  machine_.saves.down = begin.down;
+  const bool by_itself = machine_.start_up.requests_nothing || machine_.start_up.by_supervisor;
+  for (const DownActuator& down : begin.down) {
+    const auto i = config_.IndexOf(down.name);
+    if (!i) continue;
+    KnownActuator& known = Of(*i);
+    if (config_.HasState(down.lost_in)) known.lost_in = down.lost_in;
+    const bool runs = known.process.launch == Launch::kFoundRunning;
+    if (!by_itself || runs || machine_.start_up.finishing) continue;
+    if (down.stays_down == StaysDown::kTornDown) {
+      known.report.state = State(kTearDown);
+      known.report.detached = true;
+      known.held = true;
+      Degrade(*i, kCodeStateInvalid, texts::TornDownAlone(), kBegun);
+    } else if (down.stays_down == StaysDown::kGivenUp) {
+      known.restart.given_up = true;
+      Degrade(*i, kCodeFailed, texts::GivenUpBefore(known.lost_in), kBegun);
+    }
+  }
 }
 
 void StartUp::StartStage(int stage, RecordId cause) {
@@ -315,7 +340,7 @@ void StartUp::BecomeRunning(const RecordText& text, RecordId cause) {
       known.due = true;
     }
     const bool away = !there || IsUnconfigured(config_, i, known);
-    if (away && known.fault && !IsComing(i)) FallBack(i);
+    if (away && known.fault && !known.held && !IsComing(i)) FallBack(i);
   }
   RecordMachine(kCodeOk, text, cause);
   Do(action::StartUpEnded{true, text.message});

@@ -93,6 +93,7 @@ void Arrivals::FoundTornDown(ActuatorIndex i, const ActuatorReport& report) {
     saver_.Save(Stored::kRemoteActuators);
   }
   const bool same = report.incarnation == known.report.incarnation;
+  if (same) known.lost_in = {};  // only its connection was lost
   const bool awaited =
       known.presence == Presence::kAbsent ||
       (known.presence == Presence::kStarting && same && !known.process.termination);

@@ -332,6 +332,7 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
       known.command && known.command->target == kTearDown && !known.restart.requested;
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;
+  if (!torn_down && known.state() != config_.default_state) known.lost_in = known.state();
   known.control.again.reset();
   known.checked = false;
   known.held = known.held && torn_down;  // an actuator torn down alone stays detached

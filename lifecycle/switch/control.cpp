@@ -108,6 +108,7 @@ void Control::Attach(ActuatorIndex i) {
   known.restart.at.reset();  // it was started by another party first
   known.fault.reset();
   known.down_requested = false;
+  known.lost_in = {};
   known.tolerated.reset();
   const bool beyond = known.state() == kSelfCheck || config_.RankOf(known.state());
   known.checked = (beyond && known.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);

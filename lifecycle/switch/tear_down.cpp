@@ -70,7 +70,8 @@ void TearDown::EndWithout(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.control.again.reset();
   const bool present = known.presence == Presence::kPresent;
-  // A process that has exited cannot be left behind; one without TearDown has nothing to fail in.
+  // What an exited process leaves behind is listed later; one without TearDown has nothing to fail
+  // in.
   const bool has_part = present && known.state() != kTearDown && ConfigOf(i).Lists(kTearDown);
   if (!has_part) known.fault.reset();
   if (present) return;
@@ -222,6 +223,9 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
     if (IsOutOfReach(i)) continue;
     Degrade(i, code, texts::ProcessLeftBehind(pid, successor, ConfigOf(i).host), Of(i).cause);
   }
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (const auto why = WhyMayBeOn(i)) Degrade(i, kCodeStatusError, *why, Of(i).cause);
+  }
   SwitchResult result = *machine_.stopping->result;
   result.degraded = Degraded(config_, machine_);
   const bool is_begun =
@@ -255,8 +259,9 @@ bool TearDown::IsOutOfReach(ActuatorIndex i) const {
 
 void TearDown::ListSurvivors() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    if (const auto why = IsOutOfReach(i) ? std::nullopt : WhyMayRun(i))
+    if (const auto why = IsOutOfReach(i) ? std::nullopt : WhyMayRun(i)) {
       Degrade(i, kCodeNetError, *why, Of(i).cause);
+    }
     const KnownActuator& known = Of(i);
     const bool unreachable = ConfigOf(i).command.empty() && !ConfigOf(i).Lists(kTearDown);
     if (!unreachable || known.presence != Presence::kPresent) continue;
@@ -287,6 +292,15 @@ std::optional<RecordText> TearDown::WhyMayRun(ActuatorIndex i) const {
     return std::nullopt;
   }
   return texts::MayStillRun(known.state());
+}
+
+// An actuator whose process has exited without its TearDown, and that no process has been set up of
+// since: what it had switched on may be on.
+std::optional<RecordText> TearDown::WhyMayBeOn(ActuatorIndex i) const {
+  const KnownActuator& known = Of(i);
+  const bool away = known.presence != Presence::kPresent && !known.lost_in.empty();
+  if (!away || known.fault || !ConfigOf(i).Lists(kTearDown)) return std::nullopt;
+  return texts::LostWithoutTearDown(known.lost_in);
 }
 
 bool TearDown::ProcessesLeft() const {

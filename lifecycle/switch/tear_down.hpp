@@ -20,6 +20,9 @@
 // processes within the budget, and one that the controller of another machine has taken on its
 // host: it is that one's to end.
 //
+// An actuator whose process has exited without its TearDown is listed as degraded, too, where it
+// has that state: a motor that the process had switched on may be on.
+//
 // The intent that is not on disk at the end is named by the answer: nothing else says to a person
 // that a supervisor would start the machine again.
 
@@ -77,6 +80,7 @@ class TearDown : StepPart {
   void BeginSwitch(const Plan& plan);
   void ListSurvivors();
   std::optional<RecordText> WhyMayRun(ActuatorIndex i) const;
+  std::optional<RecordText> WhyMayBeOn(ActuatorIndex i) const;
   bool ProcessesLeft() const;
   bool HasSearched();
   void Search();

@@ -183,15 +183,6 @@ TEST_F(Shutdown, AnActuatorThatIsReachedAgainDuringTearDownIsListed) {
   EXPECT_THAT(robot.answers.at(request).degraded, ElementsAre("b"));
 }
 
-TEST_F(Shutdown, AnActuatorThatIsKnownToHaveExitedIsNotListed) {
-  Harness robot(MachineOf(2));
-  robot.Begin();
-  robot.Rest();
-  robot.Crash("b");
-  robot.Rest();
-  EXPECT_TRUE(robot.Set("TearDown").done());
-}
-
 TEST_F(Shutdown, AProcessThatOutlivesSigkillIsListed) {
   t.On("b", "TearDown").hangs = true;
   t.On("b", "TERM").hangs = true;
