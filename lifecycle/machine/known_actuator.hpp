@@ -150,6 +150,7 @@ struct KnownActuator {
   bool join_tried = false;  // the self-check of a late actuator was commanded
   FailedChecks failed_checks;
   bool held = false;       // detached by SetState(actuator, state)
+  State kept_in{};         // where it was, or is to be, held: also by a process that is restarted
   bool due = false;        // to be driven to the state of the machine, as soon as it is free
   bool suspended = false;  // an actuator that it is bound to is not up
   // Since the release of the last emergency stop a switch has been requested that leads it up or to
@@ -288,6 +289,7 @@ inline constexpr std::tuple kFields<KnownActuator> = {
     Field{"met", &KnownActuator::met},
     Field{"found_below", &KnownActuator::found_below},
     Field{"held", &KnownActuator::held},
+    Field{"kept_in", &KnownActuator::kept_in},
     Field{"due", &KnownActuator::due},
     Field{"fault", &KnownActuator::fault},
     Field{"tolerated", &KnownActuator::tolerated},

@@ -265,7 +265,7 @@ bool PolicyRules::BringBack() {
                   [this](const KnownActuator& known) { return MustBeSetAgain(machine_, known); });
   if (must_be_set) return false;  // a release switches nothing on, nor does the battery after it
   return BeginByPolicy(
-      MakePlan(config_, machine_, target),
+      MakePolicyPlan(config_, machine_, target),
       texts::BatterySwitchUp(machine_.policy.battery.value_or(0), machine_.policy.charging, target),
       machine_.policy.level_cause);
 }
@@ -294,7 +294,8 @@ bool PolicyRules::LowPowerWhenStill() {
   const Duration limit = config_.policy->low_power->lying_still;
   if (policy_now() < *since + limit) return false;
   memory_.Lower(std::nullopt);  // from now on it is in LowPower for another reason
-  return BeginByPolicy(MakePlan(config_, machine_, State(kLowPower)), texts::LyingStill(limit), 0);
+  return BeginByPolicy(MakePolicyPlan(config_, machine_, State(kLowPower)),
+                       texts::LyingStill(limit), 0);
 }
 
 bool PolicyRules::BeginByPolicy(const Plan& plan, const RecordText& why, RecordId cause) {

@@ -127,12 +127,22 @@ std::optional<RecordText> MachineView::WaitsForSuspended(ActuatorIndex i) const 
   return std::nullopt;
 }
 
+bool MachineView::IsPlace(const State& state) const {
+  return config_.RankOf(state) && state != kError && state != kTearDown;
+}
+
+bool MachineView::IsKeptBelow(ActuatorIndex i) const {
+  const State& kept_in = Of(i).kept_in;
+  return !kept_in.empty() && Falls(config_, view_.state, kept_in);
+}
+
 State MachineView::PlaceOf(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
-  if (!known.suspended) return view_.state;
+  const State& place = IsKeptBelow(i) ? known.kept_in : view_.state;
+  if (!known.suspended) return place;
   const State rest = RestOf(i);
   if (rest.empty() || !Falls(config_, known.state(), rest)) return known.state();
-  return Falls(config_, rest, view_.state) ? view_.state : rest;
+  return Falls(config_, rest, place) ? place : rest;
 }
 
 bool MachineView::IsAwaitedIn(ActuatorIndex i, int stage) const {

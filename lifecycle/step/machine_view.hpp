@@ -57,8 +57,12 @@ class MachineView {
   State RestOf(ActuatorIndex i) const;
   // Whether it is more active than the machine or, in a step of a start, than RestOf().
   bool IsAbovePlace(ActuatorIndex i) const;
-  // Its target: the state of the machine; while suspended, DeActive or LowPower, and never higher
-  // than its present state.
+  // Whether a person may hold an actuator in the state until a switch of the machine.
+  bool IsPlace(const State& state) const;
+  // Whether it is held in a state below the machine's, or is to be held there once it is restarted.
+  bool IsKeptBelow(ActuatorIndex i) const;
+  // Its target: the state of the machine, or the one below in which it is kept; while suspended,
+  // DeActive or LowPower, and never higher than its present state.
   State PlaceOf(ActuatorIndex i) const;
 
   // Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.

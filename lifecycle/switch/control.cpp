@@ -115,6 +115,7 @@ void Control::Attach(ActuatorIndex i) {
   known.join_tried = false;
   known.failed_checks = {};
   known.held = known.report.detached;
+  if (known.held) known.kept_in = IsPlace(known.state()) ? known.state() : State();
   known.suspended = false;
   known.health = Health::kWell;
   known.due = late && known.checked && !known.held;

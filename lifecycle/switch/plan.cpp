@@ -44,11 +44,14 @@ Direction DirectionOf(const MachineConfig& config, const State& from, const Stat
   return *to_rank > *from_rank ? Direction::kUp : Direction::kDown;
 }
 
+// For whom a switch is.
+enum class By { kRequest, kPolicy, kSafety };
+
 class Planner {
  public:
   Planner(const MachineConfig& config, const Machine& machine, const State& target,
-          std::optional<ActuatorIndex> only, bool for_safety)
-      : config_(config), machine_(machine), for_safety_(for_safety) {
+          std::optional<ActuatorIndex> only, By by)
+      : config_(config), machine_(machine), by_(by) {
     plan_.target = target;
     plan_.only = only;
     plan_.from = only ? machine.actuators[*only].state() : machine.state;
@@ -93,7 +96,7 @@ class Planner {
     // An actuator that is switching is checked again from the state it reaches.
     const bool on_its_way =
         plan_.only && machine_.actuators[*plan_.only].command && !machine_.current;
-    const bool exempt = (for_safety_ && plan_.direction == Direction::kDown) || on_its_way;
+    const bool exempt = (by_ == By::kSafety && plan_.direction == Direction::kDown) || on_its_way;
     if (!exempt && !FlowAllows(config_, plan_.from, target)) {
       return NoTransition(subject);
     }
@@ -248,7 +251,10 @@ class Planner {
       if (blocks) RefuseWith(Refused<Refusal::kCriticalUnchecked>(actuator.name));
     } else if (!checking && known.suspended && Rises(config_, known.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up");
-    } else if (for_safety_ && known.found_below && !known.set_again &&
+    } else if (StaysHeld(known)) {
+      step.part = PlanStep::Part::kStaysHeld;
+      step.note = "stays in " + known.kept_in + ", where it is held";
+    } else if (by_ == By::kSafety && known.found_below && !known.set_again &&
                Rises(config_, known.state(), plan_.target)) {
       leave_out("was found less active, and no fallback raises it");
     } else if (!checking && IsInTarget(known) && !known.report.busy() && !known.command) {
@@ -263,6 +269,12 @@ class Planner {
       NoteBusy(i, Refused<Refusal::kActuatorStillBusy>(actuator.name, BusyWith(known)));
     }
     plan_.steps.push_back(step);
+  }
+
+  // Whether it is held below the target by a person, and the switch is none that raises it.
+  bool StaysHeld(const KnownActuator& known) const {
+    const bool raises = by_ == By::kRequest && plan_.direction != Direction::kDown;
+    return !raises && !known.kept_in.empty() && Falls(config_, plan_.target, known.kept_in);
   }
 
   // A late actuator in its first self-check is left out, unless the machine is ended. A switch up
@@ -388,7 +400,7 @@ class Planner {
 
   const MachineConfig& config_;
   const Machine& machine_;
-  const bool for_safety_;
+  const By by_;
   Plan plan_;
   std::optional<Error> busy_;  // the first busy actuator, and its callback
   bool busy_ends_ = true;
@@ -405,11 +417,15 @@ bool IsUnconfigured(const MachineConfig& config, ActuatorIndex actuator,
 
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
               std::optional<ActuatorIndex> only) {
-  return Planner(config, machine, target, only, false).Make();
+  return Planner(config, machine, target, only, By::kRequest).Make();
+}
+
+Plan MakePolicyPlan(const MachineConfig& config, const Machine& machine, const State& target) {
+  return Planner(config, machine, target, std::nullopt, By::kPolicy).Make();
 }
 
 Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target) {
-  return Planner(config, machine, target, std::nullopt, true).Make();
+  return Planner(config, machine, target, std::nullopt, By::kSafety).Make();
 }
 
 bool OnlyLowers(const MachineConfig& config, const Machine& machine, const Plan& plan) {

@@ -17,6 +17,7 @@ struct PlanStep : ActuatorGoal {
     kDriven,
     kInTarget,      // is already in the target state
     kHeldInTarget,  // is in the target state, and is attached to the machine again
+    kStaysHeld,     // is held below the target, and this switch raises it not
     kUnsupported,   // does not list the target
     kLeftOut,       // not available, not checked, or still starting: `note` says which
   };
@@ -45,6 +46,10 @@ struct Plan : SwitchGoal {
 // except whether another switch is under way.
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
               std::optional<ActuatorIndex> only = std::nullopt);
+
+// The same of a switch that no person has requested: it raises no actuator that a person holds. Nor
+// does any switch down.
+Plan MakePolicyPlan(const MachineConfig& config, const Machine& machine, const State& target);
 
 // The plan for a safe state: the on_lost of an actuator, or the battery's limit. The flow is
 // ignored: a less active state can always be reached.

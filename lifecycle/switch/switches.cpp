@@ -146,6 +146,9 @@ void Switches::AddLeg(Switch& s, const PlanStep& step) {
                                                                     : ActuatorOutcome::kSkipped;
       if (Of(step.actuator).fault) other.code = Of(step.actuator).fault->code;
       break;
+    case PlanStep::Part::kStaysHeld:
+      other.outcome = ActuatorOutcome::kSkipped;
+      break;
     case PlanStep::Part::kHeldInTarget:
     case PlanStep::Part::kInTarget:
     case PlanStep::Part::kDriven:
@@ -424,7 +427,7 @@ void Switches::Apply(const Switch& s, bool undone) {
   for (const Leg& leg : s.legs) {
     KnownActuator& known = Of(leg.actuator);
     if (leg.outcome == ActuatorOutcome::kDone) {
-      if (!undone && !check) known.held = s.only.has_value() && leg.target != machine_.state;
+      if (!undone && !check) Hold(leg.actuator, s.only.has_value() ? leg.target : State());
       // An actuator that has passed late is driven to the state of the machine. Before the machine
       // is usable, an actuator after a failed rollback is driven back: the check clears its fault.
       const bool passed = check && known.checked;  // by the present process
@@ -447,6 +450,8 @@ void Switches::Apply(const Switch& s, bool undone) {
   DriveTheRest(s);
   for (const ActuatorResult& other : s.others) {
     const ActuatorIndex i = *config_.IndexOf(other.name);
+    if (IsKeptBelow(i) && other.outcome == ActuatorOutcome::kSkipped) continue;
+    Of(i).kept_in = {};
     const bool was_held = std::exchange(Of(i).held, false);
     const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;
     if (was_held && away) FallBack(i);  // from now on its loss counts
@@ -455,6 +460,13 @@ void Switches::Apply(const Switch& s, bool undone) {
       Degrade(i, other.code, {EventName::kStateUnsupported, other.message}, s.cause);
     }
   }
+}
+
+// `state`: in which it was set alone; "": with the machine.
+void Switches::Hold(ActuatorIndex i, const State& state) {
+  KnownActuator& known = Of(i);
+  known.held = !state.empty() && state != machine_.state;
+  known.kept_in = known.held && IsPlace(state) ? state : State();
 }
 
 // Checks again each actuator that a switch up has left out because its self-check had failed.

@@ -68,6 +68,7 @@ class Switches : StepPart {
   State WayBack(const Leg& leg) const;
   void StandStill(const Switch& s);
   void Apply(const Switch& s, bool undone);
+  void Hold(ActuatorIndex i, const State& state);
   void CheckAgain();
   void DriveTheRest(const Switch& s);
   void NoteRolledBack(const Switch& s);

@@ -168,8 +168,10 @@ TEST_F(Adopting, KeepsADetachedActuatorDetachedAndDoesNotUseItsStateForTheMachin
   EXPECT_TRUE(t.RecordOf("b").held);
   EXPECT_THAT(t.log(), IsEmpty());
   EXPECT_TRUE(t.Set("Protected").done());
+  EXPECT_EQ(t.StateOf("b"), "LowPower") << "a switch down raises it not";
+  EXPECT_TRUE(t.Set("Active").done());
   EXPECT_FALSE(t.RecordOf("b").held);
-  EXPECT_EQ(t.StateOf("b"), "Protected");
+  EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
 TEST_F(Adopting, UsesTheStatesOfDetachedActuatorsWhereAllAreDetached) {

@@ -35,6 +35,19 @@ TEST_F(BatteryRule, FallingInThirtyPercentStepsMeetsTheRightLevels) {
   EXPECT_EQ(robot().power.size(), 1U);
 }
 
+// A held arm was raised on the way down, and switched on by the way up, without a person.
+TEST_F(BatteryRule, ABatteryThatFallsAndRisesMovesNoActuatorThatAPersonHolds) {
+  ASSERT_TRUE(robot().Set("LowPower", "b").done());
+  robot().ClearLog();
+  Battery(18);
+  ASSERT_EQ(state(), "Protected");
+  Battery(60);
+  ASSERT_EQ(state(), "Active");
+  EXPECT_EQ(robot().StateOf("b"), "LowPower");
+  EXPECT_TRUE(robot().RecordOf("b").held);
+  EXPECT_THAT(robot().log(), ElementsAre("a:Protected", "a:Active"));
+}
+
 TEST_F(BatteryRule, OneEmptySampleLowersTheMachineAndNeitherTearsItDownNorPowersItOff) {
   Battery(80);
   robot().Feed(event::BatterySeen{0, false});

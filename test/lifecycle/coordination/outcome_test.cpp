@@ -189,8 +189,7 @@ TEST_F(Outcomes, KeepAnActuatorDetachedUntilASwitchIsDoneNotUndone) {
   Obey(1);
   EXPECT_EQ(Of(0).state(), "LowPower");
   EXPECT_TRUE(Of(0).held);
-  RequestSwitch("DeActive");
-  Obey(0);
+  RequestSwitch("LowPower");
   Obey(1);
   EXPECT_FALSE(Of(0).held);
 }
