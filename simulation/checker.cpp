@@ -14,6 +14,7 @@ Checker::Checker(SimRobot& robot) : context_(robot), robot_(robot), config_(robo
     ++checks_;
     processes_.OnStart(controller, name);
     tear_down_.OnStart(controller, name);
+    tear_down_.CheckMayStart(controller, name);
   };
   robot_.processes().on_report = [this](const std::string& name, std::size_t host,
                                         const ActuatorReport& report) {
@@ -48,6 +49,7 @@ Checker::Checker(SimRobot& robot) : context_(robot), robot_(robot), config_(robo
   robot_.on_begin = [this](const SimulatedController& controller, Starter starter) {
     // A person has switched the host on, perhaps: a boot begins the machine, and undoes nothing.
     if (starter != Starter::kSupervisor) tear_down_.OnPersonsStart();
+    if (starter == Starter::kPerson) tear_down_.OnBegunByPerson(controller);
     release_.OnBegin(controller, starter != Starter::kPerson);
     authority_.NoteWord(controller, starter != Starter::kPerson);
   };
@@ -68,7 +70,7 @@ void Checker::OnWrite(const SimulatedController& controller, const std::string& 
 
 void Checker::OnReport(const std::string& name, std::size_t host, const ActuatorReport& report) {
   ++checks_;
-  ActuatorReport& before = reports_[{name, report.host}];
+  ActuatorReport& before = context_.reports[{name, report.host}];
   if (before.incarnation != report.incarnation) before = ActuatorReport{};
   if (report.epoch < before.epoch || report.number < before.number) {
     ReportViolation(Invariant::kNoStaleCommand, name + " goes back to epoch " +
@@ -88,6 +90,7 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   stops_.CheckStaysStopped(name, before, report);
   stops_.CheckStopped(name, host, before, report);
   commands_.CheckWaiting(name, host, report);
+  if (report.state != kTearDown) tear_down_.OnStarted(name);
   before = report;
 }
 
@@ -174,6 +177,7 @@ void Checker::OnRecord(const action::Record& record) {
   switch (record.event) {
     case EventName::kRestartRequested:
       processes_.ForgetWrongConfig(config_.actuators[*record.actuator].name);
+      tear_down_.OnStarted(config_.actuators[*record.actuator].name);
       break;
     case EventName::kPolicyRequested:
     case EventName::kSwitchRequested:

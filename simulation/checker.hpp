@@ -115,7 +115,6 @@ class Checker {
   const MachineConfig& config_;
   std::uint64_t checks_ = 0;
   bool dirty_ = false;
-  std::map<std::pair<std::string, std::string>, ActuatorReport> reports_;  // by actuator, host
   // By the serial of the controller: since when its next deadline has passed, and how often it was
   // checked since then.
   std::map<std::uint64_t, std::pair<Time, int>> over_since_;

@@ -12,27 +12,28 @@ namespace musher::simulation {
 
 enum class Invariant : std::uint8_t {
   // Invariants of the middleware.
-  kNoUnrequestedActivation,    // no fault makes an actuator or the machine more active
-  kDoneIsComplete,             // "done": each actuator reached the target or is listed as degraded
-  kNoStaleCommand,             // no command is executed late, twice, or of a superseded controller
-  kEmergencyStopHolds,         // no actuator becomes more active during an emergency stop
-  kOneReplyPerRequest,         // every request gets one reply
-  kStatesRecorded,             // the journal records every state of the machine
-  kMachineIsConsistent,        // the values of the machine agree with each other after each step
-  kNoPastDeadline,             // the next deadline is never in the past
-  kReachesStableState,         // after the last fault, within the bound
-  kStatesAgree,                // then each live actuator is in the machine's state, or degraded
-  kTearDownEndsProcesses,      // TearDown ends every process within its budget
-  kNoRestartOnConfigError,     // no automatic restart after exit code 2
-  kNoDuplicateActuator,        // no start while it runs on another host, where that can be known
-  kEmergencyStopLatched,       // a stop stays engaged until a controller releases it, then is over
-  kEmergencyStopReported,      // an actuator reports that a stop holds it, until it is on again
-  kReleaseIsConfirmed,         // after "released" no actuator reports a stop that was released
-  kNoStartAfterTearDown,       // after an accepted TearDown only an operator starts the machine
-  kTearDownIsComplete,         // TearDown is "done" when no running actuator is in a higher state
-  kNoCommandDropped,           // only a newer command or its timeout cancels an accepted command
-  kOnlyLeaderReplies,          // only the leading controller replies to clients
-  kClientGetsOutcome,          // a client gets an outcome, or that there is none, within a bound
+  kNoUnrequestedActivation,  // no fault makes an actuator or the machine more active
+  kDoneIsComplete,           // "done": each actuator reached the target or is listed as degraded
+  kNoStaleCommand,           // no command is executed late, twice, or of a superseded controller
+  kEmergencyStopHolds,       // no actuator becomes more active during an emergency stop
+  kOneReplyPerRequest,       // every request gets one reply
+  kStatesRecorded,           // the journal records every state of the machine
+  kMachineIsConsistent,      // the values of the machine agree with each other after each step
+  kNoPastDeadline,           // the next deadline is never in the past
+  kReachesStableState,       // after the last fault, within the bound
+  kStatesAgree,              // then each live actuator is in the machine's state, or degraded
+  kTearDownEndsProcesses,    // TearDown ends every process within its budget
+  kNoRestartOnConfigError,   // no automatic restart after exit code 2
+  kNoDuplicateActuator,      // no start while it runs on another host, where that can be known
+  kEmergencyStopLatched,     // a stop stays engaged until a controller releases it, then is over
+  kEmergencyStopReported,    // an actuator reports that a stop holds it, until it is on again
+  kReleaseIsConfirmed,       // after "released" no actuator reports a stop that was released
+  kNoStartAfterTearDown,     // after an accepted TearDown only an operator starts the machine
+  kTearDownIsComplete,  // TearDown is "done" when no actuator is or has ended in a higher state
+  kStaysDown,           // what a person has torn down alone is started by a person only
+  kNoCommandDropped,    // only a newer command or its timeout cancels an accepted command
+  kOnlyLeaderReplies,   // only the leading controller replies to clients
+  kClientGetsOutcome,   // a client gets an outcome, or that there is none, within a bound
   kOnlyOwnProcessesSignalled,  // a signalled process is a child, or holds the actuator's name
   kEpochRaisedOnce,      // a controller raises its epoch once at most, and only while it starts
   kTakeoverLasts,        // no actuator returns to a controller that a person has replaced

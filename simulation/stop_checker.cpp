@@ -123,6 +123,13 @@ bool StopChecker::HasArrived(StopId id) const {
   return false;
 }
 
+// Of the process of the actuator that the controller has controlled last.
+bool StopChecker::HadLatched(const SimulatedController& controller, ActuatorIndex i) const {
+  const std::string& host = controller.shell().machine().actuators[i].report.host;
+  const auto last = context_.reports.find({config_.actuators[i].name, host});
+  return last != context_.reports.end() && last->second.emergency_stop != 0;
+}
+
 // Every actuator of the machine is stopped, unless the stop was released meanwhile. The program
 // takes the word of the controller that it reaches. That controller cannot know of a process beyond
 // a cut link if no controller of its host has ever received the process.
@@ -130,6 +137,13 @@ void StopChecker::OnStopConfirmed(StopId id) {
   if (released_at_ && *released_at_ >= engaged_at_[id]) return;
   for (const ActuatorIndex i : config_.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
+    const SimulatedController* leader = robot_.leader();
+    const State lost_in = leader == nullptr ? State() : LostIn(*leader, i);
+    const bool was_on = Rises(config_, kUninitialized, lost_in) && !HadLatched(*leader, i);
+    if (was_on) {
+      ReportViolation(Invariant::kStopIsConfirmed, "the machine is reported as stopped, and " +
+                                                       name + " has ended in " + lost_in);
+    }
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(name, host);
       if (report == nullptr || IsStopped(name, host, *report)) continue;

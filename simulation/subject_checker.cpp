@@ -20,6 +20,21 @@ std::uint64_t SubjectChecker::SerialOf(const Machine& machine) const {
   return 0;
 }
 
+State SubjectChecker::LostIn(const SimulatedController& controller, ActuatorIndex i) const {
+  const std::string& name = config_.actuators[i].name;
+  const KnownActuator& known = controller.shell().machine().actuators[i];
+  const auto last = context_.reports.find({name, known.report.host});
+  if (!known.met || last == context_.reports.end()) return {};
+  const ActuatorReport& report = last->second;
+  const bool known_last = report.incarnation == known.report.incarnation;
+  const bool reported = report.state == kTearDown || report.state == config_.default_state;
+  if (!known_last || reported || context_.false_reporters.contains(name)) return {};
+  for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+    if (robot_.processes().ReportOf(name, host) != nullptr) return {};  // it runs
+  }
+  return report.state;
+}
+
 bool SubjectChecker::WasDisturbed(const SimulatedController& controller, const std::string& name,
                                   std::size_t host, Duration within) const {
   const Time now = robot_.network().now();

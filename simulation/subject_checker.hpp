@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "musher/simulation/invariant.hpp"
 #include "musher/simulation/robot.hpp"
@@ -25,6 +26,7 @@ struct CheckerContext {
   bool state_lost = false;  // a disk was full: a controller may have stored outdated state
   std::optional<Time> link_faults_until;         // of all links; max: they are under way
   std::map<std::string, State> false_reporters;  // by actuator: the false state published last
+  std::map<std::pair<std::string, std::string>, ActuatorReport> reports;  // by actuator, host
   std::uint64_t order = 0;  // of stops, requests and commands; it grows with each
 };
 
@@ -43,6 +45,9 @@ class SubjectChecker {
   }
   // The serial of the controller whose machine it is; 0: none.
   std::uint64_t SerialOf(const Machine& machine) const;
+  // The state in which the process of the actuator that the controller has controlled last has
+  // ended without its TearDown; "": it has not, or was not seen to.
+  State LostIn(const SimulatedController& controller, ActuatorIndex i) const;
   // Whether the actuator's process on that host, the controller, or a link between the two has had
   // a fault within that time.
   bool WasDisturbed(const SimulatedController& controller, const std::string& name,

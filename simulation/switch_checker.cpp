@@ -132,6 +132,7 @@ void SwitchChecker::OnReply(std::uint64_t request, const SwitchResult& result) {
     const SimulatedController* replying = robot_.controller(which);
     if (replying == nullptr || replying->serial() != open.mapped().controller) continue;
     tear_down_.CheckTornDown(*replying, result);
+    tear_down_.NoteTornDownAlone(*replying, result);
     controller = replying;
   }
   const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;

@@ -1,5 +1,7 @@
 #include "musher/simulation/tear_down_checker.hpp"
 
+#include <algorithm>
+
 namespace musher::simulation {
 
 // An accepted TearDown continues, even if its controller ends, until a controller begins that an
@@ -20,6 +22,32 @@ void TearDownChecker::OnStart(const SimulatedController& controller, const std::
   if (!MustStayDown(controller)) return;
   ReportViolation(Invariant::kNoStartAfterTearDown,
                   "a supervisor's restart starts " + name + " after an accepted TearDown");
+}
+
+void TearDownChecker::OnBegunByPerson(const SimulatedController& controller) {
+  const auto runs = [&](const ActuatorConfig& actuator) {
+    return !actuator.command.empty() &&
+           robot_.processes().PidOf(actuator.name, controller.host()) != 0;
+  };
+  if (std::ranges::none_of(config_.actuators, runs)) torn_down_alone_.clear();
+}
+
+void TearDownChecker::CheckMayStart(const SimulatedController& controller,
+                                    const std::string& name) {
+  const auto down = torn_down_alone_.find(name);
+  if (down == torn_down_alone_.end()) return;
+  const std::size_t host = down->second;
+  torn_down_alone_.erase(down);
+  if (host != controller.host() || context_.state_lost) return;
+  ReportViolation(Invariant::kStaysDown,
+                  "a controller starts " + name + ", which a person has torn down alone");
+}
+
+void TearDownChecker::NoteTornDownAlone(const SimulatedController& controller,
+                                        const SwitchResult& result) {
+  if (result.target != kTearDown || !result.done()) return;
+  if (result.actuator.empty()) return torn_down_alone_.clear();  // all are down alike
+  torn_down_alone_[result.actuator] = controller.host();
 }
 
 // Whether a supervisor has started the controller after the TearDown, and finds it on its disk.
@@ -78,6 +106,12 @@ void TearDownChecker::CheckTornDown(const SimulatedController& controller,
   if (result.outcome != SwitchOutcome::kDone) return;
   for (const ActuatorIndex i : config_.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
+    const State lost_in = LostIn(controller, i);
+    if (config_.actuators[i].Lists(kTearDown) && !lost_in.empty()) {
+      ReportViolation(Invariant::kTearDownIsComplete, "TearDown is reported as done, and " + name +
+                                                          " has ended in " + lost_in +
+                                                          " without its own");
+    }
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(name, host);
       if (report == nullptr || report->state == kTearDown || processes_.IsDuplicated(name))

@@ -1,7 +1,8 @@
 #pragma once
-// Checks an accepted TearDown, by the processes that each controller can know of.
+// Checks an accepted TearDown, of the machine or of one actuator, by the processes that each
+// controller can know of.
 //
-// Invariants: kNoStartAfterTearDown, kTearDownIsComplete.
+// Invariants: kNoStartAfterTearDown, kTearDownIsComplete, kStaysDown.
 
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +26,13 @@ class TearDownChecker : public SubjectChecker {
   void CheckStaysDown(const SimulatedController& controller);
   // Before a controller starts a process.
   void OnStart(const SimulatedController& controller, const std::string& name);
+  // A person has started the controller: where nothing runs, it starts all.
+  void OnBegunByPerson(const SimulatedController& controller);
+  // Before a controller starts a process.
+  void CheckMayStart(const SimulatedController& controller, const std::string& name);
+  // The actuator runs, or a person has requested that.
+  void OnStarted(const std::string& name) { torn_down_alone_.erase(name); }
+  void NoteTornDownAlone(const SimulatedController& controller, const SwitchResult& result);
   void CheckTornDown(const SimulatedController& controller, const SwitchResult& result);
   // What each controller knows.
   void NoteReceived(const SimulatedController& controller);
@@ -42,6 +50,8 @@ class TearDownChecker : public SubjectChecker {
 
   const ProcessChecker& processes_;
   std::optional<AcceptedTearDown> accepted_tear_down_;  // a TearDown was accepted
+  // By actuator: the host of the controller that has torn it down alone, as a person has requested.
+  std::map<std::string, std::size_t> torn_down_alone_;
   // The processes of which controllers have received a report: the controller's host, actuator, the
   // host's id, incarnation.
   std::set<std::tuple<std::size_t, ActuatorIndex, std::string, Incarnation>> received_;

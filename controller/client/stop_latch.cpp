@@ -25,6 +25,8 @@ constexpr const char* kSecondProcess =
     "several processes run as it, and one of them has not latched the stop";
 constexpr const char* kOnlyEarlier =
     "only an earlier stop of it is known, which its controller does not list";
+constexpr const char* kEndedOn =
+    "its process has ended, and what it had switched on may be on: it was in ";
 constexpr const char* kExitUnknown = "silent, and its exit is not known: it may still run";
 
 // Whether the actuator may move. A lost actuator may, unless its process is known to have ended: on
@@ -44,6 +46,19 @@ bool MayMove(const msg::ActuatorInfo& actuator, const std::string& controller_ho
   const bool elsewhere =
       is(Presence::kAbsent) && !actuator.host.empty() && actuator.host != controller_host;
   return actuator.pid != 0 || elsewhere;
+}
+
+// Whether an actuator may have something switched on in the state. A state of the user counts.
+bool IsOn(std::string_view state) {
+  const auto rank = BuiltInRank(state);
+  const bool before = state == kUninitialized || state == kSetUp || state == kSelfCheck;
+  return !before && state != kTearDown && (!rank || *rank > *BuiltInRank(kDeActive));
+}
+
+// Whether the process of the actuator has exited while it was on, as far as its state says, and
+// none has taken its place: no stop reaches what it had switched on.
+bool EndedOn(const msg::ActuatorInfo& actuator) {
+  return actuator.presence == PresenceName(Presence::kLost) && IsOn(actuator.state);
 }
 
 // Why the actuator may not be stopped, as the controller reports it; empty: no reason.
@@ -93,7 +108,7 @@ std::string EstopReport::WhyNotHeld() const {
 bool EstopReport::settled() const {
   return controller == controller_latched && held &&
          std::all_of(actuators.begin(), actuators.end(), [](const Actuator& actuator) {
-           return actuator.stopped || actuator.unsupported;
+           return actuator.stopped || actuator.unsupported || actuator.ended;
          });
 }
 
@@ -396,7 +411,8 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
       if (unsaved.starts_with(StoredName(Stored::kEmergencyStops))) report.not_on_disk = unsaved;
     }
     for (const msg::ActuatorInfo& actuator : controller->actuators) {
-      if (!MayMove(actuator, controller->host) && !received_.contains(actuator.name)) continue;
+      const bool ended = !MayMove(actuator, controller->host);
+      if (ended && !EndedOn(actuator) && !received_.contains(actuator.name)) continue;
       auto& taken = Take(report, actuator.name, TroubleOf(actuator), controller);
       const auto received = received_.find(actuator.name);
       const bool outdated =
@@ -405,6 +421,10 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
             return MayBeOneBoot(actuator.host, one.host);
           });
       if (outdated) taken.stopped = taken.before = false;
+      if (ended && !taken.stopped && EndedOn(actuator)) {
+        taken.ended = true;
+        taken.trouble = kEndedOn + actuator.state;
+      }
       taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);
       if (taken.unsupported) {
         taken.trouble = "emergency stop not supported (" + actuator.protocol + ")";
@@ -479,6 +499,7 @@ EstopReport StopLatch::Report(const StopView& view) const {
     for (const MachineHere* machine : MachinesOf(view)) {
       AddElsewhere(report, machine->elsewhere);
       if (machine->lan) AddElsewhere(report, machine->actuators);
+      AddLost(report, machine->lost);
     }
   }
   report.unknown = WhyUnknown(view);
@@ -543,6 +564,21 @@ void StopLatch::AddElsewhere(EstopReport& report, const std::vector<std::string>
     actuator.name = name;
     actuator.trouble = kElsewhere;
     actuator.found = false;
+  }
+}
+
+// Those that the last controller has stored, where none has been started since.
+void StopLatch::AddLost(EstopReport& report, const std::vector<DownActuator>& lost) {
+  for (const DownActuator& one : lost) {
+    const auto is_it = [&one](const EstopReport::Actuator& other) {
+      return other.name == one.name && other.found;
+    };
+    if (!IsOn(one.lost_in) || std::ranges::any_of(report.actuators, is_it)) continue;
+    std::erase_if(report.actuators, [&one](const auto& other) { return other.name == one.name; });
+    EstopReport::Actuator& actuator = report.actuators.emplace_back();
+    actuator.name = one.name;
+    actuator.trouble = kEndedOn + one.lost_in;
+    actuator.ended = true;
   }
 }
 

@@ -55,6 +55,7 @@ struct EstopReport {
     Duration after{};          // since this one was published; 0 if it was stopped before
     std::string trouble;       // if not stopped: why, by itself or the controller: "hung"
     bool unsupported = false;  // its protocol has no emergency stop
+    bool ended = false;        // its process has exited while it was on, and latches nothing
     bool found = true;         // else it is only known from a config or a state folder
   };
   // An emergency stop that was already engaged. Only a controller has its origin and reason.
@@ -222,6 +223,7 @@ class StopLatch {
   void WithdrawIfReleased();
   std::vector<const MachineHere*> MachinesOf(const StopView& view) const;
   std::string WhyUnknown(const StopView& view) const;
+  static void AddLost(EstopReport& report, const std::vector<DownActuator>& lost);
   static void AddElsewhere(EstopReport& report, const std::vector<std::string>& names);
   bool MayBeReleased(const Received& one,
                      const std::optional<msg::MachineStatus>& controller) const;

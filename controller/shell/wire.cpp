@@ -93,7 +93,9 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     const KnownActuator& known = machine.actuators[i];
     msg::ActuatorInfo info;
     info.name = config.actuators[i].name;
-    info.state = known.state();
+    // A process that ends before it is set up leaves on what its predecessor had switched on.
+    const bool is_lost = known.presence == Presence::kLost && !known.lost_in.empty();
+    info.state = is_lost ? known.lost_in : known.state();
     info.target = known.command ? known.command->target : known.report.target;
     info.presence = PresenceName(known.presence);
     // A lost actuator has a pid, too, unless its process is known to have ended.

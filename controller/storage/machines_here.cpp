@@ -89,6 +89,7 @@ class Search {
     if (!origin || origin->name_space != name_space_ || origin->domain != domain_id_) return;
     MachineHere machine{{origin->name, origin->id}};
     machine.elsewhere = ElsewhereBy(folder);
+    machine.lost = LostBy(folder);
     const auto config = Read(origin->file);  // none of a root of upgrades, which is a folder
     if (config && IsHere(*config) && config->name == origin->name) Take(machine, *config);
     found_.push_back(std::move(machine));
@@ -109,6 +110,7 @@ class Search {
       const auto origin = LoadOrigin(folder);
       if (!origin || origin->name != config->name || origin->domain != domain_id_) continue;
       for (std::string& name : ElsewhereBy(folder)) machine.elsewhere.push_back(std::move(name));
+      for (DownActuator& lost : LostBy(folder)) machine.lost.push_back(std::move(lost));
     }
     found_.push_back(std::move(machine));
     return true;
@@ -186,6 +188,12 @@ class Search {
       names.push_back(std::move(actuator.name));
     }
     return names;
+  }
+
+  static std::vector<DownActuator> LostBy(const fs::path& folder) {
+    std::vector<DownActuator> lost = StateStore::DownActuatorsIn(folder, HostId());
+    std::erase_if(lost, [](const DownActuator& one) { return one.lost_in.empty(); });
+    return lost;
   }
 
   const int domain_id_;

@@ -62,13 +62,16 @@ void StartUp::TakeUpDown(const event::Begin& begin) {
     KnownActuator& known = Of(*i);
     if (config_.HasState(down.lost_in)) known.lost_in = down.lost_in;
     const bool runs = known.process.launch == Launch::kFoundRunning;
-    if (!by_itself || runs || machine_.start_up.finishing) continue;
+    const bool stays = down.stays_down != StaysDown::kNo && by_itself;
+    if (!stays || runs || machine_.start_up.finishing) continue;
+    known.presence = Presence::kLost;
+    if (!known.lost_in.empty()) known.report.state = known.lost_in;
     if (down.stays_down == StaysDown::kTornDown) {
       known.report.state = State(kTearDown);
       known.report.detached = true;
       known.held = true;
       Degrade(*i, kCodeStateInvalid, texts::TornDownAlone(), kBegun);
-    } else if (down.stays_down == StaysDown::kGivenUp) {
+    } else {
       known.restart.given_up = true;
       Degrade(*i, kCodeFailed, texts::GivenUpBefore(known.lost_in), kBegun);
     }

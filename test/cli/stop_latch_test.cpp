@@ -229,6 +229,15 @@ TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatANewControllerHasNotTakenControlO
   EXPECT_FALSE(report.complete());
 }
 
+// What a person on the robot has who types `musher estop`: no controller answers, and nothing in
+// the environment names a profile.
+StopView OnTheRobot(MachineHere machine) {
+  StopView view;
+  view.running_here = {"eyes", "legs"};
+  view.machines = {std::move(machine)};
+  return view;
+}
+
 TEST_F(Stop, IsNotCompleteWithoutALostActuatorThatIsNotKnownToHaveEnded) {
   legs_.reset();
   Engage();
@@ -238,7 +247,47 @@ TEST_F(Stop, IsNotCompleteWithoutALostActuatorThatIsNotKnownToHaveEnded) {
   legs.pid = 4711;
   EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
   legs.pid = 0;
+  legs.state = "DeActive";
   EXPECT_THAT(AfterASecond(controller).Missing(), IsEmpty()) << "its process has ended";
+}
+
+// `musher estop` ended with exit code 0 beside a motor that a crashed process had left on.
+TEST_F(Stop, IsNotCompleteBesideAnActuatorWhoseProcessHasEndedWhileItWasOn) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  msg::ActuatorInfo& legs = controller.actuators[0];
+  legs.presence = "lost";
+  legs.pid = 0;
+  for (const char* state : {"Active", "Protected", "Dancing"}) {
+    legs.state = state;
+    const EstopReport report = AfterASecond(controller);
+    EXPECT_FALSE(report.complete());
+    EXPECT_TRUE(report.settled()) << "it latches nothing, however long it is awaited";
+    EXPECT_THAT(EstopText(report, false),
+                HasSubstr("legs  its process has ended, and what it had switched on may be on: it "
+                          "was in " +
+                          std::string(state)));
+  }
+  for (const char* state : {"Uninitialized", "SetUp", "SelfCheck", "LowPower", "TearDown"}) {
+    legs.state = state;
+    EXPECT_TRUE(AfterASecond(controller).complete()) << state;
+  }
+}
+
+// Without a controller the state folder says so.
+TEST_F(Stop, WithoutAControllerIsNotCompleteBesideAnActuatorThatIsStoredAsLost) {
+  legs_.reset();
+  Engage();
+  AfterASecond();
+  MachineHere machine{{"robot", ""}, false, {}, {"legs", "eyes"}};
+  machine.lost = {{"legs", StaysDown::kNo, State("Active")}};
+  StopView view = OnTheRobot(machine);
+  view.running_here = {"eyes"};
+  EXPECT_THAT(latch_->Report(view).Missing(), ElementsAre("legs"));
+  EXPECT_TRUE(latch_->Report(view).settled());
+  view.machines[0].lost[0].lost_in = State("LowPower");
+  EXPECT_TRUE(latch_->Report(view).complete());
 }
 
 TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatIsStoredAsRunningOnAnotherHost) {
@@ -252,15 +301,6 @@ TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatIsStoredAsRunningOnAnotherHost) {
   EXPECT_THAT(AfterASecond(controller).Missing(), IsEmpty()) << "it was never there";
   legs.host = "boot/4026531836";
   EXPECT_THAT(AfterASecond(controller).Missing(), ElementsAre("legs"));
-}
-
-// What a person on the robot has who types `musher estop`: no controller answers, and nothing in
-// the environment names a profile.
-StopView OnTheRobot(MachineHere machine) {
-  StopView view;
-  view.running_here = {"eyes", "legs"};
-  view.machines = {std::move(machine)};
-  return view;
 }
 
 TEST_F(Stop, OfAMachineOfOneHostIsCompleteWithTheActuatorsOfItsConfigThatRunHere) {
@@ -511,7 +551,7 @@ TEST_F(Stop, DoesNotWaitForACrashedActuator) {
   controller.actuators[0].presence = "lost";
   controller.actuators[0].health = "crashed";
   controller.actuators[0].pid = 0;  // its process is known to have ended
-  EXPECT_TRUE(AfterASecond(controller).complete());
+  EXPECT_TRUE(AfterASecond(controller).settled());
 }
 
 // A frozen process of another host is as silent as one that has exited, and may go on.

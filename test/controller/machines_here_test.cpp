@@ -159,12 +159,17 @@ TEST_F(Machines, OfAStateFolderHaveTheirIdAndTheActuatorsThatWereOnOtherHosts) {
     store.value().SetMachineId("an id");
     ASSERT_TRUE(store.value().SaveMachineId());
     ASSERT_TRUE(store.value().SaveRemoteActuators({{"arm", "another/1"}}, HostId()));
+    ASSERT_TRUE(store.value().SaveDownActuators(
+        {{"legs", StaysDown::kGivenUp, State("Active")}, {"arm", StaysDown::kTornDown, {}}},
+        HostId()));
   }
   const auto found = Found();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].identity, (MachineIdentity{"robot", "an id"}));
   EXPECT_TRUE(found[0].lan);
   EXPECT_THAT(found[0].elsewhere, ElementsAre("arm"));
+  EXPECT_THAT(found[0].lost,
+              ElementsAre(DownActuator{"legs", StaysDown::kGivenUp, State("Active")}));
   EXPECT_THAT(MachinesHere(1, name_space_), IsEmpty()) << "of another domain";
 }
 

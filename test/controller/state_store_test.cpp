@@ -241,6 +241,20 @@ TEST_F(Store, KeepsTheActuatorsOfOtherHostsWithTheirHost) {
   EXPECT_TRUE(store.LoadRemoteActuators("boot-1/10").empty());
 }
 
+TEST_F(Store, KeepsHowActuatorsHaveEnded) {
+  StateStore store = MustOpen();
+  EXPECT_TRUE(StateStore::DownActuatorsIn(dir_, "boot-1/10").empty());
+  const std::vector<DownActuator> down = {{"arm", StaysDown::kTornDown, {}},
+                                          {"legs", StaysDown::kGivenUp, State("Active")},
+                                          {"lidar", StaysDown::kNo, State("DeActive")}};
+  ASSERT_TRUE(store.SaveDownActuators(down, "boot-1/10"));
+  EXPECT_EQ(StateStore::DownActuatorsIn(dir_, "boot-1/10"), down);
+  const std::vector<DownActuator> arm = {{"arm", StaysDown::kTornDown, {}}};
+  EXPECT_EQ(StateStore::DownActuatorsIn(dir_, "boot-2/10"), arm) << "the others begin afresh";
+  ASSERT_TRUE(store.SaveDownActuators({}, "boot-1/10"));
+  EXPECT_TRUE(StateStore::DownActuatorsIn(dir_, "boot-1/10").empty());
+}
+
 TEST_F(Store, ForgetsTheActuatorsOfAnotherContainerWhenTheirComputerIsBooted) {
   StateStore store = MustOpen();
   const std::vector<RemoteActuator> remote = {{"lidar", "boot-1/20"}};

@@ -78,6 +78,7 @@ Examples OfTheMachine() {
       {"MayStillRunOn", MayStillRunOn("there")},
       {"MayStillRunOn", MayStillRunOn("")},
       {"KeepsRunning", KeepsRunning("Active")},
+      {"LostWithoutTearDown", LostWithoutTearDown("Active")},
   };
 }
 
@@ -203,6 +204,8 @@ Examples OfAProcess() {
       {"RestartPrevented", RestartPrevented("exit code 7", 7, "legs")},
       {"GivenUp", GivenUp(5, "it was killed")},
       {"GivenUp", GivenUp(5, std::nullopt)},
+      {"GivenUpBefore", GivenUpBefore("Active")},
+      {"GivenUpBefore", GivenUpBefore("")},
       {"RestartedTooOften", RestartedTooOften(6, kTime)},
   };
 }

@@ -287,6 +287,53 @@ TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneWhileAnActuatorRuns) {
   ExpectFound(Invariant::kTearDownIsComplete, "a still runs in Active");
 }
 
+TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneBesideAnActuatorThatHasEndedWithoutItsOwn) {
+  MachineConfig config = Started(2);
+  for (ActuatorConfig& actuator : config.actuators) actuator.restart.policy = RestartPolicy::kNo;
+  Make(std::move(config));
+  BringUp();
+  robot_->CrashActuator("b");
+  RunFor(std::chrono::seconds(2));
+  for (KnownActuator& known : machine().actuators) known.lost_in = {};  // forgets it
+  const std::uint64_t request = checker_->OnRequest(*robot_->leader(), State(kTearDown));
+  robot_->leader()->shell().SetState(
+      State(kTearDown), std::nullopt,
+      [&](const SwitchResult& result) { checker_->OnReply(request, result); });
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Invariant::kTearDownIsComplete, "b has ended in Active without its own");
+}
+
+TEST_F(PlantedFlaw, FindsAStopThatIsReportedBesideAnActuatorThatHasEndedWhileItWasOn) {
+  MachineConfig config = Started(2);
+  for (ActuatorConfig& actuator : config.actuators) actuator.restart.policy = RestartPolicy::kNo;
+  Make(std::move(config));
+  BringUp();
+  robot_->CrashActuator("b");
+  RunFor(std::chrono::seconds(2));
+  checker_->OnStopEngaged(0, 7);
+  robot_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  checker_->OnStopConfirmed(7);
+  ExpectFound(Invariant::kStopIsConfirmed, "b has ended in Active");
+}
+
+TEST_F(PlantedFlaw, FindsAStartOfAnActuatorThatAPersonHasTornDownAlone) {
+  Make(Started(2));
+  BringUp();
+  const std::uint64_t request = checker_->OnRequest(*robot_->leader(), State(kTearDown));
+  robot_->leader()->shell().SetState(State(kTearDown), "b", [&](const SwitchResult& result) {
+    checker_->OnReply(request, result);
+  });
+  RunFor(std::chrono::seconds(2));
+  ASSERT_FALSE(robot_->IsAlive("b"));
+  robot_->CrashController();
+  ASSERT_EQ(robot_->disk(0).down.size(), 1U);
+  robot_->disk(0).down.clear();
+  robot_->LaunchController(0, true, {}, Starter::kSupervisor);
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Invariant::kStaysDown, "a controller starts b");
+}
+
 TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneWithoutARemoteActuatorThatAnEarlierOneKnew) {
   Layout layout = TwoHosts(1);
   layout.host_of = {1};
