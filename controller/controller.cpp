@@ -381,11 +381,10 @@ void Controller::AddSaves(ShellDependencies& dependencies) {
         [actuators](StateStore& store) { return store.SaveRemoteActuators(actuators, HostId()); },
         std::move(done));
   };
-  dependencies.save_down_actuators = [save](const std::vector<DownActuator>& actuators,
-                                            OnSaved done) {
+  dependencies.save_actuators = [save](const std::vector<StoredActuator>& actuators, OnSaved done) {
     save(
-        Stored::kDownActuators,
-        [actuators](StateStore& store) { return store.SaveDownActuators(actuators, HostId()); },
+        Stored::kActuators,
+        [actuators](StateStore& store) { return store.SaveActuators(actuators, HostId()); },
         std::move(done));
   };
   if (store_) {
@@ -507,7 +506,7 @@ void Controller::Begin() {
   begin.stop_intent =
       store_ ? store_->LoadStopIntent() : StateStore::StopIntentIn(config_.state_dir);
   begin.remote = StateStore::RemoteActuatorsIn(config_.state_dir, HostId());
-  begin.down = StateStore::DownActuatorsIn(config_.state_dir, HostId());
+  begin.actuators = StateStore::ActuatorsIn(config_.state_dir, HostId());
   shell_->Begin(std::move(begin), children);
   if (store_ && store_->copied_from()) shell_->Remark(kCodeOk, CopiedText());
   if (!store_) return shell_->OnJournalWritten(NoFolder());

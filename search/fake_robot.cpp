@@ -30,7 +30,7 @@ void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised, b
   begin.stop_intent = disk.stop_intent;
   begin.restarted = restarted;
   begin.remote = disk.remote;
-  begin.down = disk.down;
+  begin.actuators = disk.actuators;
   begin.supervised = supervised;
   begin.at_boot = at_boot;
   Feed(begin);
@@ -98,8 +98,8 @@ void FakeRobot::Apply(const Action& action) {
     save(Stored::kStopIntent, intent->save, &Disk::stop_intent, intent->intended);
   } else if (const auto* remote = std::get_if<action::SaveRemoteActuators>(&action)) {
     save(Stored::kRemoteActuators, remote->save, &Disk::remote, remote->actuators);
-  } else if (const auto* down = std::get_if<action::SaveDownActuators>(&action)) {
-    save(Stored::kDownActuators, down->save, &Disk::down, down->actuators);
+  } else if (const auto* stored = std::get_if<action::SaveActuators>(&action)) {
+    save(Stored::kActuators, stored->save, &Disk::actuators, stored->actuators);
   } else {
     Do(action);
   }

@@ -46,7 +46,7 @@ struct Disk {
   StoredPolicy policy;
   bool stop_intent = false;
   std::vector<RemoteActuator> remote;
-  std::vector<DownActuator> down;
+  std::vector<StoredActuator> actuators;
 };
 
 // A fake robot but for its actuators; a value.

@@ -271,7 +271,7 @@ void SimRobot::LoseFiles() {
     disk.stops = {};
     disk.stop_intent = false;
     disk.remote.clear();
-    disk.down.clear();
+    disk.actuators.clear();
     disk.policy = {};
     disk.files.clear();
     disk.recording.clear();

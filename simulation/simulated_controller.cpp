@@ -80,8 +80,8 @@ void SimulatedController::SetSaves(ControllerShell::Dependencies& dependencies) 
   dependencies.save_remote_actuators = [this](const auto& actuators, const auto& done) {
     Save(disk_.remote, actuators, done);
   };
-  dependencies.save_down_actuators = [this](const auto& actuators, const auto& done) {
-    Save(disk_.down, actuators, done);
+  dependencies.save_actuators = [this](const auto& actuators, const auto& done) {
+    Save(disk_.actuators, actuators, done);
   };
   dependencies.save_children = [this](const std::vector<ChildProcess>& children, const auto& done) {
     disk_.children.clear();
@@ -205,7 +205,7 @@ void SimulatedController::Begin(bool takeover, Starter starter) {
   begin.stops = LoadStops();
   begin.stop_intent = disk_.stop_intent;
   if (opened_ != FolderOpens::kNo) begin.remote = disk_.remote;
-  if (opened_ != FolderOpens::kNo) begin.down = disk_.down;
+  if (opened_ != FolderOpens::kNo) begin.actuators = disk_.actuators;
   begin.policy = LoadPolicy();
   begin.restarted = starter == Starter::kSupervisor;
   begin.supervised = starter != Starter::kPerson;

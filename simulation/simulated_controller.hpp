@@ -36,7 +36,7 @@ struct Disk {
   std::vector<UnreadFolder> unread;  // other state folders, which it may not read
   bool stop_intent = false;
   std::vector<RemoteActuator> remote;
-  std::vector<DownActuator> down;
+  std::vector<StoredActuator> actuators;
   StoredPolicy policy;
   std::vector<JournalRow> recording;
   // Processes by actuator; also those that could not be saved, which are found by their mark.

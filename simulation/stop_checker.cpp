@@ -123,11 +123,20 @@ bool StopChecker::HasArrived(StopId id) const {
   return false;
 }
 
-// Of the process of the actuator that the controller has controlled last.
-bool StopChecker::HadLatched(const SimulatedController& controller, ActuatorIndex i) const {
-  const std::string& host = controller.shell().machine().actuators[i].report.host;
-  const auto last = context_.reports.find({config_.actuators[i].name, host});
-  return last != context_.reports.end() && last->second.emergency_stop != 0;
+// The state in which the actuator was on when its process ended, as far as every controller that
+// leads knows that; "": it was off, had latched a stop, or one does not know it.
+State StopChecker::LostOnIn(ActuatorIndex i) const {
+  State in;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const SimulatedController* controller = robot_.controller(which);
+    if (controller == nullptr || !controller->leads()) continue;
+    in = LostIn(*controller, i);
+    const std::string& host = controller->shell().machine().actuators[i].report.host;
+    const auto last = context_.reports.find({config_.actuators[i].name, host});
+    const bool latched = last != context_.reports.end() && last->second.emergency_stop != 0;
+    if (latched || !Rises(config_, kUninitialized, in)) return {};
+  }
+  return in;
 }
 
 // Every actuator of the machine is stopped, unless the stop was released meanwhile. The program
@@ -137,10 +146,7 @@ void StopChecker::OnStopConfirmed(StopId id) {
   if (released_at_ && *released_at_ >= engaged_at_[id]) return;
   for (const ActuatorIndex i : config_.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
-    const SimulatedController* leader = robot_.leader();
-    const State lost_in = leader == nullptr ? State() : LostIn(*leader, i);
-    const bool was_on = Rises(config_, kUninitialized, lost_in) && !HadLatched(*leader, i);
-    if (was_on) {
+    if (const State lost_in = LostOnIn(i); !lost_in.empty()) {
       ReportViolation(Invariant::kStopIsConfirmed, "the machine is reported as stopped, and " +
                                                        name + " has ended in " + lost_in);
     }

@@ -54,7 +54,7 @@ class StopChecker : public SubjectChecker {
   Open StopIsOpen() const;
   bool IsStopped(const std::string& name, std::size_t host, const ActuatorReport& report) const;
   bool HasArrived(StopId id) const;
-  bool HadLatched(const SimulatedController& controller, ActuatorIndex i) const;
+  State LostOnIn(ActuatorIndex i) const;
 
   const ProcessChecker& processes_;
   const TearDownChecker& tear_down_;

@@ -568,8 +568,8 @@ void StopLatch::AddElsewhere(EstopReport& report, const std::vector<std::string>
 }
 
 // Those that the last controller has stored, where none has been started since.
-void StopLatch::AddLost(EstopReport& report, const std::vector<DownActuator>& lost) {
-  for (const DownActuator& one : lost) {
+void StopLatch::AddLost(EstopReport& report, const std::vector<StoredActuator>& lost) {
+  for (const StoredActuator& one : lost) {
     const auto is_it = [&one](const EstopReport::Actuator& other) {
       return other.name == one.name && other.found;
     };

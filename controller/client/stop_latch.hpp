@@ -223,7 +223,7 @@ class StopLatch {
   void WithdrawIfReleased();
   std::vector<const MachineHere*> MachinesOf(const StopView& view) const;
   std::string WhyUnknown(const StopView& view) const;
-  static void AddLost(EstopReport& report, const std::vector<DownActuator>& lost);
+  static void AddLost(EstopReport& report, const std::vector<StoredActuator>& lost);
   static void AddElsewhere(EstopReport& report, const std::vector<std::string>& names);
   bool MayBeReleased(const Received& one,
                      const std::optional<msg::MachineStatus>& controller) const;

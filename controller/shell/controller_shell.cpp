@@ -466,8 +466,8 @@ void ControllerShell::Do(const action::SaveStopIntent& a) {
 void ControllerShell::Do(const action::SaveRemoteActuators& a) {
   dependencies_.save_remote_actuators(a.actuators, OnSaved(Stored::kRemoteActuators, a.save));
 }
-void ControllerShell::Do(const action::SaveDownActuators& a) {
-  dependencies_.save_down_actuators(a.actuators, OnSaved(Stored::kDownActuators, a.save));
+void ControllerShell::Do(const action::SaveActuators& a) {
+  dependencies_.save_actuators(a.actuators, OnSaved(Stored::kActuators, a.save));
 }
 
 void ControllerShell::Do(const action::Fenced& a) {

@@ -187,7 +187,7 @@ class ControllerShell {
   void Do(const action::SavePolicy& a);
   void Do(const action::SaveStopIntent& a);
   void Do(const action::SaveRemoteActuators& a);
-  void Do(const action::SaveDownActuators& a);
+  void Do(const action::SaveActuators& a);
   void Do(const action::Fenced& a);
   void Do(const action::Record& a) { records_.Write(a); }
   void Do(const action::StartUpEnded& a);

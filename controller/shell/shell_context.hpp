@@ -42,7 +42,7 @@ struct ShellDependencies {
   std::function<void(const StoredPolicy&, OnSaved done)> save_policy;
   std::function<void(bool, OnSaved done)> save_stop_intent;
   std::function<void(const std::vector<RemoteActuator>&, OnSaved done)> save_remote_actuators;
-  std::function<void(const std::vector<DownActuator>&, OnSaved done)> save_down_actuators;
+  std::function<void(const std::vector<StoredActuator>&, OnSaved done)> save_actuators;
   // Saves the processes that the next controller has to find; may be empty.
   std::function<void(const std::vector<ChildProcess>&, OnSaved done)> save_children;
   // The mark by which the process of an actuator is found again (child_processes.hpp); may be

@@ -110,7 +110,7 @@ class Search {
       const auto origin = LoadOrigin(folder);
       if (!origin || origin->name != config->name || origin->domain != domain_id_) continue;
       for (std::string& name : ElsewhereBy(folder)) machine.elsewhere.push_back(std::move(name));
-      for (DownActuator& lost : LostBy(folder)) machine.lost.push_back(std::move(lost));
+      for (StoredActuator& lost : LostBy(folder)) machine.lost.push_back(std::move(lost));
     }
     found_.push_back(std::move(machine));
     return true;
@@ -190,9 +190,9 @@ class Search {
     return names;
   }
 
-  static std::vector<DownActuator> LostBy(const fs::path& folder) {
-    std::vector<DownActuator> lost = StateStore::DownActuatorsIn(folder, HostId());
-    std::erase_if(lost, [](const DownActuator& one) { return one.lost_in.empty(); });
+  static std::vector<StoredActuator> LostBy(const fs::path& folder) {
+    std::vector<StoredActuator> lost = StateStore::ActuatorsIn(folder, HostId());
+    std::erase_if(lost, [](const StoredActuator& one) { return one.lost_in.empty(); });
     return lost;
   }
 

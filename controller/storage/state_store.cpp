@@ -246,9 +246,9 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
 
 StateStore::StateStore(std::string dir, MachineOrigin machine, UniqueFd lock)
     : dir_(std::move(dir)), machine_(std::move(machine)), lock_(std::move(lock)) {
-  for (const std::string& path : {OriginFile(dir_), EpochFile(), EmergencyStopFile(), PolicyFile(),
-                                  ConfigHashFile(), StopIntentFile(), RemoteActuatorsFile(),
-                                  DownActuatorsFileIn(dir_), ProcessesFileIn(dir_)}) {
+  for (const std::string& path :
+       {OriginFile(dir_), EpochFile(), EmergencyStopFile(), PolicyFile(), ConfigHashFile(),
+        StopIntentFile(), RemoteActuatorsFile(), ActuatorsFileIn(dir_), ProcessesFileIn(dir_)}) {
     RememberFile(path);
   }
 }
@@ -420,27 +420,30 @@ std::vector<RemoteActuator> StateStore::RemoteActuatorsIn(const std::string& dir
 constexpr std::string_view kTornDownWord = "torn_down";
 constexpr std::string_view kGivenUpWord = "given_up";
 constexpr std::string_view kLostWord = "lost";
+constexpr std::string_view kHeldWord = "held";
 
-// "host HOST" of the controller, then lines "torn_down NAME", "given_up NAME", "lost NAME STATE".
-Result<> StateStore::SaveDownActuators(const std::vector<DownActuator>& actuators,
-                                       const std::string& host) {
+// "host HOST" of the controller, then lines "torn_down NAME", "given_up NAME", "lost NAME STATE",
+// "held NAME STATE".
+Result<> StateStore::SaveActuators(const std::vector<StoredActuator>& actuators,
+                                   const std::string& host) {
   std::string text = "host " + host + "\n";
   const auto add = [&](std::string_view word, const std::string& rest) {
     text += std::string(word) + " " + rest + "\n";
   };
-  for (const DownActuator& one : actuators) {
+  for (const StoredActuator& one : actuators) {
     if (one.stays_down == StaysDown::kTornDown) add(kTornDownWord, one.name);
     if (one.stays_down == StaysDown::kGivenUp) add(kGivenUpWord, one.name);
     if (!one.lost_in.empty()) add(kLostWord, one.name + " " + OneWord(one.lost_in));
+    if (!one.kept_in.empty()) add(kHeldWord, one.name + " " + OneWord(one.kept_in));
   }
-  return Replace(DownActuatorsFileIn(dir_), text);
+  return Replace(ActuatorsFileIn(dir_), text);
 }
 
-std::vector<DownActuator> StateStore::DownActuatorsIn(const std::string& dir,
-                                                      const std::string& host) {
-  const UniqueFd file = OpenRegular(DownActuatorsFileIn(dir));
+std::vector<StoredActuator> StateStore::ActuatorsIn(const std::string& dir,
+                                                    const std::string& host) {
+  const UniqueFd file = OpenRegular(ActuatorsFileIn(dir));
   std::istringstream lines(file.valid() ? ReadSmall(file.get()) : "");
-  std::vector<DownActuator> actuators;
+  std::vector<StoredActuator> actuators;
   bool of_this_boot = false;
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
@@ -450,11 +453,12 @@ std::vector<DownActuator> StateStore::DownActuatorsIn(const std::string& dir,
     if (kind == "host") of_this_boot = BootOf(name) == BootOf(host);
     const bool stays = kind == kTornDownWord || (kind == kGivenUpWord && of_this_boot);
     std::string state;
-    const bool lost = kind == kLostWord && of_this_boot && words >> state;
-    if (!stays && !lost) continue;
-    auto found = std::ranges::find(actuators, name, &DownActuator::name);
-    if (found == actuators.end()) found = actuators.insert(found, DownActuator{name});
-    if (lost) found->lost_in = State(state);
+    const bool has_state = kind == kLostWord || kind == kHeldWord;
+    const bool in_state = has_state && of_this_boot && words >> state;
+    if (!stays && !in_state) continue;
+    auto found = std::ranges::find(actuators, name, &StoredActuator::name);
+    if (found == actuators.end()) found = actuators.insert(found, StoredActuator{name});
+    if (in_state) (kind == kLostWord ? found->lost_in : found->kept_in) = State(state);
     if (stays)
       found->stays_down = kind == kTornDownWord ? StaysDown::kTornDown : StaysDown::kGivenUp;
   }

@@ -9,7 +9,7 @@
 //   emergency_stop      the engaged stops with origin and reason, the released ones (slot_file.hpp)
 //   processes           the processes started for actuators (child_processes.hpp)
 //   stop_intent         there from the start of a TearDown until a person starts the machine
-//   down_actuators      the actuators that have ended, and how
+//   actuators           those that have ended, and how, and those that a person holds
 //   remote_actuators    the actuators that run on other hosts, with the host
 //   policy              the values of the policy: the low-power switch, where the battery took it
 //   levels_taken        which battery levels of the machine's other folders are in `policy`
@@ -104,10 +104,10 @@ class StateStore {
   static std::vector<RemoteActuator> RemoteActuatorsIn(const std::string& dir,
                                                        const std::string& host);
 
-  // The actuators that have ended. What was lost, or given up, before this computer was booted is
-  // skipped: its processes start afresh. So are damaged lines.
-  Result<> SaveDownActuators(const std::vector<DownActuator>& actuators, const std::string& host);
-  static std::vector<DownActuator> DownActuatorsIn(const std::string& dir, const std::string& host);
+  // What the next controller has to know of the actuators. What was lost, given up or held before
+  // this computer was booted is skipped: its processes start afresh. So are damaged lines.
+  Result<> SaveActuators(const std::vector<StoredActuator>& actuators, const std::string& host);
+  static std::vector<StoredActuator> ActuatorsIn(const std::string& dir, const std::string& host);
 
   // The stored values of the policy; nothing without a file. A file that cannot be read counts as
   // the lowest battery level that powers nothing off.
@@ -171,7 +171,7 @@ class StateStore {
   std::string ConfigHashFile() const { return ConfigHashFileIn(dir_); }
   static std::string StopIntentFileIn(const std::string& dir) { return dir + "/stop_intent"; }
   std::string StopIntentFile() const { return StopIntentFileIn(dir_); }
-  static std::string DownActuatorsFileIn(const std::string& dir) { return dir + "/down_actuators"; }
+  static std::string ActuatorsFileIn(const std::string& dir) { return dir + "/actuators"; }
   static std::string RemoteActuatorsFileIn(const std::string& dir) {
     return dir + "/remote_actuators";
   }

@@ -127,7 +127,7 @@ void Coordinator::FinishStep(const Event& event) {
   stops_.CheckRequested();
   Advance();
   saver_.NoteHosts();
-  saver_.NoteDown();
+  saver_.NoteActuators();
 }
 
 // Each can make the next one possible; the loop ends when all of them wait for an event.

@@ -27,8 +27,8 @@ std::string_view StoredName(Stored what) {
       return "intent to stop";
     case Stored::kRemoteActuators:
       return "list of remote actuators";
-    case Stored::kDownActuators:
-      return "list of actuators that are down";
+    case Stored::kActuators:
+      return "list of actuators";
     case Stored::kJournal:
       break;
   }

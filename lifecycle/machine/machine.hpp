@@ -93,8 +93,8 @@ struct FallbackState {
 
 struct SavesState {
   SaveNumber last = 0;
-  std::vector<Unsaved> unsaved;    // what is not on disk yet
-  std::vector<DownActuator> down;  // as stored last
+  std::vector<Unsaved> unsaved;           // what is not on disk yet
+  std::vector<StoredActuator> actuators;  // as stored last
 
   friend bool operator==(const SavesState&, const SavesState&) = default;
 };
@@ -198,7 +198,7 @@ template <>
 inline constexpr std::tuple kFields<SavesState> = {
     Field{"last_save", &SavesState::last},
     Field{"unsaved", &SavesState::unsaved},
-    Field{"down_actuators", &SavesState::down},
+    Field{"stored_actuators", &SavesState::actuators},
 };
 
 template <>

@@ -77,13 +77,15 @@ enum class StaysDown {
   kGivenUp,   // its process has exited, and is not restarted
 };
 
-// An actuator that has ended, as it is stored for the next controller.
-struct DownActuator {
+// What the next controller has to know of an actuator that does not say so itself, because its
+// process has ended, or may have by then.
+struct StoredActuator {
   std::string name;
   StaysDown stays_down = StaysDown::kNo;
   State lost_in{};  // in which its process was lost, with no successor that is set up; "": in none
+  State kept_in{};  // in which a person holds it; "": in none
 
-  friend bool operator==(const DownActuator&, const DownActuator&) = default;
+  friend bool operator==(const StoredActuator&, const StoredActuator&) = default;
 };
 
 // What a controller stores on disk for the next one.
@@ -93,7 +95,7 @@ enum class Stored {
   kPolicy,
   kStopIntent,  // the machine is to be torn down and to stay down
   kRemoteActuators,
-  kDownActuators,
+  kActuators,
   kJournal,  // not by a save: its writer reports when writing begins to fail, and when it works
 };
 std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
@@ -114,8 +116,8 @@ namespace musher::fields {
 
 template <>
 inline constexpr std::array<std::string_view, 7> kValueNames<Stored> = {
-    "epoch",          "emergency stops", "policy", "stop intent", "remote actuators",
-    "down actuators", "journal"};
+    "epoch",     "emergency stops", "policy", "stop intent", "remote actuators",
+    "actuators", "journal"};
 static_assert(EndsWith(Stored::kJournal));
 
 template <>
@@ -149,10 +151,11 @@ inline constexpr std::tuple kFields<RemoteActuator> = {
 };
 
 template <>
-inline constexpr std::tuple kFields<DownActuator> = {
-    Field{"name", &DownActuator::name},
-    Field{"stays_down", &DownActuator::stays_down},
-    Field{"lost_in", &DownActuator::lost_in},
+inline constexpr std::tuple kFields<StoredActuator> = {
+    Field{"name", &StoredActuator::name},
+    Field{"stays_down", &StoredActuator::stays_down},
+    Field{"lost_in", &StoredActuator::lost_in},
+    Field{"kept_in", &StoredActuator::kept_in},
 };
 
 template <>

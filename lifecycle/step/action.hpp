@@ -89,10 +89,10 @@ struct SaveRemoteActuators {
   SaveNumber save = 0;
   friend bool operator==(const SaveRemoteActuators&, const SaveRemoteActuators&) = default;
 };
-struct SaveDownActuators {
-  std::vector<DownActuator> actuators;
+struct SaveActuators {
+  std::vector<StoredActuator> actuators;
   SaveNumber save = 0;
-  friend bool operator==(const SaveDownActuators&, const SaveDownActuators&) = default;
+  friend bool operator==(const SaveActuators&, const SaveActuators&) = default;
 };
 // Run the command of [policy.power_off] or [policy.reboot], if there is one. The machine is torn
 // down, or its time has expired.
@@ -147,7 +147,7 @@ using Action =
                  action::SignalProcess, action::AnswerSetState, action::AnswerCall,
                  action::TakeBacktrace, action::PublishEmergencyStop, action::SaveEmergencyStops,
                  action::SaveEpoch, action::SavePolicy, action::SaveStopIntent,
-                 action::SaveRemoteActuators, action::SaveDownActuators, action::RunPowerCommand,
+                 action::SaveRemoteActuators, action::SaveActuators, action::RunPowerCommand,
                  action::Record, action::StartUpEnded, action::Fenced, action::Stopped>;
 
 }  // namespace musher

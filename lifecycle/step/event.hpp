@@ -18,9 +18,9 @@ namespace event {
 
 // Starts the machine: with `by_hand` only SetUp, the rest follows by requests. `running[i]`: a
 // process of actuator i already runs on this host; `processes[i]` is its pid if its exit can be
-// detected, else 0. `epoch`, `stops`, `policy`, `stop_intent`, `remote` and `down` were read from
-// disk. `restarted`: a supervisor restarts the controller, not a person; with `stop_intent` the
-// controller finishes the TearDown that was begun, and the machine stays down. A person's start
+// detected, else 0. `epoch`, `stops`, `policy`, `stop_intent`, `remote` and `actuators` were read
+// from disk. `restarted`: a supervisor restarts the controller, not a person; with `stop_intent`
+// the controller finishes the TearDown that was begun, and the machine stays down. A person's start
 // clears the intent. `supervised`: a supervisor starts the controller, at boot or again; only a
 // person's start is a request to switch on what an emergency stop has switched off. `at_boot`: it
 // is the first start of that kind since the host was booted, and undoes no person's takeover
@@ -38,7 +38,7 @@ struct Begin {
   std::vector<RemoteActuator> remote = {};
   bool supervised = false;
   bool at_boot = false;
-  std::vector<DownActuator> down = {};
+  std::vector<StoredActuator> actuators = {};
   friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status was received.
@@ -249,7 +249,7 @@ inline constexpr std::tuple kFields<event::Begin> = {
     Field{"remote", &event::Begin::remote},
     Field{"supervised", &event::Begin::supervised},
     Field{"at_boot", &event::Begin::at_boot},
-    Field{"down", &event::Begin::down},
+    Field{"actuators", &event::Begin::actuators},
 };
 
 template <>

@@ -25,8 +25,8 @@ void Saver::Save(Stored what) {
       return Do(action::SaveStopIntent{machine_.phase == Phase::kStopping, save});
     case Stored::kRemoteActuators:
       return Do(action::SaveRemoteActuators{RemoteActuators(), save});
-    case Stored::kDownActuators:
-      return Do(action::SaveDownActuators{machine_.saves.down, save});
+    case Stored::kActuators:
+      return Do(action::SaveActuators{machine_.saves.actuators, save});
     case Stored::kJournal:
       break;
   }
@@ -86,31 +86,33 @@ StaysDown Saver::WhyDown(ActuatorIndex i) const {
 }
 
 StaysDown Saver::WhyStoredDown(ActuatorIndex i) const {
-  const auto& stored = machine_.saves.down;
-  const auto found = std::ranges::find(stored, ConfigOf(i).name, &DownActuator::name);
+  const auto& stored = machine_.saves.actuators;
+  const auto found = std::ranges::find(stored, ConfigOf(i).name, &StoredActuator::name);
   return found == stored.end() ? StaysDown::kNo : found->stays_down;
 }
 
 // A TearDown of the machine brings every actuator down alike: the start after it, of which a person
 // decides, starts them all.
-std::vector<DownActuator> Saver::DownActuators() const {
+std::vector<StoredActuator> Saver::StoredActuators() const {
   const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
   const bool is_down =
       machine_.phase == Phase::kStopped && machine_.stopping->after != AfterTearDown::kStartsAgain;
-  std::vector<DownActuator> down;
-  if (is_down) return down;
+  std::vector<StoredActuator> stored;
+  if (is_down) return stored;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    const DownActuator one{ConfigOf(i).name, ends ? WhyStoredDown(i) : WhyDown(i), Of(i).lost_in};
-    if (one.stays_down != StaysDown::kNo || !one.lost_in.empty()) down.push_back(one);
+    const KnownActuator& known = Of(i);
+    const StoredActuator one{ConfigOf(i).name, ends ? WhyStoredDown(i) : WhyDown(i), known.lost_in,
+                             known.kept_in};
+    if (one != StoredActuator{one.name}) stored.push_back(one);
   }
-  return down;
+  return stored;
 }
 
-void Saver::NoteDown() {
-  std::vector<DownActuator> down = DownActuators();
-  if (down == machine_.saves.down) return;
-  machine_.saves.down = std::move(down);
-  Save(Stored::kDownActuators);
+void Saver::NoteActuators() {
+  std::vector<StoredActuator> stored = StoredActuators();
+  if (stored == machine_.saves.actuators) return;
+  machine_.saves.actuators = std::move(stored);
+  Save(Stored::kActuators);
 }
 
 void Saver::On(const event::SaveEnded& ended) {

@@ -15,14 +15,14 @@ class Saver : StepPart {
   void Save(Stored what);
   // Saves the actuators on other hosts, when they have changed.
   void NoteHosts();
-  // Saves the actuators that have ended, when they have changed.
-  void NoteDown();
+  // Saves what the next controller has to know of the actuators, when it has changed.
+  void NoteActuators();
   void On(const event::SaveEnded& ended);
 
  private:
   std::vector<RemoteActuator> RemoteActuators() const;
   bool IsElsewhere(ActuatorIndex i) const;
-  std::vector<DownActuator> DownActuators() const;
+  std::vector<StoredActuator> StoredActuators() const;
   StaysDown WhyDown(ActuatorIndex i) const;
   StaysDown WhyStoredDown(ActuatorIndex i) const;
 };

@@ -41,7 +41,7 @@ void StartUp::Begin(const event::Begin& begin) {
     if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
   }
   RecordMachine(kCodeOk, texts::ControllerStarted(machine_.epoch, machine_.actuators.size()));
-  TakeUpDown(begin);
+  TakeUp(begin.actuators);
   if (machine_.start_up.finishing) {
     RecordMachine(kCodeOk, texts::TearDownResumedBySupervisor(), kBegun);
   } else if (begin.stop_intent) {
@@ -51,22 +51,23 @@ void StartUp::Begin(const event::Begin& begin) {
              kBegun);
 }
 
-// What a person has torn down alone, and what was given up, comes on by no restart of the
+// What a person has torn down alone or holds, and what was given up, comes on by no restart of the
 // controller and by no boot, but by a start of the person.
-void StartUp::TakeUpDown(const event::Begin& begin) {
-  machine_.saves.down = begin.down;
+void StartUp::TakeUp(const std::vector<StoredActuator>& actuators) {
+  machine_.saves.actuators = actuators;
   const bool by_itself = machine_.start_up.requests_nothing || machine_.start_up.by_supervisor;
-  for (const DownActuator& down : begin.down) {
-    const auto i = config_.IndexOf(down.name);
+  for (const StoredActuator& stored : actuators) {
+    const auto i = config_.IndexOf(stored.name);
     if (!i) continue;
     KnownActuator& known = Of(*i);
-    if (config_.HasState(down.lost_in)) known.lost_in = down.lost_in;
+    if (config_.HasState(stored.lost_in)) known.lost_in = stored.lost_in;
+    if (by_itself && IsPlace(stored.kept_in)) known.kept_in = stored.kept_in;
+    const bool stays = stored.stays_down != StaysDown::kNo && by_itself;
     const bool runs = known.process.launch == Launch::kFoundRunning;
-    const bool stays = down.stays_down != StaysDown::kNo && by_itself;
     if (!stays || runs || machine_.start_up.finishing) continue;
     known.presence = Presence::kLost;
     if (!known.lost_in.empty()) known.report.state = known.lost_in;
-    if (down.stays_down == StaysDown::kTornDown) {
+    if (stored.stays_down == StaysDown::kTornDown) {
       known.report.state = State(kTearDown);
       known.report.detached = true;
       known.held = true;

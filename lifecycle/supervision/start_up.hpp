@@ -30,7 +30,7 @@ class StartUp : StepPart {
   void CheckDeadlines();
 
  private:
-  void TakeUpDown(const event::Begin& begin);
+  void TakeUp(const std::vector<StoredActuator>& actuators);
   void StartStage(int stage, RecordId cause);
   void EndFirstStage();
   void WaitForManager(std::size_t present, std::vector<std::string> missing, RecordId cause);

@@ -322,10 +322,20 @@ void Commands::StayDown(ActuatorIndex i) {
   known.held = true;
 }
 
+// The state in which it is, or to which it may have come since its last report.
+State Commands::MostActiveOf(ActuatorIndex i) const {
+  const KnownActuator& known = Of(i);
+  State most = known.state();
+  if (Rises(config_, most, known.report.target)) most = known.report.target;
+  if (known.command && Rises(config_, most, known.command->target)) most = known.command->target;
+  return most;
+}
+
 void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std::int32_t code) {
   KnownActuator& known = Of(i);
   const bool torn_down = known.state() == kTearDown;
   const bool had_answered = known.presence == Presence::kPresent;
+  const State in = MostActiveOf(i);
   // The command may still arrive. The query that takes control again fences it: once the query is
   // answered, the command has begun or never will.
   if (known.command) known.report.number = std::max(known.report.number, known.command->number);
@@ -333,7 +343,7 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
       known.command && known.command->target == kTearDown && !known.restart.requested;
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;
-  if (!torn_down && known.state() != config_.default_state) known.lost_in = known.state();
+  if (!torn_down && in != config_.default_state) known.lost_in = in;
   known.control.again.reset();
   known.checked = false;
   known.held = known.held && torn_down;  // an actuator torn down alone stays detached

@@ -69,6 +69,7 @@ class Commands : StepPart {
   void NoteCheck(ActuatorIndex i, const CommandResult& end);
   CommandResult Tolerate(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);
   Leg* LegUnderWay(ActuatorIndex i);
+  State MostActiveOf(ActuatorIndex i) const;
   void EndOwn(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);
   void EndTornDown(ActuatorIndex i, const CommandResult& end);
 

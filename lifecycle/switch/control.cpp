@@ -115,7 +115,8 @@ void Control::Attach(ActuatorIndex i) {
   known.join_tried = false;
   known.failed_checks = {};
   known.held = known.report.detached;
-  if (known.held) known.kept_in = IsPlace(known.state()) ? known.state() : State();
+  const bool in_place = IsPlace(known.state());
+  if (known.held || in_place) known.kept_in = known.held && in_place ? known.state() : State();
   known.suspended = false;
   known.health = Health::kWell;
   known.due = late && known.checked && !known.held;

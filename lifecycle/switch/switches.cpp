@@ -448,9 +448,10 @@ void Switches::Apply(const Switch& s, bool undone) {
   if (undone || check || s.only) return;
   if (s.direction == Direction::kUp && s.purpose != Purpose::kStartUpActivate) CheckAgain();
   DriveTheRest(s);
+  const bool raises = s.purpose == Purpose::kRequested && s.direction != Direction::kDown;
   for (const ActuatorResult& other : s.others) {
     const ActuatorIndex i = *config_.IndexOf(other.name);
-    if (IsKeptBelow(i) && other.outcome == ActuatorOutcome::kSkipped) continue;
+    if (IsKeptBelow(i) && !raises) continue;
     Of(i).kept_in = {};
     const bool was_held = std::exchange(Of(i).held, false);
     const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;

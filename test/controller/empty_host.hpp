@@ -45,7 +45,7 @@ class EmptyHost : public ProcessRunner, public ProcessProbe, public JournalSink 
     dependencies.save_emergency_stops = [](const auto&, const auto& saved) { saved(Ok()); };
     dependencies.save_policy = [](const auto&, const auto& saved) { saved(Ok()); };
     dependencies.save_stop_intent = [](auto, const auto& saved) { saved(Ok()); };
-    dependencies.save_down_actuators = [](const auto&, const auto& saved) { saved(Ok()); };
+    dependencies.save_actuators = [](const auto&, const auto& saved) { saved(Ok()); };
     dependencies.save_remote_actuators = [](const auto&, const auto& saved) { saved(Ok()); };
     dependencies.output = [](const auto&) { return nullptr; };
     dependencies.wall_ns = [] { return 0; };

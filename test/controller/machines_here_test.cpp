@@ -159,7 +159,7 @@ TEST_F(Machines, OfAStateFolderHaveTheirIdAndTheActuatorsThatWereOnOtherHosts) {
     store.value().SetMachineId("an id");
     ASSERT_TRUE(store.value().SaveMachineId());
     ASSERT_TRUE(store.value().SaveRemoteActuators({{"arm", "another/1"}}, HostId()));
-    ASSERT_TRUE(store.value().SaveDownActuators(
+    ASSERT_TRUE(store.value().SaveActuators(
         {{"legs", StaysDown::kGivenUp, State("Active")}, {"arm", StaysDown::kTornDown, {}}},
         HostId()));
   }
@@ -169,7 +169,7 @@ TEST_F(Machines, OfAStateFolderHaveTheirIdAndTheActuatorsThatWereOnOtherHosts) {
   EXPECT_TRUE(found[0].lan);
   EXPECT_THAT(found[0].elsewhere, ElementsAre("arm"));
   EXPECT_THAT(found[0].lost,
-              ElementsAre(DownActuator{"legs", StaysDown::kGivenUp, State("Active")}));
+              ElementsAre(StoredActuator{"legs", StaysDown::kGivenUp, State("Active")}));
   EXPECT_THAT(MachinesHere(1, name_space_), IsEmpty()) << "of another domain";
 }
 

@@ -243,16 +243,17 @@ TEST_F(Store, KeepsTheActuatorsOfOtherHostsWithTheirHost) {
 
 TEST_F(Store, KeepsHowActuatorsHaveEnded) {
   StateStore store = MustOpen();
-  EXPECT_TRUE(StateStore::DownActuatorsIn(dir_, "boot-1/10").empty());
-  const std::vector<DownActuator> down = {{"arm", StaysDown::kTornDown, {}},
-                                          {"legs", StaysDown::kGivenUp, State("Active")},
-                                          {"lidar", StaysDown::kNo, State("DeActive")}};
-  ASSERT_TRUE(store.SaveDownActuators(down, "boot-1/10"));
-  EXPECT_EQ(StateStore::DownActuatorsIn(dir_, "boot-1/10"), down);
-  const std::vector<DownActuator> arm = {{"arm", StaysDown::kTornDown, {}}};
-  EXPECT_EQ(StateStore::DownActuatorsIn(dir_, "boot-2/10"), arm) << "the others begin afresh";
-  ASSERT_TRUE(store.SaveDownActuators({}, "boot-1/10"));
-  EXPECT_TRUE(StateStore::DownActuatorsIn(dir_, "boot-1/10").empty());
+  EXPECT_TRUE(StateStore::ActuatorsIn(dir_, "boot-1/10").empty());
+  const std::vector<StoredActuator> down = {{"arm", StaysDown::kTornDown, {}},
+                                            {"legs", StaysDown::kGivenUp, State("Active")},
+                                            {"lidar", StaysDown::kNo, State("DeActive")},
+                                            {"head", StaysDown::kNo, {}, State("LowPower")}};
+  ASSERT_TRUE(store.SaveActuators(down, "boot-1/10"));
+  EXPECT_EQ(StateStore::ActuatorsIn(dir_, "boot-1/10"), down);
+  const std::vector<StoredActuator> arm = {{"arm", StaysDown::kTornDown, {}}};
+  EXPECT_EQ(StateStore::ActuatorsIn(dir_, "boot-2/10"), arm) << "the others begin afresh";
+  ASSERT_TRUE(store.SaveActuators({}, "boot-1/10"));
+  EXPECT_TRUE(StateStore::ActuatorsIn(dir_, "boot-1/10").empty());
 }
 
 TEST_F(Store, ForgetsTheActuatorsOfAnotherContainerWhenTheirComputerIsBooted) {

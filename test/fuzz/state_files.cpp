@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   folder.Write("epoch", text);
   folder.Write("emergency_stop", text);
   folder.Write("remote_actuators", text);
-  folder.Write("down_actuators", text);
+  folder.Write("actuators", text);
   const auto epoch = store.LoadEpoch();
   fuzz::Require(epoch.ok() || !epoch.error().message.empty(), "a damaged file gives an error");
   const StoredStops stops = store.LoadEmergencyStops();
@@ -40,8 +40,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto remote = store.LoadRemoteActuators("boot/1");
   fuzz::Require(store.SaveRemoteActuators(remote, "boot/1").ok(), "read actuators can be saved");
   fuzz::Require(store.LoadRemoteActuators("boot/1") == remote, "read actuators stay the same");
-  const auto down = StateStore::DownActuatorsIn(folder.path(), "boot/1");
-  fuzz::Require(store.SaveDownActuators(down, "boot/1").ok(), "ends that were read can be saved");
-  fuzz::Require(StateStore::DownActuatorsIn(folder.path(), "boot/1") == down, "they stay the same");
+  const auto down = StateStore::ActuatorsIn(folder.path(), "boot/1");
+  fuzz::Require(store.SaveActuators(down, "boot/1").ok(), "ends that were read can be saved");
+  fuzz::Require(StateStore::ActuatorsIn(folder.path(), "boot/1") == down, "they stay the same");
   return 0;
 }

@@ -327,8 +327,8 @@ TEST_F(PlantedFlaw, FindsAStartOfAnActuatorThatAPersonHasTornDownAlone) {
   RunFor(std::chrono::seconds(2));
   ASSERT_FALSE(robot_->IsAlive("b"));
   robot_->CrashController();
-  ASSERT_EQ(robot_->disk(0).down.size(), 1U);
-  robot_->disk(0).down.clear();
+  ASSERT_EQ(robot_->disk(0).actuators.size(), 1U);
+  robot_->disk(0).actuators.clear();
   robot_->LaunchController(0, true, {}, Starter::kSupervisor);
   RunFor(std::chrono::seconds(5));
   ExpectFound(Invariant::kStaysDown, "a controller starts b");

@@ -69,7 +69,7 @@ TEST_F(DownActuators, ARestartThatAPersonRequestsStartsIt) {
   EXPECT_EQ(t.StateOf("b"), "Active");
   CrashController(t);
   EXPECT_EQ(t.StateOf("b"), "Active");
-  EXPECT_THAT(t.disk().down, IsEmpty());
+  EXPECT_THAT(t.disk().actuators, IsEmpty());
 }
 
 // The first start of a robot after its boot is no person's either.
@@ -90,7 +90,7 @@ TEST_F(DownActuators, AStartOfAPersonAfterATearDownOfTheMachineStartsAll) {
   ASSERT_TRUE(t.Set("TearDown").done());
   t.Rest();
   ASSERT_TRUE(t.stopped());
-  EXPECT_THAT(t.disk().down, IsEmpty());
+  EXPECT_THAT(t.disk().actuators, IsEmpty());
   t.RestartController();
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
@@ -157,6 +157,19 @@ TEST_F(DownActuators, ATearDownListsOneThatHasEndedWithoutItsOwn) {
     t.Rest();
     ExpectListed(t.Set("TearDown"));
   }
+}
+
+// The reply that it is in Active had not arrived.
+TEST_F(DownActuators, ATearDownNamesTheStateToWhichOneMayHaveComeBeforeItEnded) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.policy = RestartPolicy::kNo;
+  Harness& t = In("DeActive", config);
+  t.On("b", "Active").takes = Milliseconds(80);
+  t.RequestSwitch("Active");
+  t.RunFor(Milliseconds(20));
+  t.Crash("b");
+  t.Rest();
+  ExpectListed(t.Set("TearDown"));
 }
 
 TEST_F(DownActuators, ATearDownListsOneThatIsRestartedAtThatMoment) {

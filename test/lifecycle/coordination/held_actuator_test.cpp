@@ -15,6 +15,7 @@ class HeldActuators : public Switching {
   Harness& InLowPower(MachineConfig config = Ours(3)) {
     Harness& t = In("Active", std::move(config));
     EXPECT_TRUE(t.Set("LowPower", "b").done());
+    t.Rest();  // until it is on disk
     t.ClearLog();
     return t;
   }
@@ -35,6 +36,24 @@ TEST_F(HeldActuators, ARestartOfTheProcessAfterACrashRaisesNone) {
   t.RestartController(false, true);
   t.Rest();
   ExpectHeld(t, "Active");
+}
+
+// Its process ends together with the controller, as where a supervisor stops both.
+TEST_F(HeldActuators, ARestartOfTheControllerAndOfTheProcessRaisesNone) {
+  Harness& t = InLowPower();
+  t.Crash("b");
+  t.RestartController(false, true);
+  t.Rest();
+  ExpectHeld(t, "Active");
+}
+
+TEST_F(HeldActuators, AStartOfAPersonAfterATearDownRaisesThem) {
+  Harness& t = InLowPower();
+  ASSERT_TRUE(t.Set("TearDown").done());
+  t.Rest();
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
 TEST_F(HeldActuators, ARestartThatAPersonRequestsRaisesNone) {
