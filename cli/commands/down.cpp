@@ -18,6 +18,7 @@
 #include "musher/cli/machine/silent_controller.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
+#include "musher/controller/storage/machines_here.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher::cli {
@@ -56,6 +57,19 @@ std::variant<MachineIdentity, Failure> MachineToEnd(const Link& link,
       {kCodeTargetBusy, "actuators of several machines run in " + NamespaceText(global.name_space) +
                             ": " + MachineText(elsewhere[0]) + ", " + MachineText(elsewhere[1]) +
                             ". Nothing was done; --machine NAME chooses one"}};
+}
+
+// The actuators of the machine whose processes have ended without a TearDown, before or after its
+// controller.
+std::vector<std::string> LostActuators(const MachineIdentity& machine,
+                                       const GlobalOptions& global) {
+  std::vector<std::string> lost;
+  const int domain = transport::DomainId({}).value();
+  for (const MachineHere& here : MachinesHere(domain, global.name_space)) {
+    if (!SameMachine(here.identity, machine)) continue;
+    for (const StoredActuator& one : here.lost) lost.push_back(one.name);
+  }
+  return lost;
 }
 
 ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
@@ -103,6 +117,10 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   std::vector<std::string> not_torn_down;
   for (const auto& one : outcomes) {
     if (one.has_tear_down && !one.torn_down) not_torn_down.push_back(one.name);
+  }
+  for (std::string& name : LostActuators(std::get<MachineIdentity>(machine), global)) {
+    const bool listed = std::ranges::count(outcomes, name, &DirectTearDown::Outcome::name) != 0;
+    if (!listed) not_torn_down.push_back(std::move(name));
   }
   if (not_torn_down.empty()) return others.empty() ? ExitCode::kDone : ExitCode::kNotDone;
   console.PrintError(fmt::format("without TearDown what {} {} switched on may still be on",

@@ -16,8 +16,10 @@ struct MachineHere {
   std::vector<std::string> interfaces{};  // of its config, to other hosts
   std::vector<std::string> actuators{};   // of its config; empty: it cannot be read
   std::vector<std::string> elsewhere{};   // actuators that its last controller knew on other hosts
-  std::vector<StoredActuator> lost{};     // those whose processes have ended without a TearDown
-  std::string unread{};                   // what this user may not read; empty: nothing
+  // Whose processes have ended without a TearDown; in no known state where the controller of the
+  // process had ended before.
+  std::vector<StoredActuator> lost{};
+  std::string unread{};  // what this user may not read; empty: nothing
 
   // Whether an actuator that runs on this host may belong to the machine, by its name.
   bool HasOneOf(const std::vector<std::string>& running_here) const {

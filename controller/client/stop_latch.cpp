@@ -25,6 +25,8 @@ constexpr const char* kSecondProcess =
     "several processes run as it, and one of them has not latched the stop";
 constexpr const char* kOnlyEarlier =
     "only an earlier stop of it is known, which its controller does not list";
+constexpr const char* kEndedAlone =
+    "its process has ended without a controller, and what it had switched on may be on";
 constexpr const char* kEndedOn =
     "its process has ended, and what it had switched on may be on: it was in ";
 constexpr const char* kExitUnknown = "silent, and its exit is not known: it may still run";
@@ -499,7 +501,8 @@ EstopReport StopLatch::Report(const StopView& view) const {
     for (const MachineHere* machine : MachinesOf(view)) {
       AddElsewhere(report, machine->elsewhere);
       if (machine->lan) AddElsewhere(report, machine->actuators);
-      AddLost(report, machine->lost);
+      // Where nothing runs, they may have been torn down without a controller.
+      if (!view.running_here.empty()) AddLost(report, machine->lost);
     }
   }
   report.unknown = WhyUnknown(view);
@@ -577,7 +580,7 @@ void StopLatch::AddLost(EstopReport& report, const std::vector<StoredActuator>& 
     std::erase_if(report.actuators, [&one](const auto& other) { return other.name == one.name; });
     EstopReport::Actuator& actuator = report.actuators.emplace_back();
     actuator.name = one.name;
-    actuator.trouble = kEndedOn + one.lost_in;
+    actuator.trouble = one.lost_in.empty() ? kEndedAlone : kEndedOn + one.lost_in;
     actuator.ended = true;
   }
 }

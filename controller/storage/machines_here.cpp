@@ -190,9 +190,15 @@ class Search {
     return names;
   }
 
-  static std::vector<StoredActuator> LostBy(const fs::path& folder) {
+  // Also a child of the last controller that has exited after it.
+  std::vector<StoredActuator> LostBy(const fs::path& folder) const {
     std::vector<StoredActuator> lost = StateStore::ActuatorsIn(folder, HostId());
     std::erase_if(lost, [](const StoredActuator& one) { return one.lost_in.empty(); });
+    for (const ChildProcess& child : StateStore::LoadChildren(folder, HostId())) {
+      const bool runs = IsRunning(child) || NameLock::IsHeld(lock_ + child.actuator);
+      const bool listed = std::ranges::count(lost, child.actuator, &StoredActuator::name) != 0;
+      if (!runs && !listed) lost.push_back({child.actuator});
+    }
     return lost;
   }
 

@@ -286,6 +286,9 @@ TEST_F(Stop, WithoutAControllerIsNotCompleteBesideAnActuatorThatIsStoredAsLost) 
   view.running_here = {"eyes"};
   EXPECT_THAT(latch_->Report(view).Missing(), ElementsAre("legs"));
   EXPECT_TRUE(latch_->Report(view).settled());
+  view.machines[0].lost[0].lost_in = State();
+  EXPECT_THAT(EstopText(latch_->Report(view), false),
+              HasSubstr("legs  its process has ended without a controller"));
   view.machines[0].lost[0].lost_in = State("LowPower");
   EXPECT_TRUE(latch_->Report(view).complete());
 }
