@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <set>
 #include <variant>
 
 #include "musher/base/host.hpp"
@@ -61,13 +62,12 @@ std::variant<MachineIdentity, Failure> MachineToEnd(const Link& link,
 
 // The actuators of the machine whose processes have ended without a TearDown, before or after its
 // controller.
-std::vector<std::string> LostActuators(const MachineIdentity& machine,
-                                       const GlobalOptions& global) {
-  std::vector<std::string> lost;
+std::set<std::string> LostActuators(const MachineIdentity& machine, const GlobalOptions& global) {
+  std::set<std::string> lost;
   const int domain = transport::DomainId({}).value();
   for (const MachineHere& here : MachinesHere(domain, global.name_space)) {
     if (!SameMachine(here.identity, machine)) continue;
-    for (const StoredActuator& one : here.lost) lost.push_back(one.name);
+    for (const StoredActuator& one : here.lost) lost.insert(one.name);
   }
   return lost;
 }
@@ -118,9 +118,9 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   for (const auto& one : outcomes) {
     if (one.has_tear_down && !one.torn_down) not_torn_down.push_back(one.name);
   }
-  for (std::string& name : LostActuators(std::get<MachineIdentity>(machine), global)) {
+  for (const std::string& name : LostActuators(std::get<MachineIdentity>(machine), global)) {
     const bool listed = std::ranges::count(outcomes, name, &DirectTearDown::Outcome::name) != 0;
-    if (!listed) not_torn_down.push_back(std::move(name));
+    if (!listed) not_torn_down.push_back(name);
   }
   if (not_torn_down.empty()) return others.empty() ? ExitCode::kDone : ExitCode::kNotDone;
   console.PrintError(fmt::format("without TearDown what {} {} switched on may still be on",

@@ -424,7 +424,7 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
           });
       if (outdated) taken.stopped = taken.before = false;
       if (ended && !taken.stopped && EndedOn(actuator)) {
-        taken.ended = true;
+        taken.ended = !actuator.restarting;  // else its successor latches the stop
         taken.trouble = kEndedOn + actuator.state;
       }
       taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);

@@ -269,6 +269,8 @@ TEST_F(Stop, IsNotCompleteBesideAnActuatorWhoseProcessHasEndedWhileItWasOn) {
                           "was in " +
                           std::string(state)));
   }
+  legs.restarting = true;
+  EXPECT_FALSE(AfterASecond(controller).settled()) << "its successor latches the stop";
   for (const char* state : {"Uninitialized", "SetUp", "SelfCheck", "LowPower", "TearDown"}) {
     legs.state = state;
     EXPECT_TRUE(AfterASecond(controller).complete()) << state;
