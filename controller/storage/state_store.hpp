@@ -9,7 +9,7 @@
 //   emergency_stop      the engaged stops with origin and reason, the released ones (slot_file.hpp)
 //   processes           the processes started for actuators (child_processes.hpp)
 //   stop_intent         there from the start of a TearDown until a person starts the machine
-//   actuators           those that have ended, and how, and those that a person holds
+//   actuators           how actuators have ended, and where a person holds one
 //   remote_actuators    the actuators that run on other hosts, with the host
 //   policy              the values of the policy: the low-power switch, where the battery took it
 //   levels_taken        which battery levels of the machine's other folders are in `policy`
