@@ -27,8 +27,8 @@ State SubjectChecker::LostIn(const SimulatedController& controller, ActuatorInde
   if (!known.met || last == context_.reports.end()) return {};
   const ActuatorReport& report = last->second;
   const bool known_last = report.incarnation == known.report.incarnation;
-  const bool reported = report.state == kTearDown || report.state == config_.default_state;
-  if (!known_last || reported || context_.false_reporters.contains(name)) return {};
+  const bool was_in_use = config_.RankOf(report.state) && report.state != kTearDown;
+  if (!known_last || !was_in_use || context_.false_reporters.contains(name)) return {};
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
     if (robot_.processes().ReportOf(name, host) != nullptr) return {};  // it runs
   }

@@ -343,7 +343,7 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
       known.command && known.command->target == kTearDown && !known.restart.requested;
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;
-  if (!torn_down && in != config_.default_state) known.lost_in = in;
+  if (!torn_down && config_.RankOf(in)) known.lost_in = in;  // in a step of a start nothing is on
   known.control.again.reset();
   known.checked = false;
   known.held = known.held && torn_down;  // an actuator torn down alone stays detached

@@ -45,11 +45,13 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
   if (silent) {
     const Duration wait = std::min(kLongestDiscovery, budget * 3 / 10);
     machine_.stopping->announced_by = now_ + wait;
-    RecordSwitch(
-        std::nullopt, 0, kCodeOk,
-        texts::SwitchWaiting(Describe(config_, plan.target, std::nullopt), wait,
-                             ConfigOf(*silent).name + " may run, and has not announced itself yet"),
-        cause);
+    RecordSwitch(std::nullopt, 0, kCodeOk,
+                 texts::SwitchWaiting(
+                     Describe(config_, plan.target, std::nullopt), wait,
+                     ConfigOf(*silent).name + (IsDisconnected(*silent)
+                                                   ? " runs, and its connection was lost"
+                                                   : " may run, and has not announced itself yet")),
+                 cause);
     switches_.EndWaiting(Refused<Refusal::kBeingTornDown>(), cause);
   }
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
@@ -96,10 +98,21 @@ void TearDown::BeginSwitch(const Plan& plan) {
   switches_.Begin(plan, Purpose::kStop, {}, machine_.stopping->cause, machine_.stopping->by);
 }
 
+// Whether only its connection was lost, and its process runs: as of each actuator after a pause of
+// this controller that was longer than the lease of its participant.
+bool TearDown::IsDisconnected(ActuatorIndex i) const {
+  const KnownActuator& known = Of(i);
+  const bool by_itself = known.fault && known.fault->event == EventName::kConnectionLost;
+  const bool is_queried = known.presence == Presence::kStarting && known.control.again;
+  return (known.presence == Presence::kLost || is_queried) && by_itself && OwnProcess(i) != 0 &&
+         known.health != Health::kHung && !known.process.termination;
+}
+
 // Whether the actuator may run without being known to this controller yet: its name is held on this
 // host, an earlier controller has left it on another host, or a person starts it. A Musher process
 // of this host holds its name.
 bool TearDown::MayAnnounceItself(ActuatorIndex i) const {
+  if (IsDisconnected(i)) return true;
   const KnownActuator& known = Of(i);
   const bool silent = known.presence == Presence::kAbsent || known.presence == Presence::kStarting;
   // The start that finishes a TearDown has awaited all of them, unless this is requested in it.

@@ -49,7 +49,7 @@ TEST_F(StartedByHand, ANodeThatIsKilledIsKnownToBeDeadAtOnce) {
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(9));
   EXPECT_THAT(status["actuators"]["planner"]["message"].get<std::string>(),
               HasSubstr("its process " + std::to_string(node.pid()) + " ended"));
-  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(Musher({"down"}).exit, 1) << "it was killed in Active, without its TearDown";
 }
 
 TEST_F(StartedByHand, TwoNodesOfOneNameAreReportedAsThatAndNoneIsKilled) {

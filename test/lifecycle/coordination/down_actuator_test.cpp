@@ -180,6 +180,17 @@ TEST_F(DownActuators, ATearDownListsOneThatIsRestartedAtThatMoment) {
   ExpectListed(t.Set("TearDown"));
 }
 
+TEST_F(DownActuators, ATearDownListsNoneThatHasEndedInAStepOfAStart) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "SelfCheck").hangs = true;
+  t.Restart("b");
+  ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("b") == "SetUp" && t.RecordOf("b").command; }));
+  t.On("b", "SetUp").hangs = true;
+  t.Crash("b");
+  t.RunFor(Milliseconds(20));
+  EXPECT_TRUE(t.Set("TearDown").done());
+}
+
 TEST_F(DownActuators, ATearDownListsNoneThatIsSetUpAgain) {
   Harness& t = In("Active", Ours(2));
   t.Crash("b");

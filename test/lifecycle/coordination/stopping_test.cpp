@@ -169,6 +169,33 @@ TEST_F(Shutdown, AnActuatorThatIsLostDuringTearDownIsListed) {
   EXPECT_THAT(result.degraded, ElementsAre("b"));
 }
 
+// This controller was stopped for longer than the leases of the actuators: all of them were ended
+// by signals, with what they had switched on.
+TEST_F(Shutdown, AwaitsActuatorsWhoseConnectionAloneWasLost) {
+  for (const char* name : {"a", "b", "c"}) {
+    t.Feed(event::Vanished{*t.config().IndexOf(name), t.RecordOf(name).report.incarnation, false,
+                           "connection lost"});
+  }
+  const RequestId request = t.RequestSwitch("TearDown");
+  t.RunFor(Milliseconds(100));
+  EXPECT_THAT(t.signals, ElementsAre());
+  for (const char* name : {"a", "b", "c"}) t.RepeatStatus(name);
+  t.Rest();
+  EXPECT_TRUE(t.answers.at(request).done()) << t.answers.at(request).reason;
+  EXPECT_THAT(t.log(), ElementsAre("a:TearDown", "b:TearDown", "c:TearDown"));
+  EXPECT_THAT(t.signals, ElementsAre());
+}
+
+TEST_F(Shutdown, EndsAnActuatorWhoseConnectionStaysLost) {
+  t.Feed(event::Vanished{2, t.RecordOf("c").report.incarnation, false, "connection lost"});
+  t.Mute("c", true, true);
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result.degraded, ElementsAre("c"));
+  EXPECT_THAT(t.signals, ElementsAre("c:TERM"));
+  EXPECT_THAT(t.log(), ElementsAre("a:TearDown", "b:TearDown"));
+}
+
 TEST_F(Shutdown, AnActuatorThatIsReachedAgainDuringTearDownIsListed) {
   Harness robot(MachineOf(2));
   robot.Begin();
