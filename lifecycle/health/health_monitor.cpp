@@ -15,6 +15,10 @@ constexpr Duration kLeastRemoteLimit = Milliseconds(500);
 constexpr Duration kLongestLimit = Milliseconds(60'000);
 // Above this delay the loop of the controller was late itself; samples may wait behind the timer.
 constexpr Duration kOwnDelay = Milliseconds(20);
+// After such a delay the controller was stopped, or its computer suspended: the actuators, whose
+// leases may have ended meanwhile, are discovered again before their silence counts.
+constexpr Duration kOwnBreak = Milliseconds(5000);
+constexpr Duration kDiscoveredAgain = Milliseconds(10'000);
 // A starved actuator stays starved until it has kept up for this long.
 constexpr Duration kStarvedFor = Milliseconds(2000);
 
@@ -144,6 +148,12 @@ std::vector<HealthEvent> HealthMonitor::TimePassed(Time now) {
   for (const ActuatorIndex i : monitored_.Indices()) {
     MonitoredProcess& process = monitored_[i];
     if (!process.look || *process.look > now) continue;
+    if (now - *process.look > kOwnBreak) {
+      process.last_received = now;
+      process.probed = false;
+      process.look = now + kDiscoveredAgain;
+      continue;
+    }
     if (now - *process.look > kOwnDelay && !process.excused) {
       process.excused = true;
       process.look = now + kOwnDelay;

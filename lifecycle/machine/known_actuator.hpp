@@ -156,11 +156,11 @@ struct KnownActuator {
   // Since the release of the last emergency stop a switch has been requested that leads it up or to
   // a state of the same rank: it may switch on again.
   bool set_again = false;
-  // A person has requested its TearDown alone, and its process was lost in it: it is not started
-  // again.
+  // A person has requested its TearDown alone: where its process is lost in that, or is restarted
+  // for another actuator, it does not come on again.
   bool down_requested = false;
-  // In which its last process was lost: what it had switched on may be on. Until a process is set
-  // up again, which its TearDown then ends. "": none.
+  // In which its last process was lost: what it had switched on may be on. Until another process of
+  // it has reached a state of the machine, or was torn down. "": none.
   State lost_in{};
   bool met = false;  // its process was present, in this run of the controller
   // The process ran before this controller, announced itself after the machine went on, or replaced

@@ -165,6 +165,13 @@ RecordText NotAnnouncedBeside(const std::string& actuator, const std::string& ot
                    {"actuator", actuator}});
 }
 
+RecordText StartedBeside(const std::string& other) {
+  return MakeText(EventName::kTornDownAlone,
+                  "was torn down alone, and its process was started again for {other}; it stays in "
+                  "SetUp until a person sets it to SelfCheck",
+                  {{"other", other}});
+}
+
 RecordText TornDownAlone() {
   return {EventName::kTornDownAlone, "is torn down; only a new start brings it back"};
 }

@@ -146,6 +146,7 @@ RecordText NotAnnounced(const std::string& actuator, const std::vector<std::stri
 RecordText NotAnnouncedBeside(const std::string& actuator, const std::string& other,
                               Duration within, std::int32_t pid);
 RecordText TornDownAlone();
+RecordText StartedBeside(const std::string& other);
 RecordText SelfCheckMissing(const State& state);
 RecordText NoState(const State& state);
 RecordText HeldIn(const State& state, const State& machine);

@@ -53,7 +53,9 @@ void Processes::Recover(ActuatorIndex i, const event::ProcessEnded& ended) {
 
 void Processes::GiveUp(ActuatorIndex i, const RecordText& why) {
   Of(i).restart.given_up = true;
-  Degrade(i, kCodeFailed, why, Of(i).cause);
+  const auto& fault = Of(i).fault;  // it may have been given up, and started once more
+  const bool said = fault && fault->event == why.event;
+  if (!said) Degrade(i, kCodeFailed, why, Of(i).cause);
   FallBack(i);
 }
 

@@ -74,7 +74,8 @@ void Saver::NoteHosts() {
 // Why this controller does not start the actuator again by itself.
 StaysDown Saver::WhyDown(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
-  if (ConfigOf(i).command.empty()) return StaysDown::kNo;  // another party starts it
+  if (ConfigOf(i).command.empty())  // another party starts it, or the process of another actuator
+    return known.down_requested ? StaysDown::kTornDown : StaysDown::kNo;
   if (known.state() == kTearDown && (known.held || known.report.detached)) {
     return known.restart.requested || known.restart.at ? StaysDown::kNo : StaysDown::kTornDown;
   }

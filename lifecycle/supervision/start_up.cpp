@@ -63,6 +63,10 @@ void StartUp::TakeUp(const std::vector<StoredActuator>& actuators) {
     if (config_.HasState(stored.lost_in)) known.lost_in = stored.lost_in;
     if (by_itself && IsPlace(stored.kept_in)) known.kept_in = stored.kept_in;
     const bool stays = stored.stays_down != StaysDown::kNo && by_itself;
+    if (stays && ConfigOf(*i).command.empty()) {
+      known.down_requested = true;
+      continue;
+    }
     const bool runs = known.process.launch == Launch::kFoundRunning;
     if (!stays || runs || machine_.start_up.finishing) continue;
     known.presence = Presence::kLost;

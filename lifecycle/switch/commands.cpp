@@ -208,6 +208,7 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
     // fault.
     const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
     if (well || command.target == kTearDown) Of(i).fault.reset();
+    if (config_.RankOf(command.target)) Of(i).lost_in = {};
   }
   if (command.target == kSelfCheck) NoteCheck(i, end);
   // An overdue actuator is driven again once it is free; one whose check still runs is not.

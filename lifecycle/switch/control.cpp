@@ -96,6 +96,17 @@ void Control::RaiseEpoch() {
   }
 }
 
+// The other actuator for which this controller starts the process in which this one runs, too.
+std::optional<ActuatorIndex> Control::StarterOf(ActuatorIndex i) const {
+  const ActuatorReport& report = Of(i).report;
+  if (!ConfigOf(i).command.empty() || report.pid == 0) return std::nullopt;
+  for (const ActuatorIndex other : machine_.actuators.Indices()) {
+    const bool is_it = Of(other).process.pid == report.pid && HostOf(other) == report.host;
+    if (is_it && !ConfigOf(other).command.empty()) return other;
+  }
+  return std::nullopt;
+}
+
 void Control::Attach(ActuatorIndex i) {
   KnownActuator& known = Of(i);
   known.control.again.reset();
@@ -107,14 +118,15 @@ void Control::Attach(ActuatorIndex i) {
   known.set_up_by.reset();
   known.restart.at.reset();  // it was started by another party first
   known.fault.reset();
-  known.down_requested = false;
-  known.lost_in = {};
+  const auto other = StarterOf(i);
+  known.down_requested = known.down_requested && other;
+  if (config_.RankOf(known.state())) known.lost_in = {};
   known.tolerated.reset();
   const bool beyond = known.state() == kSelfCheck || config_.RankOf(known.state());
   known.checked = (beyond && known.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
   known.join_tried = false;
   known.failed_checks = {};
-  known.held = known.report.detached;
+  known.held = known.report.detached || known.down_requested;
   const bool in_place = IsPlace(known.state());
   if (known.held || in_place) known.kept_in = known.held && in_place ? known.state() : State();
   known.suspended = false;
@@ -138,6 +150,8 @@ void Control::Attach(ActuatorIndex i) {
   }
   if (known.state() == kTearDown && known.held)
     Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), known.cause);
+  else if (known.down_requested)
+    Degrade(i, kCodeStateInvalid, texts::StartedBeside(ConfigOf(*other).name), known.cause);
   processes_.EvaluateArrival(i);
 }
 

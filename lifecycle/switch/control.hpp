@@ -49,6 +49,7 @@ class Control : StepPart {
   // actuator of this host has to answer for that: the last query of a predecessor may have arrived
   // before the first one of this controller. Of another host only the query is known, and perhaps a
   // controller there, which does not reach this one, has come between.
+  std::optional<ActuatorIndex> StarterOf(ActuatorIndex i) const;
   bool HasTaken(const KnownActuator& known) const;
 
  private:

@@ -410,6 +410,7 @@ EndedSwitch Switches::End() {
   memory_.OnSwitchEnded(s, undone);
   Answer(s.requests, result);
   const bool torn_down = down && !failed;
+  if (torn_down) Of(*s.only).down_requested = true;
   if (torn_down) Degrade(*s.only, kCodeStateInvalid, texts::TornDownAlone(), recorded);
   return ended;
 }

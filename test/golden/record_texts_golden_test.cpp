@@ -162,6 +162,7 @@ Examples OfAnActuator() {
       {"NotAnnounced", NotAnnounced("legs", {"walk", "--fast"}, kTime, 12, StartProgress::kIdle)},
       {"NotAnnouncedBeside", NotAnnouncedBeside("legs", "eyes", kTime, 12)},
       {"TornDownAlone", TornDownAlone()},
+      {"StartedBeside", StartedBeside("arm")},
       {"SelfCheckMissing", SelfCheckMissing("Error")},
       {"NoState", NoState("Walk")},
       {"HeldIn", HeldIn("Walk", "Active")},

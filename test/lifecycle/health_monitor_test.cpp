@@ -286,7 +286,7 @@ TEST_F(Monitor, ExcusesItsOwnLatenessOnceAndGivesTimeToAnswer) {
   Watch(0, true);
   Watch(1, true);
   heartbeats_[0] = heartbeats_[1] = false;
-  now_ += std::chrono::seconds(10);  // the controller itself was stopped
+  now_ += std::chrono::seconds(4);  // the controller itself was stopped
   Take(monitor_.TimePassed(now_));
   EXPECT_THAT(Found(), IsEmpty()) << "what was sent meanwhile may wait behind the timer";
   Take(monitor_.OnSample(1, kFirst, heartbeat_[1], now_ + Milliseconds(1)));
@@ -302,7 +302,7 @@ TEST_F(Monitor, ExcusesItsOwnLatenessAgainOnceASampleArrives) {
   Watch(0, true);
   heartbeats_[0] = false;
   for (int i = 0; i < 2; ++i) {
-    now_ += std::chrono::seconds(10);
+    now_ += std::chrono::seconds(4);
     Take(monitor_.TimePassed(now_));
     EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(20));
     Take(monitor_.OnSample(0, kFirst, now_));
@@ -471,6 +471,26 @@ TEST(HeartbeatPeriod, IsHalfOfTheCheckpointWithinBounds) {
   config.actuators[0].checkpoint = std::chrono::hours(1);
   config.transport = TransportProfile::kLan;
   EXPECT_EQ(HeartbeatPeriod(config, 0), Milliseconds(125));
+}
+
+// The controller was stopped for 12 s, and the leases of the actuators had ended: it killed healthy
+// ones before it had discovered them again.
+TEST_F(Monitor, JudgesNoSilenceUntilActuatorsCanBeDiscoveredAgainAfterABreakOfItsOwn) {
+  for (const bool local : {true, false}) {
+    Watch(0, local);
+    RunFor(Milliseconds(500));
+    found_.clear();
+    heartbeats_[0] = false;
+    now_ += std::chrono::seconds(12);
+    next_heartbeat_ = now_;
+    RunFor(Milliseconds(9900));
+    EXPECT_THAT(found_, IsEmpty());
+    RunFor(std::chrono::seconds(2));
+    EXPECT_THAT(found_, ::testing::Not(IsEmpty())) << "it is silent since";
+    heartbeats_[0] = true;
+    RunFor(Milliseconds(500));
+    monitor_.Forget(0);
+  }
 }
 
 }  // namespace musher::testing::health_monitor_test

@@ -191,6 +191,58 @@ TEST_F(DownActuators, ATearDownListsNoneThatHasEndedInAStepOfAStart) {
   EXPECT_TRUE(t.Set("TearDown").done());
 }
 
+// An actuator that ends itself at an emergency stop, and again once it was set up: the second end
+// hid the first, and `down` was done, exit code 0.
+TEST_F(DownActuators, ATearDownListsOneWhoseSuccessorHasEndedInSetUp) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.limit = 1;
+  Harness& t = In("Active", config);
+  t.On("b", "SelfCheck").hangs = true;
+  const auto is = [&t](Presence presence) { return t.RecordOf("b").presence == presence; };
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] { return is(Presence::kLost); }));
+  ASSERT_TRUE(t.RunUntil([&] { return is(Presence::kPresent); }));
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").restart.given_up; }));
+  ExpectListed(t.Set("TearDown"));
+}
+
+// It runs in the process of a, which is started again for a.
+TEST_F(DownActuators, OneThatWasTornDownAloneStaysDownWhereItsProcessIsRestartedForAnother) {
+  MachineConfig config = Ours(3);
+  config.actuators[1].command.clear();
+  Harness& t = In("Active", config);
+  const auto share = [&t] {  // what the process of b reports
+    t.Feed(event::ProcessStarted{0, t.CoreOf("b").report.pid});
+  };
+  share();
+  ASSERT_TRUE(t.Set("TearDown", "b").done());
+  t.Rest();
+  t.ClearLog();
+  t.StartActuator("b");
+  t.RunFor(Milliseconds(1));
+  share();
+  t.Rest();
+  EXPECT_THAT(t.log(), ElementsAre("b:SetUp"));
+  EXPECT_EQ(t.StateOf("b"), "SetUp");
+  EXPECT_THAT(t.RecordOf("b").fault, Is(texts::StartedBeside("a")));
+  EXPECT_TRUE(t.Set("SelfCheck", "b").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.StateOf("b"), "Active") << "a person has led it up";
+}
+
+// Another party, as systemd or a person, has started it: it decides.
+TEST_F(DownActuators, OneThatWasTornDownAloneComesOnWhereAnotherPartyStartsIt) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].command.clear();
+  Harness& t = In("Active", config);
+  ASSERT_TRUE(t.Set("TearDown", "b").done());
+  t.Rest();
+  t.StartActuator("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
 TEST_F(DownActuators, ATearDownListsNoneThatIsSetUpAgain) {
   Harness& t = In("Active", Ours(2));
   t.Crash("b");
