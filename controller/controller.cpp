@@ -221,7 +221,7 @@ Result<> Controller::OpenStore() {
                               [&] { return StateStore::OwnerOf(config_.state_dir); });
   if (!store && store.error().code == kCodePermissionDenied) return store.error();
   if (!store && store.error().code == kCodeTargetBusy && options_.takeover) {
-    if (auto ended = EndOwnerOf(config_.state_dir); !ended) return ended;
+    if (auto ended = EndOwner(); !ended) return ended;
     options_.adopt = true;  // its actuators belong to this machine
     store = StateStore::Open(config_.state_dir, Origin());
   }
@@ -238,6 +238,15 @@ Result<> Controller::OpenStore() {
   last_config_hash_ = StateStore::ConfigHashIn(config_.state_dir);
   began_in_this_boot_ = StateStore::BeganInBootOf(config_.state_dir, HostId());
   return Ok();
+}
+
+// What this process does not reach keeps its controller.
+Result<> Controller::EndOwner() {
+  const pid_t owner = StateStore::OwnerOf(config_.state_dir);
+  if (StateStore::IsOwner(config_.state_dir, owner)) {
+    if (auto reached = CheckReached(node_, config_, owner); !reached) return reached;
+  }
+  return EndOwnerOf(config_.state_dir);
 }
 
 // A robot whose disk was copied, as with an image.
@@ -278,7 +287,10 @@ Result<> Controller::TakeName() {
     // A controller that we may not signal releases control when it receives a higher epoch.
     const auto is_it = [&] { return NameLock::CheckHolder(name, holder.pid); };
     // The list of processes of another user could name any process of the host.
-    if (holder.trusted) taken_from_ = StateDirOfProcess(holder.pid);
+    if (holder.trusted) {
+      if (auto reached = CheckReached(node_, config_, holder.pid); !reached) return reached;
+      taken_from_ = StateDirOfProcess(holder.pid);
+    }
     listen_for_others_ = !holder.trusted || !EndController(holder.pid, is_it);
     options_.adopt |= !listen_for_others_;
     if (listen_for_others_) return Ok();

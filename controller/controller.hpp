@@ -61,7 +61,8 @@ class Controller {
   // Takes the machine over. Fails with kCodeTargetBusy if a running controller of this host leads
   // it. It begins, and calls hooks, on the loop's next turn; with several hosts it first listens
   // for other controllers for a moment, then begins or calls hooks.on_fenced. The node, whose
-  // domain is `domain_id`, and the config must outlive the controller.
+  // domain is `domain_id`, and the config must outlive the controller. A takeover runs the loop
+  // until the controller that it ends is received: not for a callback.
   static Result<std::unique_ptr<Controller>> Make(transport::Node& node, int domain_id,
                                                   const MachineConfig& config,
                                                   ControllerOptions options);
@@ -83,6 +84,7 @@ class Controller {
              ControllerOptions options);
   Result<> Open();
   Result<> OpenStore();
+  Result<> EndOwner();
   void ShareStore();
   Result<> TakeName();
   Result<> OpenShell();

@@ -3,9 +3,11 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -14,7 +16,10 @@
 #include "musher/base/scheduling.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/controller.hpp"
+#include "musher/controller/process/child_processes.hpp"
 #include "musher/controller/storage/state_store.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
 namespace {
@@ -46,7 +51,67 @@ bool IsKilled(pid_t pid) {
   return state == "Z" || state == "X" || (flags & kExiting) != 0;
 }
 
+// A running one is received within some 10 ms, a lost packet of the discovery is repeated, and with
+// credentials the handshake takes a while; a busy host takes longer.
+constexpr Duration kReachedWithin = std::chrono::seconds(10);
+
+// Whether a thread of the process has run between the samples.
+bool HasRun(const std::optional<ProcessSample>& before, const std::optional<ProcessSample>& after) {
+  if (!before || !after) return false;
+  return std::ranges::any_of(after->threads, [&](const auto& thread) {
+    const auto then = before->threads.find(thread.first);
+    return then == before->threads.end() || thread.second.cpu.ran > then->second.cpu.ran;
+  });
+}
+
+// "; its CYCLONEDDS_URI is not set, here it is '…'": the variables of the two that differ.
+std::string DifferencesTo(pid_t pid) {
+  const auto text = [](const std::string& value) {
+    constexpr std::size_t kShown = 200;  // bytes
+    if (value.empty()) return std::string("not set");
+    return "'" + value.substr(0, kShown) + (value.size() > kShown ? "…'" : "'");
+  };
+  std::string differences;
+  for (const char* name : {"CYCLONEDDS_URI", "MUSHER_TRANSPORT", "MUSHER_KEYS"}) {
+    const char* set = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+    const std::string ours = set == nullptr ? "" : set;
+    const std::string theirs = VariableOf(pid, name);
+    if (ours == theirs) continue;
+    differences += std::string("; its ") + name + " is " + text(theirs) + ", here " + text(ours);
+  }
+  return differences;
+}
+
 }  // namespace
+
+Result<> CheckReached(transport::Node& node, const MachineConfig& config, pid_t pid) {
+  if (RunStateOf(pid) == ProcessRunState::kStopped) return Ok();
+  const std::string host = HostId();
+  bool reached = false;
+  const auto heartbeats = transport::MakeSubscription<msg::ControllerHeartbeat>(
+      node, transport::ControllerHeartbeatTopic(config.name_space),
+      [&](const msg::ControllerHeartbeat& heartbeat, const transport::SampleInfo& info) {
+        if (!transport::IsOwn(heartbeat.participant, info)) return;
+        reached |= heartbeat.pid == pid && heartbeat.host == host;
+      },
+      transport::kLatchedFromManyQos);
+  if (!heartbeats) return heartbeats.error();
+  transport::EventLoop& loop = node.loop();
+  const auto before = SampleProcess(pid, loop.Now());
+  const auto decided = [&] { return reached || !StartTimeOf(pid); };
+  if (loop.RunUntil(decided, loop.Now() + kReachedWithin)) return Ok();
+  if (!HasRun(before, SampleProcess(pid, loop.Now()))) return Ok();
+  const std::string number = std::to_string(pid);
+  return Error{kCodeTargetBusy,
+               "process " + number +
+                   " leads this machine and runs, but no heartbeat of it arrives "
+                   "here: it uses another CYCLONEDDS_URI, transport or keys, and a controller here "
+                   "would not reach its actuators either, so no process is ended" +
+                   DifferencesTo(pid) +
+                   "; repeat it with those of the controller, or end it with "
+                   "`kill -KILL " +
+                   number + "` if it hangs"};
+}
 
 bool AwaitKilled(pid_t pid) {
   auto process = OpenPidfd(pid);

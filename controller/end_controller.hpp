@@ -1,7 +1,8 @@
 #pragma once
 // Ends the previous controller before this one takes its machine over; the actuators keep running.
 //
-// Threads: any; waits for the exit of the process, for some seconds at most.
+// Threads: any; waits for the exit of the process, for some seconds at most. CheckReached(): the
+// loop's.
 
 #include <sys/types.h>
 
@@ -10,8 +11,16 @@
 
 #include "musher/base/code.hpp"
 #include "musher/base/result.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/transport/node.hpp"
 
 namespace musher {
+
+// Whether this process may end the controller `pid` of `config`'s machine: it has received a
+// heartbeat of that process by DDS, or no thread of that process runs. Else the next controller
+// would reach neither it nor its actuators, which would run on without any: kCodeTargetBusy, with
+// what differs. Runs the loop until then, for some seconds at most: not for a callback.
+Result<> CheckReached(transport::Node& node, const MachineConfig& config, pid_t pid);
 
 // Sends the previous controller kReleaseControlSignal, so that it can report why it exits; kills it
 // if it hangs. `is_it` is called once the pidfd is open, to check that `pid` is that controller.

@@ -210,6 +210,22 @@ TEST_F(Takeover, EndsAStoppedController) {
   ExpectAdopted();
 }
 
+// Its shell has other settings of DDS than the service that has started the robot.
+TEST_F(Takeover, LeavesAControllerOfWhichItReceivesNothing) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const char* own = std::getenv("CYCLONEDDS_URI");
+  const std::string before = own == nullptr ? "" : own;
+  setenv("CYCLONEDDS_URI",
+         "<CycloneDDS><Domain><Discovery><Tag>another</Tag></Discovery></Domain></CycloneDDS>", 1);
+  const Ended second = TakeOver(config_);
+  own == nullptr ? unsetenv("CYCLONEDDS_URI") : setenv("CYCLONEDDS_URI", before.c_str(), 1);
+  EXPECT_EQ(second.exit, 2) << second.out;
+  EXPECT_THAT(second.err, AllOf(HasSubstr(leader_ + " leads this machine and runs"),
+                                HasSubstr("its CYCLONEDDS_URI is "), HasSubstr("<Tag>another"),
+                                HasSubstr("`kill -KILL ")));
+  EXPECT_EQ(Status(), before_);
+}
+
 TEST_F(Takeover, IsPrintedAsJson) {
   Process first(Command({"up", config_, "--json"}));
   ASSERT_NE(first.LineWith(R"("kind":"start-up")"), "");
