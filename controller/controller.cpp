@@ -19,6 +19,7 @@
 #include "musher/controller/process/bus_systemd.hpp"
 #include "musher/controller/process/host_units.hpp"
 #endif
+#include "musher/controller/process/network_namespace.hpp"
 #include "musher/controller/storage/other_starts.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/refusal.hpp"
@@ -226,12 +227,13 @@ Result<> Controller::OpenStore() {
     store = StateStore::Open(config_.state_dir, Origin());
   }
   if (store) {
+    if (auto reached = ReachesActuators(); !reached) return reached;
     store_ = std::make_shared<StateStore>(std::move(store).value());
     ShareStore();
     if (store_->copied_from()) Trouble(CopiedText());
   } else if (store.error().code == kCodeTargetBusy) {
-    return Error{kCodeTargetBusy, store.error().message + "; " +
-                                      HowToReplace(StateStore::OwnerOf(config_.state_dir))};
+    return Error{kCodeTargetBusy,
+                 store.error().message + "; " + HowToReplaceOwnerOf(config_.state_dir)};
   } else {
     Trouble("no journal, nothing is saved: " + store.error().message);
   }
@@ -243,10 +245,22 @@ Result<> Controller::OpenStore() {
 // What this process does not reach keeps its controller.
 Result<> Controller::EndOwner() {
   const pid_t owner = StateStore::OwnerOf(config_.state_dir);
-  if (StateStore::IsOwner(config_.state_dir, owner)) {
+  if (StateStore::IsOwner(config_.state_dir, owner) && !IsInOtherNetwork(owner)) {
     if (auto reached = CheckReached(node_, config_, owner); !reached) return reached;
   }
   return EndOwnerOf(config_.state_dir);
+}
+
+// The last controller of this folder ran in another network namespace, and its actuators run on
+// there.
+Result<> Controller::ReachesActuators() const {
+  const auto beyond = StateStore::ChildrenInOtherNetworkIn(config_.state_dir, HostId());
+  if (beyond.empty()) return Ok();
+  return Error{kCodeTargetBusy,
+               "actuators of this machine run in another network namespace, and a controller here "
+               "would not reach them: " +
+                   NamesOf(beyond) + "; as root, " +
+                   InNetworkOf(beyond.front().pid, "musher up FILE") + " takes control of them"};
 }
 
 // A robot whose disk was copied, as with an image.

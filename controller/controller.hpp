@@ -85,6 +85,7 @@ class Controller {
   Result<> Open();
   Result<> OpenStore();
   Result<> EndOwner();
+  Result<> ReachesActuators() const;
   void ShareStore();
   Result<> TakeName();
   Result<> OpenShell();

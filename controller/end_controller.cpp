@@ -17,6 +17,7 @@
 #include "musher/base/words.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/controller/process/child_processes.hpp"
+#include "musher/controller/process/network_namespace.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -137,20 +138,41 @@ Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
 Result<> EndOwnerOf(const std::string& state_dir) {
   const pid_t owner = StateStore::OwnerOf(state_dir);
   return EndController(owner, [&]() -> Result<> {
-    if (StateStore::IsOwner(state_dir, owner)) return Ok();
-    return Error{kCodePermissionDenied,
-                 state_dir + ": its lock file names process " + std::to_string(owner) +
-                     ", which does not hold the lock or cannot be inspected; no process is ended; "
-                     "`fuser " +
-                     ShellWord(state_dir + "/controller.lock") + "` shows the holder"};
+    if (!StateStore::IsOwner(state_dir, owner)) {
+      return Error{
+          kCodePermissionDenied,
+          state_dir + ": its lock file names process " + std::to_string(owner) +
+              ", which does not hold the lock or cannot be inspected; no process is "
+              "ended; `fuser " +
+              ShellWord(state_dir + "/controller.lock") +
+              "` shows the holder, unless it runs in another container or on another host"};
+    }
+    if (!IsInOtherNetwork(owner)) return Ok();
+    return Error{kCodeTargetBusy,
+                 "the controller of this machine (process " + std::to_string(owner) +
+                     ") runs in another network namespace, and so do its actuators: a controller "
+                     "here would reach none of them, so no process is ended; as root, " +
+                     InNetworkOf(owner, "musher up --takeover FILE") + " replaces it there"};
   });
 }
 
 std::string HowToReplace(pid_t pid) {
+  if (IsInOtherNetwork(pid)) {
+    return "it runs in another network namespace, where commands of this one reach neither it nor "
+           "its actuators; as root, " +
+           InNetworkOf(pid, "musher status") + " shows it";
+  }
   if (RunStateOf(pid) != ProcessRunState::kStopped)
     return "`musher status` shows it, --takeover replaces it";
   return "it is stopped: `kill -CONT " + std::to_string(pid) +
          "` continues it, --takeover replaces it";
+}
+
+std::string HowToReplaceOwnerOf(const std::string& state_dir) {
+  const pid_t owner = StateStore::OwnerOf(state_dir);
+  if (owner == 0 || StateStore::IsOwner(state_dir, owner)) return HowToReplace(owner);
+  return "that process is not visible here: the controller runs in another container, or on "
+         "another host, which shares the folder; run the command there";
 }
 
 }  // namespace musher

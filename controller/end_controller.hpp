@@ -27,11 +27,14 @@ Result<> CheckReached(transport::Node& node, const MachineConfig& config, pid_t 
 Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it);
 
 // Ends the controller that holds the folder's lock. The pid in the lock file is not trusted: others
-// may be able to write there.
+// may be able to write there. A controller in another network namespace is not ended, with
+// kCodeTargetBusy: its actuators would run on, and the next controller would reach none of them.
 Result<> EndOwnerOf(const std::string& state_dir);
 
 // How a person gets rid of the controller `pid`, in the message that refuses a second one.
 std::string HowToReplace(pid_t pid);
+// The same of the controller that holds the folder's lock; it may not be a process of this host.
+std::string HowToReplaceOwnerOf(const std::string& state_dir);
 
 // Waits until a process that was killed has exited: until then it holds its locks, on a busy
 // computer for a while. Returns true when the process has exited, or does not exist; false, at

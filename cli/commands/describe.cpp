@@ -292,8 +292,10 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& of_caller
   if (status) {
     TakeStatus(*status, d);
   } else {
+    const auto beyond = files != nullptr ? InOtherNetwork(*files) : std::nullopt;
     d.why_no_machine =
-        !other.empty()
+        beyond ? beyond->Text()
+        : !other.empty()
             ? other + " leads " + NamespaceText(global.name_space) + ", not " + files->name
         : failure->exit == ExitCode::kNoController ? "no controller leads " + files->name + " now"
                                                    : failure->error.message;

@@ -234,11 +234,14 @@ std::variant<Entries, Failure> FromDisk(const Failure& failure, std::int64_t sin
   }
   const std::string journal = files->state_dir + "/journal.sqlite";
   if (!std::filesystem::exists(journal)) return failure;
-  console.Note("no controller leads " + files->name + " now; reading " + journal);
+  const auto beyond = InOtherNetwork(*files);
+  console.Note((beyond ? beyond->Text() : "no controller leads " + files->name + " now") +
+               "; reading " + journal);
   source = {nullptr, journal};
   auto read = source.Read(since, limit);
   const auto* entries = std::get_if<Entries>(&read);
-  if (entries != nullptr && EndsWithoutRecord(*entries)) {
+  const bool led = beyond && beyond->actuators.empty();
+  if (!led && entries != nullptr && EndsWithoutRecord(*entries)) {
     console.Note("the last controller ended without a record: it was killed, or the power failed");
   }
   return read;

@@ -232,6 +232,15 @@ class LogFollower {
   std::vector<std::unique_ptr<HostTail>> host_tails_;
 };
 
+// "; …" if no controller leads the machine that this command reaches.
+std::string WhoLeads(const MachineFiles& files) {
+  if (files.led) return "";
+  if (const auto beyond = InOtherNetwork(files)) {
+    return "; " + beyond->Text();
+  }
+  return "; no controller of this host leads it now";
+}
+
 void ReportFiles(const MachineFiles& files, const std::vector<ShownLog>& logs,
                  const std::vector<std::string>& missing, bool requested, Console& console) {
   if (console.mode().json) return;
@@ -241,7 +250,7 @@ void ReportFiles(const MachineFiles& files, const std::vector<ShownLog>& logs,
                  (parts == 0 ? "" : " and " + Counted(parts, "older part")));
   } else if (!logs.empty()) {
     console.Note("reading " + Counted(logs.size(), "log") + " of " + files.name + " in " +
-                 files.state_dir + (files.led ? "" : "; no controller of this host leads it now"));
+                 files.state_dir + WhoLeads(files));
   }
   if (requested || missing.empty()) return;
   console.Note("no log here of " + Joined(missing) + ": `musher logs " + missing.front() +

@@ -185,6 +185,7 @@ struct DoctorFacts {
   std::vector<Diagnostic> ros;       // CheckRos()
   std::vector<ControllerFacts> controllers;
   std::string controllers_error;
+  std::string in_other_network;  // MachineInOtherNetwork::Text(); empty: none is known
   std::vector<MemberFacts> members;
   std::vector<OtherHostFacts> hosts;       // that run actuators of the config
   std::vector<std::string> other_vendors;  // participants of another DDS than Cyclone

@@ -108,6 +108,12 @@ DoctorCheck CheckTimes(const DoctorFacts& facts) {
 DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
   DoctorCheck check{"machine"};
   if (!facts.controllers_error.empty()) return NotApplicable(check, facts.controllers_error);
+  if (facts.controllers.empty() && !facts.in_other_network.empty()) {
+    check.health = CheckStatus::kWarning;
+    check.reason = facts.in_other_network;
+    check.fix = "run the command in that network namespace";
+    return check;
+  }
   if (facts.controllers.empty()) {
     check.reason =
         fmt::format("none runs in {} of domain {}", NamespaceText(facts.name_space), facts.domain);

@@ -21,6 +21,7 @@
 #include "musher/cli/doctor/lcm_facts.hpp"
 #include "musher/cli/doctor/storage_facts.hpp"
 #include "musher/cli/machine/link.hpp"
+#include "musher/cli/machine/machine_files.hpp"
 #include "musher/controller/ros2/other_vendors.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/security/check.hpp"
@@ -142,6 +143,10 @@ void ReadControllers(DoctorFacts& facts, const GlobalOptions& given) {
   GlobalOptions global = given;
   global.name_space = facts.name_space;
   if (global.keys.empty() && facts.config) global.keys = facts.config->keys;
+  const auto beyond =
+      facts.config ? InOtherNetwork({facts.config->name, facts.config->state_dir, "", {}, false})
+                   : FindInOtherNetwork(global);
+  if (beyond) facts.in_other_network = beyond->Text();
   const auto link = Link::Open(global);
   if (!link) {
     facts.controllers_error = link.error().message;

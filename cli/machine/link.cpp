@@ -566,9 +566,12 @@ Failure Link::NotFound(const std::string& what) const {
     message =
         "no " + what + " of " + MachineText(machine_) + " in " + NamespaceText(global_.name_space);
   }
+  const auto beyond = holder == 0 && !HasMachine() ? FindInOtherNetwork(global_) : std::nullopt;
   if (holder != 0 && !HasMachine()) {
     message += fmt::format(" of DDS domain {} answers: ", transport::DomainId({}).value()) +
                WhySilent(ExamineSilent(holder, global_), global_);
+  } else if (beyond) {
+    message += " is reached from here: " + beyond->Text();
   } else if (machines_.empty()) {
     message += fmt::format(
         " of DDS domain {}; `musher up FILE` starts one, --transport lan searches other hosts",

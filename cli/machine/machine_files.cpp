@@ -14,6 +14,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/words.hpp"
+#include "musher/controller/process/network_namespace.hpp"
 #include "musher/controller/storage/other_starts.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -173,6 +174,39 @@ std::optional<MachineIdentity> MachineOfFilesHere(const GlobalOptions& global) {
   if (files == nullptr) return std::nullopt;
   const auto origin = LoadOrigin(files->state_dir);
   return origin ? MachineIdentity{origin->name, origin->id} : MachineIdentity{files->name, ""};
+}
+
+std::string MachineInOtherNetwork::Text() const {
+  const bool several = actuators.find(", ") != std::string::npos;
+  const std::string runs = actuators.empty() ? fmt::format("process {} leads {}", pid, name)
+                                             : fmt::format("{} of {} run{} without a controller",
+                                                           actuators, name, several ? "" : "s");
+  return runs + " in another network namespace of this host; as root, " +
+         InNetworkOf(pid, "musher COMMAND") + (several ? " reaches them" : " reaches it");
+}
+
+std::optional<MachineInOtherNetwork> InOtherNetwork(const MachineFiles& files) {
+  const pid_t owner = StateStore::OwnerOf(files.state_dir);
+  const bool led = StateStore::IsOwner(files.state_dir, owner);
+  if (led && IsInOtherNetwork(owner)) return MachineInOtherNetwork{files.name, owner};
+  if (led) return std::nullopt;
+  const auto children = StateStore::ChildrenInOtherNetworkIn(files.state_dir, HostId());
+  if (children.empty()) return std::nullopt;
+  return MachineInOtherNetwork{files.name, children.front().pid, NamesOf(children)};
+}
+
+std::optional<MachineInOtherNetwork> FindInOtherNetwork(const GlobalOptions& global) {
+  const auto domain = transport::DomainId({});
+  if (!domain) return std::nullopt;
+  for (const MachineFiles& files : Unled(global.name_space, domain.value())) {
+    auto beyond = InOtherNetwork(files);
+    if (!beyond) continue;
+    const auto origin = LoadOrigin(files.state_dir);
+    const MachineIdentity machine{files.name, origin ? origin->id : ""};
+    const std::string& meant = global.machine;
+    if (meant.empty() || meant == machine.name || BeginsIdOf(machine, meant)) return beyond;
+  }
+  return std::nullopt;
 }
 
 std::string StateDirOf(const MachineOrigin& machine, const std::string& by_user,

@@ -11,6 +11,8 @@
 //
 // Waits for the disk, never for the network.
 
+#include <sys/types.h>
+
 #include <optional>
 #include <string>
 #include <variant>
@@ -37,6 +39,21 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
 
 // The machine that they belong to, whether or not it runs; nullopt: this host has files of none.
 std::optional<MachineIdentity> MachineOfFilesHere(const GlobalOptions& global);
+
+// A machine of this host that runs in another network namespace, where commands of this one do not
+// reach it.
+struct MachineInOtherNetwork {
+  std::string name;
+  pid_t pid = 0;            // of its controller, else of an actuator
+  std::string actuators{};  // "legs (pid 4711)", that run without a controller; empty: it is led
+
+  // "process 4711 leads dog in another network namespace of this host, …", with what to do.
+  std::string Text() const;
+};
+// That of these files; nullopt: it runs in this network, does not run, or this user may not see it.
+std::optional<MachineInOtherNetwork> InOtherNetwork(const MachineFiles& files);
+// The first one of the namespace and domain whose files are found, and that --machine may mean.
+std::optional<MachineInOtherNetwork> FindInOtherNetwork(const GlobalOptions& global);
 
 // Where a machine whose config has no state_dir was last started: `by_user`, or the folder of that
 // name in `service_place`, that of systemd's unit.

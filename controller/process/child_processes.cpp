@@ -16,6 +16,7 @@
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/time.hpp"
+#include "musher/controller/process/network_namespace.hpp"
 
 namespace musher {
 namespace {
@@ -137,6 +138,7 @@ std::string ToText(const std::vector<ChildProcess>& children, const std::string&
   for (const ChildProcess& child : children) {
     text << "process " << child.pid << " " << child.start_time << " " << child.actuator << "\n";
   }
+  text << "network " << OwnNetwork() << "\n";
   return text.str();
 }
 
@@ -154,6 +156,30 @@ std::vector<ChildProcess> ChildrenFrom(const std::string& text, const std::strin
     if (whole) children.push_back(child);
   }
   return children;
+}
+
+std::vector<ChildProcess> ChildrenInOtherNetwork(const std::string& text, const std::string& host) {
+  std::istringstream words(text);
+  ino_t network = 0;
+  for (std::string word; words >> word;) {
+    if (word == "network") words >> network;
+  }
+  const ino_t ours = OwnNetwork();
+  if (network == 0 || ours == 0 || network == ours) return {};
+  std::vector<ChildProcess> children = ChildrenFrom(text, host);
+  std::erase_if(children, [network](const ChildProcess& child) {
+    return !IsRunning(child) || NetworkOf(child.pid) != network;
+  });
+  return children;
+}
+
+std::string NamesOf(const std::vector<ChildProcess>& children) {
+  std::string names;
+  for (const ChildProcess& child : children) {
+    names += (names.empty() ? "" : ", ") + child.actuator;
+    names += " (pid " + std::to_string(child.pid) + ")";
+  }
+  return names;
 }
 
 std::vector<MarkedProcess> FindMarked() {

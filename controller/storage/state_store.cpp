@@ -576,6 +576,12 @@ bool StateStore::IsOwner(const std::string& dir, pid_t pid) {
   return HoldsLockOn(pid, dir + "/controller.lock");
 }
 
+std::vector<ChildProcess> StateStore::ChildrenInOtherNetworkIn(const std::string& dir,
+                                                               const std::string& host) {
+  const UniqueFd file = OpenRegular(ProcessesFileIn(dir));
+  return ChildrenInOtherNetwork(file.valid() ? ReadSmall(file.get()) : "", host);
+}
+
 std::string StateStore::LogFile(std::string_view actuator) const {
   return dir_ + "/logs/" + std::string(actuator) + ".log";
 }

@@ -144,6 +144,9 @@ class StateStore {
   // processes of `host` (HostId()).
   Result<> SaveChildren(const std::vector<ChildProcess>& children, const std::string& host);
   static std::vector<ChildProcess> LoadChildren(const std::string& dir, const std::string& host);
+  // Those that run where no controller in this network namespace reaches them.
+  static std::vector<ChildProcess> ChildrenInOtherNetworkIn(const std::string& dir,
+                                                            const std::string& host);
 
   // The process that is recorded as the holder of a folder's lock; 0 if none is.
   static pid_t OwnerOf(const std::string& dir);
