@@ -475,7 +475,7 @@ TEST(HeartbeatPeriod, IsHalfOfTheCheckpointWithinBounds) {
 
 // The controller was stopped for 12 s, and the leases of the actuators had ended: it killed healthy
 // ones before it had discovered them again.
-TEST_F(Monitor, JudgesNoSilenceUntilActuatorsCanBeDiscoveredAgainAfterABreakOfItsOwn) {
+TEST_F(Monitor, CountsNoSilenceUntilActuatorsCanBeDiscoveredAgainAfterABreakOfItsOwn) {
   for (const bool local : {true, false}) {
     Watch(0, local);
     RunFor(Milliseconds(500));
