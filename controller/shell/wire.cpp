@@ -94,10 +94,11 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     msg::ActuatorInfo info;
     info.name = config.actuators[i].name;
     // A process that ends before it is set up leaves on what its predecessor had switched on.
-    const bool is_lost = known.presence == Presence::kLost && !known.lost_in.empty();
+    const bool is_away = known.presence == Presence::kLost || known.presence == Presence::kAbsent;
+    const bool is_lost = is_away && !known.lost_in.empty();
     info.state = is_lost ? known.lost_in : known.state();
     info.target = known.command ? known.command->target : known.report.target;
-    info.presence = PresenceName(known.presence);
+    info.presence = PresenceName(is_lost ? Presence::kLost : known.presence);
     // A lost actuator has a pid, too, unless its process is known to have ended.
     const bool may_run =
         known.presence != Presence::kAbsent && known.process.dead != known.report.incarnation;

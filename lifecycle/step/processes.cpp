@@ -53,6 +53,7 @@ void Processes::Recover(ActuatorIndex i, const event::ProcessEnded& ended) {
 
 void Processes::GiveUp(ActuatorIndex i, const RecordText& why) {
   Of(i).restart.given_up = true;
+  Of(i).set_up_by.reset();
   const auto& fault = Of(i).fault;  // it may have been given up, and started once more
   const bool said = fault && fault->event == why.event;
   if (!said) Degrade(i, kCodeFailed, why, Of(i).cause);

@@ -76,34 +76,40 @@ StaysDown Saver::WhyDown(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   if (ConfigOf(i).command.empty())  // another party starts it, or the process of another actuator
     return known.down_requested ? StaysDown::kTornDown : StaysDown::kNo;
-  if (known.state() == kTearDown && (known.held || known.report.detached)) {
+  const bool down = known.state() == kTearDown && (known.held || known.report.detached);
+  if (down || (known.down_requested && known.presence != Presence::kPresent)) {
     return known.restart.requested || known.restart.at ? StaysDown::kNo : StaysDown::kTornDown;
   }
   const bool exited = ProcessOf(i) == 0 && known.report.incarnation == known.process.dead;
   const bool away = known.presence == Presence::kLost || known.presence == Presence::kAbsent;
-  const bool begins = known.process.launch != Launch::kNone || known.set_up_by || known.exit_by;
-  const bool ended = away && exited && known.fault && !begins && !IsComing(i);
+  const bool has_ended = known.process.dead != 0 || known.process.ended_pid != 0;
+  const bool waits = known.process.launch != Launch::kNone &&
+                     !(known.process.launch == Launch::kFoundRunning && has_ended);
+  const bool begins = waits || known.set_up_by || known.exit_by;
+  const bool ended = away && exited && known.fault && !begins && !IsComing(i) && !IsTaken(i);
   return ended ? StaysDown::kGivenUp : StaysDown::kNo;
 }
 
-StaysDown Saver::WhyStoredDown(ActuatorIndex i) const {
+StoredActuator Saver::StoredOf(ActuatorIndex i) const {
   const auto& stored = machine_.saves.actuators;
   const auto found = std::ranges::find(stored, ConfigOf(i).name, &StoredActuator::name);
-  return found == stored.end() ? StaysDown::kNo : found->stays_down;
+  return found == stored.end() ? StoredActuator{ConfigOf(i).name} : *found;
 }
 
-// A TearDown of the machine brings every actuator down alike: the start after it, of which a person
-// decides, starts them all.
+// A TearDown of the machine that a person requests brings every actuator down alike: the start
+// after it starts them all. One that a supervisor or an upgrade requests is no decision of a
+// person.
 std::vector<StoredActuator> Saver::StoredActuators() const {
   const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
-  const bool is_down =
-      machine_.phase == Phase::kStopped && machine_.stopping->after != AfterTearDown::kStartsAgain;
+  const bool is_down = machine_.phase == Phase::kStopped;
   std::vector<StoredActuator> stored;
-  if (is_down) return stored;
+  if (is_down && machine_.stopping->after == AfterTearDown::kStaysDown) return stored;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const KnownActuator& known = Of(i);
-    const StoredActuator one{ConfigOf(i).name, ends ? WhyStoredDown(i) : WhyDown(i), known.lost_in,
-                             known.kept_in};
+    StoredActuator one = StoredOf(i);
+    if (!ends) one = {one.name, WhyDown(i), {}, known.kept_in};
+    if (is_down && one.stays_down == StaysDown::kGivenUp) one.stays_down = StaysDown::kNo;
+    one.lost_in = known.lost_in;
     if (one != StoredActuator{one.name}) stored.push_back(one);
   }
   return stored;

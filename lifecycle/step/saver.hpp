@@ -24,7 +24,7 @@ class Saver : StepPart {
   bool IsElsewhere(ActuatorIndex i) const;
   std::vector<StoredActuator> StoredActuators() const;
   StaysDown WhyDown(ActuatorIndex i) const;
-  StaysDown WhyStoredDown(ActuatorIndex i) const;
+  StoredActuator StoredOf(ActuatorIndex i) const;
 };
 
 }  // namespace musher

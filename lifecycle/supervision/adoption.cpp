@@ -15,7 +15,7 @@ namespace musher {
 std::optional<State> Adoption::LowestFound() const {
   const bool all_detached =
       std::all_of(view_.actuators.begin(), view_.actuators.end(), [](const KnownActuator& known) {
-        return known.presence != Presence::kPresent || known.report.detached;
+        return known.presence != Presence::kPresent || known.report.detached || known.held;
       });
   std::vector<Found> found;
   const auto consider = [&](ActuatorIndex i, const State& state) {
@@ -26,8 +26,8 @@ std::optional<State> Adoption::LowestFound() const {
     for (const ActuatorIndex i : view_.actuators.Indices()) {
       const KnownActuator& known = Of(i);
       const bool is_ros2 = ConfigOf(i).protocol == Protocol::kRos2Lifecycle;
-      if (known.presence != Presence::kPresent || (known.report.detached && !all_detached))
-        continue;
+      const bool detached = known.report.detached || known.held;
+      if (known.presence != Presence::kPresent || (detached && !all_detached)) continue;
       if (is_ros2 != ros2) continue;
       // While the Musher actuators are still in SetUp or SelfCheck, the machine was starting.
       if (ros2 && !found.empty() && AgreesWith(i, Lowest(found))) continue;

@@ -60,7 +60,7 @@ void StartUp::TakeUp(const std::vector<StoredActuator>& actuators) {
     const auto i = config_.IndexOf(stored.name);
     if (!i) continue;
     KnownActuator& known = Of(*i);
-    if (config_.HasState(stored.lost_in)) known.lost_in = stored.lost_in;
+    known.lost_in = stored.lost_in;
     if (by_itself && IsPlace(stored.kept_in)) known.kept_in = stored.kept_in;
     const bool stays = stored.stays_down != StaysDown::kNo && by_itself;
     if (stays && ConfigOf(*i).command.empty()) {
@@ -68,7 +68,13 @@ void StartUp::TakeUp(const std::vector<StoredActuator>& actuators) {
       continue;
     }
     const bool runs = known.process.launch == Launch::kFoundRunning;
-    if (!stays || runs || machine_.start_up.finishing) continue;
+    if (!stays || machine_.start_up.finishing) continue;
+    if (runs && stored.stays_down == StaysDown::kTornDown) {  // its process is about to exit
+      known.down_requested = true;
+      known.held = true;
+      Degrade(*i, kCodeStateInvalid, texts::TornDownAlone(), kBegun);
+    }
+    if (runs) continue;
     known.presence = Presence::kLost;
     if (!known.lost_in.empty()) known.report.state = known.lost_in;
     if (stored.stays_down == StaysDown::kTornDown) {
@@ -296,7 +302,7 @@ void StartUp::Activate(RecordId cause) {
     target = kDeActive;
     cause = RecordMachine(kCodeOk, texts::BatteryLimitsStart(limit, target), cause);
   }
-  const Plan plan = MakePlan(config_, machine_, target);
+  const Plan plan = MakePolicyPlan(config_, machine_, target);
   if (plan.refusal) return Fail(plan.refusal->message, cause);
   switches_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
   if (unsaved.empty() && battery_low) policy.withheld = BatteryFallback{State(kActive), target, 0};

@@ -342,6 +342,9 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   if (known.command) known.report.number = std::max(known.report.number, known.command->number);
   known.down_requested |=
       known.command && known.command->target == kTearDown && !known.restart.requested;
+  const bool was_led_down = known.command && known.command->detached && !known.restart.requested &&
+                            IsPlace(known.command->target);
+  if (was_led_down) known.kept_in = known.command->target;
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;
   if (!torn_down && config_.RankOf(in)) known.lost_in = in;  // in a step of a start nothing is on

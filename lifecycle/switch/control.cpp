@@ -126,8 +126,11 @@ void Control::Attach(ActuatorIndex i) {
   known.checked = (beyond && known.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
   known.join_tried = false;
   known.failed_checks = {};
-  known.held = known.report.detached || known.down_requested;
   const bool in_place = IsPlace(known.state());
+  // Only Musher's protocol says with which request an actuator was led there.
+  const bool is_kept =
+      ConfigOf(i).protocol != Protocol::kMusher && in_place && known.kept_in == known.state();
+  known.held = known.report.detached || is_kept || known.down_requested;
   if (known.held || in_place) known.kept_in = known.held && in_place ? known.state() : State();
   known.suspended = false;
   known.health = Health::kWell;

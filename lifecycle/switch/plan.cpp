@@ -274,7 +274,11 @@ class Planner {
   // Whether it is held below the target by a person, and the switch is none that raises it.
   bool StaysHeld(const KnownActuator& known) const {
     const bool raises = by_ == By::kRequest && plan_.direction != Direction::kDown;
-    return !raises && !known.kept_in.empty() && Falls(config_, plan_.target, known.kept_in);
+    // It may have gone up since, or be on its way.
+    const bool above = Falls(config_, known.state(), plan_.target) ||
+                       Falls(config_, BusyWith(known), plan_.target);
+    return !raises && !above && !known.kept_in.empty() &&
+           Falls(config_, plan_.target, known.kept_in);
   }
 
   // A late actuator in its first self-check is left out, unless the machine is ended. A switch up

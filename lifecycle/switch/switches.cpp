@@ -232,8 +232,9 @@ bool Switches::StartLegs(std::vector<Leg>& legs) {
     }
     leg.progress = Leg::Progress::kUnderWay;
     leg.started = now_;
+    const bool stays_held = s.rollback.under_way && Of(leg.actuator).held;
     const bool detached =
-        s.only.has_value() && !s.rollback.under_way && leg.target != machine_.state;
+        stays_held || (s.only.has_value() && !s.rollback.under_way && leg.target != machine_.state);
     commands_.Issue(leg.actuator, s.driven_number(), leg.target, budget, detached);
   }
   return changed;

@@ -13,6 +13,7 @@
 #include "musher/base/host.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
+#include "musher/controller/shell/wire.hpp"
 #include "musher/test/cli/robot.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -275,6 +276,21 @@ TEST_F(Stop, IsNotCompleteBesideAnActuatorWhoseProcessHasEndedWhileItWasOn) {
     legs.state = state;
     EXPECT_TRUE(AfterASecond(controller).complete()) << state;
   }
+}
+
+TEST_F(Stop, IsNotCompleteBesideAnActuatorThatWasLostOnAndIsNotStarted) {
+  const MachineConfig config = RobotConfig();
+  Machine machine = MakeMachine(config);
+  KnownActuator& known = machine.actuators[*config.IndexOf("legs")];
+  known.presence = Presence::kAbsent;
+  known.lost_in = State("Active");
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  const msg::MachineStatus status = ToMessage(config, machine);
+  controller.actuators[0] = status.actuators[(*config.IndexOf("legs")).value()];
+  ASSERT_EQ(controller.actuators[0].name, "legs");
+  EXPECT_FALSE(AfterASecond(controller).complete());
 }
 
 // Without a controller the state folder says so.

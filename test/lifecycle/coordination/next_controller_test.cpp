@@ -1,0 +1,290 @@
+// What a controller finds that a person, or the controller before it, has left: torn down alone,
+// held or given up. And when a held actuator is lowered all the same.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
+#include "musher/test/lifecycle/coordination/policy.hpp"
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing::next_controller_test {
+
+using ::testing::IsEmpty;
+
+class FoundByTheNext : public Rules {
+ protected:
+  static void CrashController(Harness& t) {
+    t.ClearLog();
+    t.RestartController(false, true);
+    t.Rest();
+  }
+  // Its supervisor ends the controller by a signal, and starts it again: `systemctl restart`, an
+  // update of the package, a reboot of the host.
+  static void TakeDown(Harness& t, AfterTearDown after) {
+    t.Feed(event::SetStateRequested{771, State(kTearDown), {}, after, {}});
+    t.Rest();
+    ASSERT_TRUE(t.stopped());
+  }
+  Harness& Held(const State& in = State(kLowPower), MachineConfig config = Ours(3)) {
+    Harness& t = In("Active", std::move(config));
+    EXPECT_TRUE(t.Set(in, "b").done());
+    t.Rest();
+    t.ClearLog();
+    return t;
+  }
+  Harness& TornDown(MachineConfig config = Ours(3)) {
+    Harness& t = In("Active", std::move(config));
+    EXPECT_TRUE(t.Set("TearDown", "b").done());
+    t.Rest();
+    t.ClearLog();
+    return t;
+  }
+};
+
+class FoundByOne : public OneController {};
+
+TEST_F(FoundByTheNext, HeldStaysHeldWhereAllProcessesEndWithTheController) {
+  Harness& t = Held();
+  for (const char* name : {"a", "b", "c"}) t.Crash(name);
+  t.RestartController(false, true);
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+  EXPECT_TRUE(t.RecordOf("b").held);
+}
+
+TEST_F(FoundByTheNext, HeldStaysHeldWhereTheMachineStartsAgainByItself) {
+  Harness& t = Held();
+  TakeDown(t, AfterTearDown::kStartsAgain);
+  EXPECT_EQ(t.disk().actuators.size(), 1U) << "what was held is forgotten";
+  CrashController(t);
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
+TEST_F(FoundByTheNext, TornDownAloneStaysDownWhereASupervisorStopsAndStartsTheController) {
+  Harness& t = TornDown();
+  TakeDown(t, AfterTearDown::kMayStart);
+  CrashController(t);
+  EXPECT_EQ(t.StateOf("a"), "Active");
+  EXPECT_FALSE(t.IsAlive("b")) << "it is in " << t.StateOf("b");
+}
+
+TEST_F(FoundByTheNext, TornDownAloneOutlastsAnOrderlyReboot) {
+  Harness& t = TornDown();
+  TakeDown(t, AfterTearDown::kMayStart);  // systemd ends it
+  t.supervised = true;
+  t.ClearLog();
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("a"), "Active");
+  EXPECT_FALSE(t.IsAlive("b")) << "it is in " << t.StateOf("b");
+}
+
+TEST_F(FoundByTheNext, TornDownAloneWhoseProcessStillExitsIsNotRestartedByTheNextController) {
+  for (const bool clean : {false, true}) {
+    MachineConfig config = Ours(3);
+    config.actuators[1].restart.policy = clean ? RestartPolicy::kOnFailure : RestartPolicy::kAlways;
+    Harness& t = In("Active", config);
+    t.shared.insert("b");
+    ASSERT_TRUE(t.Set("TearDown", "b").done());
+    t.Rest();
+    ASSERT_TRUE(t.IsAlive("b"));
+    t.ClearLog();
+    bool ended = false;
+    t.after_step = [&] {
+      if (std::exchange(ended, true)) return;
+      t.Exit("b", clean ? 0 : 1, "late");  // before its latched status has arrived
+    };
+    t.RestartController(false, true);
+    t.Rest();
+    EXPECT_FALSE(t.IsAlive("b")) << "it is in " << t.StateOf("b");
+    EXPECT_THAT(t.log(), IsEmpty());
+    CrashController(t);
+    EXPECT_FALSE(t.IsAlive("b")) << "second: it is in " << t.StateOf("b");
+    EXPECT_THAT(t.log(), IsEmpty());
+  }
+}
+
+TEST_F(FoundByTheNext, AfterARollbackAHeldOneDoesNotLowerTheMachineByARestartOfTheController) {
+  Harness& t = Held(State(kLowPower));
+  ASSERT_TRUE(t.Set("Protected").done());
+  t.On("a", "Active").code = 5012;
+  ASSERT_FALSE(t.Set("Active").done());
+  t.Rest();
+  ASSERT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+  EXPECT_TRUE(t.RecordOf("b").held);
+  EXPECT_TRUE(t.CoreOf("b").report.detached) << "the next controller has to know";
+  CrashController(t);
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+}
+
+TEST_F(FoundByTheNext, OneThatWasLostInAStateThatTheNextConfigHasNotIsListed) {
+  MachineConfig config = WithDancing(Ours(2));
+  config.actuators[1].restart.policy = RestartPolicy::kNo;
+  Harness& t = In("Active", config);
+  ASSERT_TRUE(t.Set("Dancing").done());
+  t.Crash("b");
+  t.Rest();
+  ASSERT_EQ(t.disk().actuators.size(), 1U);
+  MachineConfig without = Ours(2);
+  Harness next(without);
+  next.disk() = t.disk();
+  next.BeginController(false, true, true);
+  next.Rest();
+  const SwitchResult result = next.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+}
+
+TEST_F(FoundByTheNext, ARos2NodeThatIsNotConfiguredAgainIsListedByATearDown) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].protocol = Protocol::kRos2Lifecycle;
+  Harness& t = In("Active", config);
+  t.On("b", "SetUp").code = 5012;
+  t.Crash("b");
+  t.Rest();
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+}
+
+TEST_F(FoundByTheNext, OneThatIsLostOnItsWayDownAloneIsNotRaised) {
+  Harness& t = In("Active", Ours(3));
+  t.On("b", "LowPower").hangs = true;
+  t.RequestSwitch("LowPower", "b");
+  t.RunFor(Milliseconds(20));
+  t.Crash("b");
+  t.On("b", "LowPower").hangs = false;
+  t.Rest();
+  EXPECT_NE(t.StateOf("b"), "Active");
+}
+
+TEST_F(FoundByTheNext, AnUpgradeStartsOneThatWasGivenUp) {
+  Harness& t = In("Active", OursWithCriticalB());
+  t.On("b", "SetUp").code = 5012;
+  t.Crash("b");
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("b").restart.given_up);
+  TakeDown(t, AfterTearDown::kStartsAgain);
+  t.On("b", "SetUp").code = kCodeOk;  // the new version
+  CrashController(t);
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_FALSE(t.RecordOf("b").fault) << "its trial boot fails";
+}
+
+TEST_F(FoundByTheNext, TheFallbackLowersAHeldOneThatIsOnItsWayUp) {
+  MachineConfig config = OursWithCriticalB();
+  ActuatorNamed(config, "b").restart.policy = RestartPolicy::kNo;
+  Harness& t = In("Active", config);
+  ASSERT_TRUE(t.Set("LowPower", "a").done());
+  t.On("a", "Active").takes = Milliseconds(90);
+  const RequestId up = t.RequestSwitch("Active", "a");
+  t.RunFor(Milliseconds(20));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.answers.at(up).outcome, SwitchOutcome::kSuperseded);
+  ASSERT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.StateOf("c"), "Protected");
+  EXPECT_NE(t.StateOf("a"), "Active");
+}
+
+TEST_F(FoundByTheNext, ASwitchDownLowersAHeldOneThatWentUpByItself) {
+  Harness& t = Held();
+  t.GoByItself("b", State(kActive));
+  t.Rest();
+  t.Set("Protected");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
+TEST_F(FoundByTheNext, ASwitchDownLowersAHeldOneWhoseRollbackHasFailed) {
+  Harness& t = Held(State(kLowPower));
+  ASSERT_TRUE(t.Set("Protected").done());
+  t.On("a", "Active").takes = Milliseconds(50);
+  t.On("a", "Active").code = 5012;
+  t.On("b", "LowPower").code = 5012;
+  ASSERT_FALSE(t.Set("Active").done());
+  t.Rest();
+  ASSERT_EQ(t.StateOf("b"), "Active");
+  t.On("b", "LowPower").code = kCodeOk;
+  const SwitchResult down = t.Set("DeActive");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "DeActive");
+  EXPECT_NE(t.StateOf("b"), "Active") << down.reason;
+}
+
+TEST_F(FoundByTheNext, OneThatNoPolicyRestartsIsNotSwitchedOnByASecondRestartOfTheController) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.policy = RestartPolicy::kNo;
+  Harness& t = In("Active", config);
+  CrashController(t);
+  t.Crash("b");
+  t.Rest();
+  ASSERT_FALSE(t.IsAlive("b"));
+  CrashController(t);
+  EXPECT_FALSE(t.IsAlive("b")) << "it is in " << t.StateOf("b");
+  EXPECT_THAT(t.log(), IsEmpty());
+}
+
+TEST_F(FoundByTheNext, OneThatWasJustGivenUpIsNotSwitchedOnByARestartOfTheController) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "exec").exit_code = 1;
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").restart.given_up; }));
+  t.RunFor(Milliseconds(10));
+  t.On("b", "exec").exit_code = 0;
+  CrashController(t);
+  EXPECT_FALSE(t.IsAlive("b")) << "it is in " << t.StateOf("b");
+  EXPECT_THAT(t.log(), IsEmpty());
+}
+
+TEST_F(FoundByOne, OneThatIsTakenByAnotherMachineIsNotStoredAsGivenUp) {
+  config_.transport = TransportProfile::kLan;
+  HostConfig& host = config_.hosts.emplace_back();
+  host.name = "board";
+  host.address = "10.0.0.2";
+  config_.actuators[0].host = "board";
+  config_.actuators[0].command = {"run", "a"};
+  config_.actuators[0].restart.policy = RestartPolicy::kAlways;
+  Begin();
+  Do(event::ProcessStarted{0, 700, "board", true});
+  Do(event::Vanished{0, kFirst, false, "it follows another machine now", true, 700, "board"});
+  Come(1);
+  ObeyAll();
+  Pass(std::chrono::seconds(5));
+  for (const auto& save : Did<action::SaveActuators>()) EXPECT_TRUE(save.actuators.empty());
+}
+
+TEST_F(FoundByOne, AHeldRos2NodeLowersNoMachineByARestartOfTheController) {
+  config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
+  for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run", actuator.name};
+  machine_ = MakeMachine(config_);
+  event::Begin begin{false, 1, {true, true}, "here"};
+  begin.processes = {700, 701};
+  begin.restarted = begin.supervised = true;
+  begin.actuators = {{"b", StaysDown::kNo, {}, State("LowPower")}};
+  Do(begin);
+  Come(0, "Active");
+  Come(1, "LowPower");
+  EXPECT_EQ(machine_.state, "Active");
+  EXPECT_TRUE(Of(1).held);
+  for (const auto& sent : Did<action::SendSwitch>()) ADD_FAILURE() << sent.command.target;
+}
+
+TEST_F(FoundByOne, AHeldRos2NodeIsNotRaisedWhereItsConnectionComesBack) {
+  config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
+  StartUp();
+  Do(event::SetStateRequested{71, State("LowPower"), "b"});
+  ObeyAll();
+  ASSERT_TRUE(Of(1).held);
+  Do(event::Vanished{1, Of(1).report.incarnation, false, "its samples ended"});
+  ASSERT_EQ(Of(1).presence, Presence::kLost);
+  Forget();
+  Come(1, "LowPower");
+  EXPECT_TRUE(Of(1).held);
+  for (const auto& sent : Did<action::SendSwitch>()) ADD_FAILURE() << sent.command.target;
+}
+
+}  // namespace musher::testing::next_controller_test
