@@ -6,8 +6,6 @@
 namespace musher::navigation {
 namespace {
 
-constexpr Duration kScanClockSet = std::chrono::seconds(1);  // a larger step is none of a late scan
-constexpr int kClockDrift = 5000;                            // one part in so many
 constexpr double kDegreeRad = M_PI / 180;
 constexpr double kBesideRayRad = 2.5 * kDegreeRad;  // few rays without a measurement are no gap
 
@@ -39,30 +37,13 @@ Scan CountedBy(const ScanMount& mount, const Scan& scan) {
   return counted;
 }
 
-bool ScanView::IsNew(Duration stamp, Time now) {
-  if (!last_stamp_) return true;
-  const Duration step = stamp - *last_stamp_;
-  if (step < -kScanClockSet || step > now - last_at_ + kScanClockSet) {
-    offset_.reset();
-    return true;
-  }
-  return step > Duration::zero();
-}
-
 bool ScanView::Take(const Scan& scan, Duration stamp, Time now) {
   if (!HasMeasurement(scan) || !std::isfinite(scan.from_rad) || !std::isfinite(scan.step_rad)) {
     return false;
   }
-  Duration age{};
-  if (stamp != Duration::zero()) {
-    if (!IsNew(stamp, now)) return false;
-    const Duration here = now.time_since_epoch() - stamp;
-    offset_ = offset_ ? std::min(here, *offset_ + (now - last_at_) / kClockDrift) : here;
-    age = here - *offset_;
-    last_stamp_ = stamp;
-    last_at_ = now;
-  }
-  taken_ = now - age;
+  const auto taken = age_.Take(stamp, now);
+  if (!taken) return false;
+  taken_ = taken;
   const Scan counted = CountedBy(mount_, scan);
   points_ = PointsOf(counted, mount_.on_body);
   sensor_ = mount_.on_body.at;
@@ -92,8 +73,7 @@ bool ScanView::Covers(const Point& place) const {
 void ScanView::Forget() {
   points_.clear();
   taken_.reset();
-  last_stamp_.reset();
-  offset_.reset();
+  age_.Forget();
 }
 
 }  // namespace musher::navigation

@@ -3,9 +3,8 @@
 // to the left, z up from its base), the directions that it covers, and when it was taken.
 //
 // A scan without a single measurement (no rays, or all of them NaN or nearer than its least range)
-// says nothing and is refused, and so are a repeated and a late one: what a robot believed to see
-// has to get old. How late a scan came is the age of its stamp beyond that of the fastest one, so
-// the clocks need not agree. One that was set, either way, begins again. Metres; one thread.
+// says nothing and is refused, and so are a repeated and a late one (sample_age.hpp). Metres; one
+// thread.
 
 #include <bitset>
 #include <limits>
@@ -15,6 +14,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/navigation/controller/obstacle_watch.hpp"
+#include "musher/navigation/gate/sample_age.hpp"
 
 namespace musher::navigation {
 
@@ -54,7 +54,6 @@ class ScanView {
   bool Covers(const Point& place) const;
 
  private:
-  bool IsNew(Duration stamp, Time now);
   void NoteCovered(const Scan& counted);
 
   ScanMount mount_;
@@ -62,9 +61,7 @@ class ScanView {
   Point sensor_;              // of the last scan
   std::bitset<360> covered_;  // its degrees, around the sensor
   std::optional<Time> taken_;
-  std::optional<Duration> last_stamp_;
-  std::optional<Duration> offset_;  // from a stamp to our time, of the fastest scan
-  Time last_at_{};
+  SampleAge age_;
 };
 
 }  // namespace musher::navigation
