@@ -68,6 +68,19 @@ Pose Composed(const Pose& frame, const Pose& in_it) {
           frame.yaw_rad + in_it.yaw_rad};
 }
 
+// "something 1.6 m high is 0.42 m below it: it does not descend".
+std::string TextOf(const DescentVerdict& descent, const std::string& topic) {
+  using Kind = DescentVerdict::Kind;
+  if (descent.kind == Kind::kBlind) {
+    return fmt::format("no recent range on {}: it {}", topic,
+                       descent.z_m_s < 0 ? "descends slowly" : "does not descend blindly");
+  }
+  const std::string what =
+      descent.height_m ? fmt::format("something {:.1f} m high", *descent.height_m) : "something";
+  return fmt::format("{} is {:.2f} m below it: it {}", what, descent.gap_m,
+                     descent.kind == Kind::kHeld ? "does not descend" : "descends slowly");
+}
+
 // "12 degrees to the left".
 std::string DirectionTo(const Point& at) {
   const double degrees = std::atan2(at.y_m, at.x_m) * 180 / M_PI;
@@ -95,6 +108,7 @@ std::string Describe(const GateVerdict& verdict) {
   if (verdict.kind == Kind::kBlind) {
     return fmt::format("no recent scan on {}: it does not move blindly", verdict.scanner);
   }
+  if (!verdict.descent.empty() && !verdict.at) return verdict.descent;
   const Point at = verdict.at.value_or(Point{});
   const bool stops = verdict.kind == Kind::kStopped;
   if (verdict.unknown) {
@@ -135,7 +149,8 @@ void MotionGate::Track::AddMoved(const std::vector<Point>& points, Time then,
 MotionGate::MotionGate(const GateRules& rules)
     : rules_(rules),
       views_(rules.scanners.begin(), rules.scanners.end()),
-      watches_(rules.scanners.size()) {}
+      watches_(rules.scanners.size()),
+      descent_(rules.down, rules.radius_m, rules.brake_m_s2, rules.reaction_s) {}
 
 void MotionGate::Mount(std::size_t scanner, const Pose& on_body, bool upside_down) {
   if (!mount(scanner).given) views_[scanner].Mount(on_body, upside_down);
@@ -158,7 +173,18 @@ void MotionGate::OnVelocity(const Velocity& velocity, Time now) {
   measured_at_ = now;
 }
 
+bool MotionGate::OnRange(const DownReading& reading, Duration stamp, Time now) {
+  Advance(now);
+  return descent_.Take(reading, stamp, now);
+}
+
+void MotionGate::OnHeight(double z_m, Time now) {
+  Advance(now);
+  descent_.OnHeight(z_m, Measured(now).z_m_s, now);
+}
+
 void MotionGate::Forget() {
+  descent_.Forget();
   for (ScanView& view : views_) view.Forget();
   for (ApproachWatch& watch : watches_) watch.Forget();
   measured_track_.Clear();
@@ -181,6 +207,8 @@ void MotionGate::Advance(Time now) {
   const bool commanded = last_checked_ && now - *last_checked_ <= kCommandStale;
   if (last_ && now > *last_ && !commanded) Assume({}, ToSeconds(now - *last_));
   if (last_ && now > *last_) {
+    const double climb_m_s = std::min(Measured(*last_).z_m_s, assumed_.z_m_s);
+    descent_.Move(climb_m_s, std::min(ToSeconds(now - *last_), kLongestTrackS));
     measured_track_.Advance(Measured(*last_), *last_, now);
     commanded_track_.Advance(assumed_, *last_, now);
   }
@@ -212,9 +240,7 @@ double MotionGate::FastestMS(const Velocity& wanted) const {
 
 // From which it stops within so much of its arc.
 double MotionGate::SafeMS(double free_m) const {
-  const double lost_m_s = rules_.brake_m_s2 * rules_.reaction_s;
-  const double safe_m_s =
-      std::sqrt(lost_m_s * lost_m_s + 2 * rules_.brake_m_s2 * free_m) - lost_m_s;
+  const double safe_m_s = StoppingSpeed(free_m, rules_.brake_m_s2, rules_.reaction_s);
   return rules_.approach_s > 0 ? std::min(safe_m_s, free_m / rules_.approach_s) : safe_m_s;
 }
 
@@ -455,6 +481,18 @@ std::vector<MovingPoint> MotionGate::SeenMoving(const Track& track, Time now) co
   return seen;
 }
 
+void MotionGate::LimitDescent(GateVerdict& verdict, Time now) const {
+  using Kind = GateVerdict::Kind;
+  const Velocity wanted = verdict.command;
+  const DescentVerdict descent = descent_.Check(wanted.z_m_s, now);
+  if (descent.kind == DescentVerdict::Kind::kFree) return;
+  verdict.command.z_m_s = descent.z_m_s;
+  verdict.descent = TextOf(descent, descent_.rules().topic);
+  const bool stops = descent.z_m_s == 0 && -wanted.z_m_s >= OverGround(wanted);
+  if (stops && verdict.kind != Kind::kBlind) verdict.kind = Kind::kStopped;
+  if (verdict.kind == Kind::kFree) verdict.kind = Kind::kSlowed;
+}
+
 GateVerdict MotionGate::Check(const Velocity& wanted, Time now) {
   using Kind = GateVerdict::Kind;
   const double passed_s = last_checked_ ? ToSeconds(now - *last_checked_) : 0;
@@ -490,6 +528,7 @@ GateVerdict MotionGate::Check(const Velocity& wanted, Time now) {
   verdict.at = limit.at;
   verdict.zone = limit.zone;
   verdict.unknown = limit.unknown;
+  LimitDescent(verdict, now);
   if (!verdict.holds()) held_since_.reset();
   if (verdict.holds() && !held_since_) held_since_ = now;
   verdict.held = held_since_ ? now - *held_since_ : Duration{};

@@ -5,7 +5,9 @@
 //
 //   commands of any source ──▶ Check() ──▶ the body
 //   scans ──▶ OnScan()          ▲
-//   the body's own velocity ────┘ OnVelocity()
+//   the body's own velocity ────┤ OnVelocity()
+//   ranges of a sensor that     │
+//   looks down, its height ─────┘ OnRange(), OnHeight()
 //
 // - Points are compared in the frame of the body with the arc on which a command moves it. They are
 //   moved on by its motion since the scan, once by what was measured and once by what was
@@ -27,7 +29,9 @@
 // - Without a recent scan of each of its scanners a body goes `blind_m_s` at most: it stands, but
 //   for a flyer whose place is held. A body without scanners is not checked.
 //
-// A planar scan does not see climbs. Metres, radians, seconds; velocities in the frame of the
+// A planar scan does not see climbs. A flyer descends by a sensor that looks down, if it has one:
+// descent_watch.hpp. A velocity that leads mostly down, and is held by that, counts as stopped; of
+// another one the rest is let through. Metres, radians, seconds; velocities in the frame of the
 // body. Pure; one thread.
 
 #include <cstdint>
@@ -37,6 +41,7 @@
 #include <vector>
 
 #include "musher/navigation/gate/approach_watch.hpp"
+#include "musher/navigation/gate/descent_watch.hpp"
 #include "musher/navigation/gate/scan_view.hpp"
 
 namespace musher::navigation {
@@ -66,6 +71,7 @@ struct GateRules {
   Duration scan_stale = Milliseconds(500);
   std::vector<ScanMount> scanners;
   std::vector<GateZone> zones;
+  DownRules down;
 };
 
 struct GateVerdict {
@@ -77,6 +83,7 @@ struct GateVerdict {
   std::string zone;         // in which it is, if it is a zone
   bool unknown = false;     // `at` is no obstacle, but a place that no scanner covers
   std::string scanner;      // the topic without a recent scan
+  std::string descent;      // why it does not descend as wanted; empty: it does
   Duration held{};          // so long a wanted motion has been stopped
 
   bool holds() const { return kind == Kind::kStopped || kind == Kind::kBlind; }
@@ -96,6 +103,13 @@ class MotionGate {
   void Mount(std::size_t scanner, const Pose& on_body, bool upside_down);
   // As measured, for example by odometry.
   void OnVelocity(const Velocity& velocity, Time now);
+  // Of the sensor that looks down. False: the reading is refused.
+  bool OnRange(const DownReading& reading, Duration stamp, Time now);
+  // Of the zero of the body's frame, above that of the odometry.
+  void OnHeight(double z_m, Time now);
+  // See DescentWatch.
+  void ExpectGround(std::optional<double> height_m) { descent_.ExpectGround(height_m); }
+  void MustLand(bool must) { descent_.MustLand(must); }
   // What was seen and measured before counts no more.
   void Forget();
 
@@ -109,6 +123,8 @@ class MotionGate {
   // before it, is seen.
   bool Covers(const Point& place, Time now) const;
 
+  // Whether it has a sensor that looks down, but no recent ranges of it.
+  bool BlindBelow(Time now) const { return descent_.IsBlind(now); }
   // The scanner without a recent scan; null: there is none.
   const ScanMount* Blind(Time now) const;
 
@@ -142,6 +158,7 @@ class MotionGate {
   };
 
   void Advance(Time now);
+  void LimitDescent(GateVerdict& verdict, Time now) const;
   void Assume(const Velocity& command, double seconds);
   bool IsRecent(const ScanView& view, Time now) const;
   std::vector<Point> Seen(const Track& track, Time now) const;
@@ -168,6 +185,7 @@ class MotionGate {
   const GateRules rules_;
   std::vector<ScanView> views_;
   std::vector<ApproachWatch> watches_;  // by scanner
+  DescentWatch descent_;
   Track measured_track_;
   Track commanded_track_;
   Velocity measured_;

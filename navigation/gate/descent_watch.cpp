@@ -1,0 +1,130 @@
+#include "musher/navigation/gate/descent_watch.hpp"
+
+#include <algorithm>
+
+namespace musher::navigation {
+namespace {
+
+constexpr double kMostKeptM = 1.5;  // above what a narrow cone sees
+constexpr double kNarrowestRad = 0.02, kWidestRad = 2.8;
+constexpr double kHeightJumpM = 0.2;  // more than it can have moved
+constexpr double kStandingM = 0.1;    // of height, in which a range has to change
+constexpr double kDescentMS = 0.02;   // a slower one is none
+constexpr Duration kHeightStale = Milliseconds(500);
+constexpr Duration kJumpCounts = std::chrono::minutes(1);
+
+}  // namespace
+
+double DescentWatch::KeepOf(double cone_rad) const {
+  const double usable = std::isfinite(cone_rad) ? cone_rad : 0;
+  const double half_rad = std::clamp(usable, kNarrowestRad, kWidestRad) / 2;
+  const double rim_m = radius_m_ + std::hypot(rules_.on_body.x_m, rules_.on_body.y_m);
+  const double covered_m = rim_m / std::tan(half_rad) - rules_.on_body.z_m - rules_.foot_m;
+  return std::max(rules_.margin_m, std::min(covered_m, kMostKeptM));
+}
+
+std::optional<double> DescentWatch::HeightAt(Time now) const {
+  if (!height_ || now - height_->at > kHeightStale) return std::nullopt;
+  const bool counts = now - jumped_at_ <= kJumpCounts;
+  return height_->z_m + (counts ? std::max(0.0, -jumped_m_) : 0);
+}
+
+bool DescentWatch::Stands(double range_m, std::optional<double> height_m) {
+  if (!height_m || same_range_m_ != range_m) {
+    same_range_m_ = range_m;
+    same_since_m_ = height_m;
+    return false;
+  }
+  if (!same_since_m_) same_since_m_ = height_m;
+  return std::abs(*height_m - *same_since_m_) > kStandingM;
+}
+
+bool DescentWatch::Take(const DownReading& reading, Duration stamp, Time now) {
+  const double least_m = rules_.least_m.value_or(reading.least_m);
+  const double most_m = rules_.most_m.value_or(reading.most_m);
+  const double range_m = reading.range_m;
+  const bool negative = std::isfinite(range_m) && range_m < 0;
+  if (std::isnan(range_m) || negative || !std::isfinite(most_m) || !(most_m > 0)) return false;
+  const auto taken = age_.Take(stamp, now);
+  if (!taken) return false;
+  const auto height_m = HeightAt(now);
+  const double counted_m = range_m < least_m ? 0 : std::min(range_m, most_m);
+  if (counted_m > 0 && counted_m < most_m && Stands(range_m, height_m)) return false;
+  const double cone_rad = rules_.cone_rad.value_or(reading.cone_rad);
+  Sample sample{.taken = *taken, .keep_m = KeepOf(cone_rad)};
+  if (height_m) {
+    sample.surface_m = *height_m + rules_.on_body.z_m - counted_m;
+    const bool nothing = range_m >= most_m;
+    if (nothing && *sample.surface_m < ground_m() - rules_.ground_tolerance_m) return false;
+  }
+  // The nearest thing may be at the edge of the cone.
+  const double edge = std::cos(std::clamp(cone_rad, 0.0, kWidestRad) / 2);
+  sample.gap_m = counted_m * (std::isfinite(edge) ? edge : 1) - rules_.on_body.z_m - rules_.foot_m -
+                 sinking_m_s_ * ToSeconds(now - *taken);
+  last_[1] = last_[0];
+  last_[0] = sample;
+  return true;
+}
+
+void DescentWatch::OnHeight(double z_m, double climb_m_s, Time now) {
+  if (!std::isfinite(z_m) || !std::isfinite(climb_m_s)) return;
+  if (height_ && now - height_->at <= kHeightStale) {
+    const double moved_m = (height_->climb_m_s + climb_m_s) / 2 * ToSeconds(now - height_->at);
+    const double jump_m = z_m - height_->z_m - moved_m;
+    if (std::abs(jump_m) > kHeightJumpM) {
+      jumped_m_ = jump_m + (now - jumped_at_ <= kJumpCounts ? jumped_m_ : 0);
+      jumped_at_ = now;
+    }
+  }
+  height_ = Height{z_m, climb_m_s, now};
+}
+
+void DescentWatch::Move(double climb_m_s, double seconds) {
+  sinking_m_s_ = std::max(0.0, -climb_m_s);
+  for (auto& sample : last_) {
+    if (sample) sample->gap_m -= sinking_m_s_ * seconds;
+  }
+}
+
+void DescentWatch::Forget() {
+  last_ = {};
+  age_.Forget();
+  height_.reset();
+  jumped_m_ = sinking_m_s_ = 0;
+  same_range_m_.reset();
+  same_since_m_.reset();
+}
+
+bool DescentWatch::IsRecent(const std::optional<Sample>& sample, Time now) const {
+  return sample && now - sample->taken <= rules_.stale;
+}
+
+bool DescentWatch::IsBlind(Time now) const {
+  return !rules_.topic.empty() && !(IsRecent(last_[0], now) && IsRecent(last_[1], now));
+}
+
+DescentVerdict DescentWatch::Check(double z_m_s, Time now) const {
+  using Kind = DescentVerdict::Kind;
+  DescentVerdict verdict{.z_m_s = z_m_s};
+  if (rules_.topic.empty() || !(z_m_s < 0)) return verdict;
+  const auto height_m = HeightAt(now);
+  if (height_m && IsGround(*height_m - rules_.foot_m)) return verdict;
+  if (IsBlind(now)) {
+    verdict.kind = Kind::kBlind;
+    verdict.z_m_s = must_land_ ? std::max(z_m_s, -rules_.blind_m_s) : 0;
+    return verdict;
+  }
+  for (const auto& sample : last_) {
+    if (sample->surface_m && IsGround(*sample->surface_m)) continue;
+    const double safe_m_s = StoppingSpeed(sample->gap_m - sample->keep_m, brake_m_s2_, reaction_s_);
+    if (-verdict.z_m_s <= safe_m_s) continue;
+    verdict.z_m_s = safe_m_s < kDescentMS ? 0 : -safe_m_s;
+    verdict.kind = verdict.z_m_s < 0 ? Kind::kSlowed : Kind::kHeld;
+    verdict.gap_m = std::max(0.0, sample->gap_m);
+    verdict.height_m.reset();
+    if (sample->surface_m) verdict.height_m = *sample->surface_m - ground_m();
+  }
+  return verdict;
+}
+
+}  // namespace musher::navigation

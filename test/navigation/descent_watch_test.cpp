@@ -1,0 +1,315 @@
+// A flyer above what a range sensor sees that looks down: what it may descend to, what a wrong,
+// late or missing sample does, and that no velocity of any source leads it onto what the sensor
+// sees.
+
+#include "musher/navigation/gate/descent_watch.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "musher/navigation/gate/motion_gate.hpp"
+#include "musher/test/navigation/descent_run.hpp"
+
+namespace musher::navigation::testing::descent_watch_test {
+
+using ::testing::HasSubstr;
+using Kind = GateVerdict::Kind;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr Velocity kDown{0, 0, -0.5, 0};
+
+class Descent : public ::testing::Test {
+ protected:
+  Descent() {
+    rules_.down.topic = "range_down";
+    Rebuild();
+  }
+  void Rebuild() { gate_.emplace(rules_); }
+  void At(double height_m) { gate_->OnHeight(height_m, now_); }
+  bool Sees(double range_m) {
+    now_ += Milliseconds(50);
+    return gate_->OnRange({range_m, 0.05, 4, 1.05}, now_.time_since_epoch(), now_);
+  }
+  void SeesTwice(double range_m) {
+    Sees(range_m);
+    Sees(range_m + 0.001);
+  }
+  GateVerdict Check(const Velocity& wanted = kDown) { return gate_->Check(wanted, now_); }
+
+  GateRules rules_;
+  Time now_ = Time{} + std::chrono::seconds(100);
+  std::optional<MotionGate> gate_;
+};
+
+TEST_F(Descent, GoesOnAboveTheGround) {
+  At(2);
+  SeesTwice(2);
+  EXPECT_EQ(Check().command, kDown);
+  EXPECT_EQ(Check().kind, Kind::kFree);
+}
+
+TEST_F(Descent, IsSlowedAndHeldAboveWhatIsHigherThanTheGround) {
+  At(2.4);
+  double before_m_s = 0.6;
+  for (const double range_m : {1.2, 0.9, 0.7, 0.6, 0.5, 0.4}) {
+    Rebuild();
+    At(2.4);
+    SeesTwice(range_m);
+    const double down_m_s = -Check().command.z_m_s;
+    EXPECT_LE(down_m_s, before_m_s) << range_m;
+    before_m_s = down_m_s;
+  }
+  EXPECT_EQ(Check().command, Velocity{});
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  EXPECT_THAT(Describe(Check()),
+              HasSubstr("something 2.0 m high is 0.35 m below it: it does not descend"));
+}
+
+TEST_F(Descent, HoldsClimbsAndMotionsAsideNot) {
+  At(2);
+  SeesTwice(0.3);
+  EXPECT_EQ(Check({0, 0, 0.5, 0}).command, (Velocity{0, 0, 0.5, 0}));
+  EXPECT_EQ(Check({0.5, 0.2, -0.1, 1}).command, (Velocity{0.5, 0.2, 0, 1}));
+  EXPECT_EQ(Check({0.5, 0.2, -0.1, 1}).kind, Kind::kSlowed);
+}
+
+// A sensor with a narrow cone does not see what the rim of the body is about to touch.
+TEST_F(Descent, KeepsMoreAboveThingsWhereTheConeIsNarrower) {
+  rules_.down.cone_rad = 0.4;
+  Rebuild();
+  At(2.5);
+  SeesTwice(0.9);  // the cone is as wide as the body from 0.99 m on
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  rules_.down.cone_rad = 1.2;
+  Rebuild();
+  At(2.5);
+  SeesTwice(0.9);
+  EXPECT_EQ(Check().kind, Kind::kFree);
+}
+
+TEST_F(Descent, CountsWhatItHasSunkSinceTheSample) {
+  At(2.4);
+  SeesTwice(0.65);
+  ASSERT_LT(Check().command.z_m_s, -0.3);
+  gate_->OnVelocity({}, now_);  // its odometry says that it stands
+  for (int i = 0; i < 8; ++i) {
+    now_ += Milliseconds(50);
+    At(2.4);
+    Check();
+  }
+  EXPECT_GT(Check().command.z_m_s, -0.25) << "by its commands it has come nearer";
+}
+
+// --- A sample that is wrong, late or missing ---
+
+TEST_F(Descent, IsStoppedByOneSampleAndReleasedByTwo) {
+  At(2);
+  SeesTwice(2);
+  Sees(0.3);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  Sees(2);
+  EXPECT_EQ(Check().kind, Kind::kStopped) << "the one before may be right";
+  Sees(2.001);
+  EXPECT_EQ(Check().kind, Kind::kFree);
+}
+
+TEST_F(Descent, IsHeldWithoutTwoRecentSamples) {
+  At(2);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  EXPECT_EQ(Describe(Check()), "no recent range on range_down: it does not descend blindly");
+  Sees(2);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  Sees(2.001);
+  EXPECT_EQ(Check().kind, Kind::kFree);
+  now_ += Milliseconds(600);
+  At(2);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+}
+
+TEST_F(Descent, IsNotReleasedByOneSampleThatComesTwiceOrWithAnOldStamp) {
+  At(2);
+  SeesTwice(2);
+  Sees(0.3);
+  const Duration stamp = now_.time_since_epoch();
+  EXPECT_FALSE(gate_->OnRange({2, 0.05, 4, 1.05}, stamp, now_));
+  EXPECT_FALSE(gate_->OnRange({2, 0.05, 4, 1.05}, stamp - Milliseconds(75), now_));
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+}
+
+TEST_F(Descent, UsesNoSampleThatIsNoRange) {
+  At(2);
+  for (const double range_m : {std::nan(""), -1.0, -0.01}) EXPECT_FALSE(Sees(range_m)) << range_m;
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+}
+
+TEST_F(Descent, TakesTooNearToBeMeasuredForNear) {
+  At(2);
+  SeesTwice(-kInfinity);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  SeesTwice(0.01);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+}
+
+// Hair and coats do not reflect sound, and dark carpets no light.
+TEST_F(Descent, BelievesInNothingInRangeOnlyWhereTheGroundIsOutOfRange) {
+  At(6);
+  SeesTwice(kInfinity);
+  EXPECT_EQ(Check().kind, Kind::kFree);
+  now_ += std::chrono::seconds(1);
+  At(2);
+  EXPECT_FALSE(Sees(kInfinity));
+  EXPECT_FALSE(Sees(4.2));
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+}
+
+TEST_F(Descent, IsHeldByASensorThatStandsWhileItsHeightChanges) {
+  double height_m = 3;
+  bool held = false;
+  for (int i = 0; i < 40 && !held; ++i, height_m -= 0.025) {
+    gate_->OnVelocity(kDown, now_);
+    At(height_m);
+    Sees(2.5);
+    held = Check().kind == Kind::kStopped;
+  }
+  EXPECT_TRUE(held);
+  EXPECT_GT(height_m, 2.3);
+}
+
+TEST_F(Descent, TakesTheLimitsOfTheConfigBeforeThoseOfTheMessages) {
+  rules_.down.most_m = 1.2;
+  Rebuild();
+  At(6);
+  SeesTwice(3);  // beyond what the sensor can know
+  const double down_m_s = -Check({0, 0, -3, 0}).command.z_m_s;
+  EXPECT_LT(down_m_s, 1.5) << "something may be 1.2 m below";
+}
+
+// --- What is ground ---
+
+TEST_F(Descent, LandsOnWhatIsAsHighAsTheGroundAndOnNothingHigher) {
+  for (const double surface_m : {-0.3, 0.0, 0.2}) {
+    Rebuild();
+    At(0.6);
+    SeesTwice(0.6 - surface_m);
+    EXPECT_EQ(Check().kind, Kind::kFree) << surface_m;
+  }
+  for (const double surface_m : {0.3, 0.5}) {
+    Rebuild();
+    At(0.6);
+    SeesTwice(0.6 - surface_m);
+    EXPECT_EQ(Check().kind, Kind::kStopped) << surface_m;
+  }
+}
+
+TEST_F(Descent, EndsOnTheGroundWhereTheSensorIsTooNearToMeasure) {
+  At(0.2);
+  SeesTwice(-kInfinity);
+  EXPECT_EQ(Check().kind, Kind::kFree);
+  Rebuild();
+  At(0.2);
+  EXPECT_EQ(Check().kind, Kind::kFree) << "nothing higher than its tolerance fits below it";
+}
+
+TEST_F(Descent, LandsOnATableWhoseHeightItIsGiven) {
+  At(1.5);
+  SeesTwice(0.5);
+  EXPECT_NE(Check().kind, Kind::kFree);
+  gate_->ExpectGround(1.0);
+  EXPECT_EQ(Check().kind, Kind::kFree);
+  gate_->ExpectGround(std::nullopt);
+  EXPECT_NE(Check().kind, Kind::kFree);
+}
+
+TEST_F(Descent, TakesNothingForGroundWithoutAHeight) {
+  SeesTwice(0.3);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  EXPECT_THAT(Describe(Check()), HasSubstr("something is 0.26 m below it"));
+  At(0.5);
+  SeesTwice(0.3);
+  ASSERT_EQ(Check().kind, Kind::kFree);
+  for (int i = 0; i < 12; ++i) SeesTwice(0.3 + 0.002 * i);
+  EXPECT_EQ(Check().kind, Kind::kStopped) << "the height is old";
+}
+
+// The state estimate of a small flyer takes the range for its height, above a head as well.
+TEST_F(Descent, IsHeldAboveAHeadThatItsHeightFollows) {
+  At(2);
+  SeesTwice(2);
+  ASSERT_EQ(Check().kind, Kind::kFree);
+  At(0.4);
+  SeesTwice(0.4);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  EXPECT_THAT(Describe(Check()), HasSubstr("something 1.6 m high"));
+  At(2);
+  SeesTwice(2);
+  EXPECT_EQ(Check().kind, Kind::kFree) << "it has gone away";
+}
+
+// A localisation is corrected for good; and one that jumps up is in doubt higher.
+TEST_F(Descent, LandsAgainAMinuteAfterItsHeightWasCorrected) {
+  At(2);
+  SeesTwice(2);
+  At(0.5);
+  SeesTwice(0.4);
+  EXPECT_NE(Check().kind, Kind::kFree);
+  now_ += std::chrono::seconds(61);
+  At(0.5);
+  SeesTwice(0.4);
+  EXPECT_EQ(Check().kind, Kind::kFree);
+  At(1.5);
+  SeesTwice(0.4);
+  EXPECT_THAT(Describe(Check()), HasSubstr("something 1.1 m high"));
+  At(1.8);
+  SeesTwice(0.4);
+  EXPECT_THAT(Describe(Check()), HasSubstr("something 1.4 m high"));
+}
+
+// --- It has to land ---
+
+TEST_F(Descent, GoesSlowlyWithoutASensorWhereItHasToLand) {
+  At(2);
+  gate_->MustLand(true);
+  EXPECT_EQ(Check().command, (Velocity{0, 0, -0.1, 0}));
+  EXPECT_THAT(Describe(Check()), HasSubstr("descends slowly"));
+  SeesTwice(0.3);
+  EXPECT_EQ(Check().kind, Kind::kStopped) << "onto a person it does not sink";
+  gate_->MustLand(false);
+  now_ += std::chrono::seconds(1);
+  At(2);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+}
+
+TEST_F(Descent, IsNotCheckedWithoutASensor) {
+  rules_.down.topic.clear();
+  Rebuild();
+  EXPECT_EQ(Check().kind, Kind::kFree);
+}
+
+// --- A flyer never comes down onto what its sensor sees ---
+
+void ExpectNoContactFromAbove(std::uint64_t from, std::uint64_t to) {
+  for (std::uint64_t seed = from; seed < to; ++seed) {
+    const DescentRun run = RunDescents(seed, true);
+    EXPECT_EQ(run.sunk_onto, 0) << "seed " << seed;
+    EXPECT_TRUE(run.landed) << "seed " << seed;
+  }
+}
+
+TEST(AnyDescent, LeadsAFlyerOntoPersonsWithoutTheSensor) {
+  int sunk_onto = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) sunk_onto += RunDescents(seed, false).sunk_onto;
+  EXPECT_GE(sunk_onto, 10);
+}
+
+TEST(AnyDescent, LeadsNoFlyerOntoWhatItsSensorSeesAndEndsOnFreeGround) {
+  ExpectNoContactFromAbove(1, 60);
+}
+
+TEST(AnyDescentNightly, LeadsNoFlyerOntoWhatItsSensorSeesAndEndsOnFreeGround) {
+  ExpectNoContactFromAbove(1000, 4000);
+}
+
+}  // namespace musher::navigation::testing::descent_watch_test
