@@ -87,6 +87,29 @@ ScanMount ReadScanner(TableReader& reader) {
   return mount;
 }
 
+void SetOptional(TableReader& reader, std::string_view key, double least, double most,
+                 std::optional<double>& value) {
+  if (const auto number = reader.Number(key, least, most)) value = *number;
+}
+
+void ReadDown(TableReader& reader, DownRules& rules) {
+  reader.Require("topic", "the topic of its ranges, as in \"cf2x_0/range_down\"");
+  if (const auto topic = reader.Topic("topic", "cf2x_0/range_down")) rules.topic = topic->text;
+  Set(reader, "x_m", -kFarM, kFarM, rules.on_body.x_m);
+  Set(reader, "y_m", -kFarM, kFarM, rules.on_body.y_m);
+  Set(reader, "z_m", -kFarM, kFarM, rules.on_body.z_m);
+  Set(reader, "foot_m", 0, kFarM, rules.foot_m);
+  Set(reader, "margin_m", 0.05, 10, rules.margin_m);
+  Set(reader, "ground_m", -1000, 10'000, rules.ground_m);
+  Set(reader, "ground_tolerance_m", 0.02, 1, rules.ground_tolerance_m);
+  Set(reader, "blind_m_s", 0, 1, rules.blind_m_s);
+  rules.stale = reader.Time("stale_ms").value_or(rules.stale);
+  if (const auto cone = reader.Number("cone_deg", 1, 160)) rules.cone_rad = *cone * M_PI / 180;
+  SetOptional(reader, "least_m", 0, kFarM, rules.least_m);
+  SetOptional(reader, "most_m", 0.1, 1000, rules.most_m);
+  reader.RefuseOthers();
+}
+
 }  // namespace
 
 std::vector<ScanMount> ReadScanners(TableReader& reader, const std::string& scan) {
@@ -106,6 +129,7 @@ void ReadGate(TableReader& reader, GateRules& rules) {
   Set(*gate, "blind_m_s", 0, 20, rules.blind_m_s);
   Set(*gate, "unknown_m_s", 0, 20, rules.unknown_m_s);
   rules.scan_stale = gate->Time("scan_stale_ms").value_or(rules.scan_stale);
+  if (auto down = gate->Sub("down")) ReadDown(*down, rules.down);
   for (TableReader& table : gate->Subs("zone")) rules.zones.push_back(ReadZone(table));
   gate->RefuseOthers();
 }

@@ -141,6 +141,14 @@ void ControllerServer::OpenRobot(Robot& robot) {
   };
   handlers.start = [this, &robot](const Goal& goal) { OnGoal(robot, goal); };
   handlers.cancel = [this, &robot](Goal goal) { OnCancel(robot, std::move(goal)); };
+  if (!config.gate.down.topic.empty()) {
+    endpoints_.Subscribe<msg::Range>(
+        config.gate.down.topic,
+        [this, &robot](const msg::Range& range) {
+          robot.drive.OnRange(ToReading(range), msg::FromStamp(range.header.stamp), Now());
+        },
+        transport::kSensorDataQos);
+  }
   OpenRobotEndpoints(endpoints_, config, config.action, dependencies_.clock, std::move(handlers));
 }
 
@@ -410,6 +418,9 @@ void ControllerServer::OnTimeJump(const std::string& why) {
 std::string ControllerServer::MissingOf(const Robot& robot) const {
   const std::string name = robot.config.name + ": ";
   if (const auto blind = robot.drive.Blind(Now())) return name + blind->reason;
+  if (robot.drive.BlindBelow(Now())) {
+    return name + "no recent range on " + robot.config.gate.down.topic;
+  }
   const int readers = robot.command != nullptr ? robot.command->MatchedReaders()
                                                : robot.stamped_command->MatchedReaders();
   if (readers > 0) return "";

@@ -94,6 +94,7 @@ void PathDrive::OnOdometry(const Motion& motion, Duration stamp, Time now) {
   motion_ = motion;
   motion_at_ = now;
   gate_.OnVelocity(InBodyFrame(motion.velocity, motion.pose.yaw_rad), now);
+  gate_.OnHeight(motion.pose.at.z_m, now);
   if (auto fault = guard_.OnPose(motion.pose, stamp, now); fault && driving_) {
     fault_ = std::move(fault);
   }

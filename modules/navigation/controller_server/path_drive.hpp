@@ -69,6 +69,11 @@ class PathDrive {
   void OnOdometry(const Motion& motion, Duration stamp, Time now);
   // `scanner`: its index in the config.
   void OnScan(std::size_t scanner, const Scan& scan, Duration stamp, Time now);
+  // Of the sensor that looks down.
+  void OnRange(const DownReading& reading, Duration stamp, Time now) {
+    gate_.OnRange(reading, stamp, now);
+  }
+  bool BlindBelow(Time now) const { return gate_.BlindBelow(now); }
   // Where the scanner is on the body, by a transform.
   void Mount(std::size_t scanner, const FramePlacement& placement) {
     gate_.Mount(scanner, placement.pose, placement.upside_down);

@@ -230,6 +230,10 @@ Scan ToScan(const msg::LaserScan& scan) {
   return {scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, scan.ranges};
 }
 
+DownReading ToReading(const msg::Range& range) {
+  return {range.range, range.min_range, range.max_range, range.field_of_view};
+}
+
 Result<OccupancyGrid> ToGrid(const msg::OccupancyGrid& grid, const std::string& frame) {
   if (auto checked = CheckFrame(grid.header.frame_id, frame, "map"); !checked) {
     return checked.error();

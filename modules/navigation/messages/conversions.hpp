@@ -13,9 +13,11 @@
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
+#include "musher/messages/sensor_msgs/range.hpp"
 #include "musher/messages/trajectory_msgs/joint_trajectory.hpp"
 #include "musher/navigation/controller/obstacle_watch.hpp"
 #include "musher/navigation/frames/frame_tree.hpp"
+#include "musher/navigation/gate/descent_watch.hpp"
 #include "musher/navigation/planner/cell_map.hpp"
 #include "musher/navigation/traffic/right_of_way.hpp"
 
@@ -51,6 +53,7 @@ Result<Motion> ToMotion(const msg::Odometry& odometry, const std::string& frame,
 Result<RobotIntent> ToIntent(const msg::RobotPath& path, const std::string& frame);
 
 Scan ToScan(const msg::LaserScan& scan);
+DownReading ToReading(const msg::Range& range);
 
 Result<OccupancyGrid> ToGrid(const msg::OccupancyGrid& grid, const std::string& frame);
 

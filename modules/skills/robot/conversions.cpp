@@ -128,6 +128,10 @@ navigation::Scan ToScan(const msg::LaserScan& scan) {
   return {scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, scan.ranges};
 }
 
+navigation::DownReading ToReading(const msg::Range& range) {
+  return {range.range, range.min_range, range.max_range, range.field_of_view};
+}
+
 Result<Picture> ToPicture(const msg::Image& image) {
   const auto layout = LayoutOf(image.encoding);
   if (!layout) {

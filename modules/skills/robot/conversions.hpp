@@ -17,9 +17,11 @@
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/messages/sensor_msgs/range.hpp"
 #include "musher/modules/skills/config/skills_config.hpp"
 #include "musher/modules/skills/robot/robot.hpp"
 #include "musher/navigation/controller/obstacle_watch.hpp"
+#include "musher/navigation/gate/descent_watch.hpp"
 
 namespace musher::skills {
 
@@ -46,6 +48,7 @@ navigation::Velocity ToMapFrame(const msg::Twist& twist, double yaw_rad);
 msg::Twist ToMessage(const navigation::Velocity& command);
 
 navigation::Scan ToScan(const msg::LaserScan& scan);
+navigation::DownReading ToReading(const msg::Range& range);
 
 // bgr8, rgb8, bgra8, rgba8 and mono8.
 Result<Picture> ToPicture(const msg::Image& image);

@@ -123,6 +123,11 @@ class Robot {
   // What the gate before the base stops the present command for: "an obstacle 0.42 m away, ...";
   // empty: nothing.
   virtual std::string HeldBy() const { return ""; }
+  // Why a flyer does not descend as commanded: "something 1.6 m high is 0.42 m below it: ...";
+  // empty: it does, or is not commanded down.
+  virtual std::string WhyNotDescending() const { return ""; }
+  // The height of the ground on which it shall land, in the frame of the map; until StopMotion().
+  virtual void ExpectGround(double /*height_m*/) {}
   // A flyer has landed: it is not held at its place any more, until it moves again.
   virtual void NoteLanding() {}
   // Why a flyer is not held at its place any more: "cf2x_0 is not held at its place any more: it

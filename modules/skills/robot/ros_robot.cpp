@@ -106,6 +106,15 @@ std::string RosRobot::HeldBy() const {
   return wire ? wire->velocity->HeldBy() : "";
 }
 
+std::string RosRobot::WhyNotDescending() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->velocity->WhyNotDescending() : "";
+}
+
+void RosRobot::ExpectGround(double height_m) {
+  if (const auto wire = wire_.lock()) wire->ExpectGround(height_m);
+}
+
 void RosRobot::NoteLanding() {
   if (const auto wire = wire_.lock()) wire->hold.Land();
 }

@@ -64,6 +64,8 @@ class RosRobot final : public Robot {
   void SetVelocity(const navigation::Velocity& command) override;
   void StopMotion() override;
   std::string HeldBy() const override;
+  std::string WhyNotDescending() const override;
+  void ExpectGround(double height_m) override;
   void NoteLanding() override;
   std::string WhyNotHeld() const override;
   bool HasPlanner() const override;

@@ -12,9 +12,16 @@ bool VelocityOutput::OnScan(std::size_t scanner, const msg::LaserScan& scan) {
   return true;
 }
 
+void VelocityOutput::OnRange(const msg::Range& range) {
+  const bool taken =
+      gate_.OnRange(ToReading(range), msg::FromStamp(range.header.stamp), clock_.Now());
+  if (taken && sending_ && command_.z_m_s < 0) Publish();
+}
+
 void VelocityOutput::OnMotion(const navigation::Pose& pose, const navigation::Velocity& velocity,
                               Duration stamp) {
   gate_.OnVelocity(velocity, clock_.Now());
+  gate_.OnHeight(pose.at.z_m, clock_.Now());
   const auto fault = guard_.OnPose(pose, stamp, clock_.Now());
   if (fault && sending_ && !flies_) Hold(*fault);
 }
@@ -49,6 +56,7 @@ void VelocityOutput::Stop() {
   teleop_until_.reset();
   guard_.Forget();
   fault_.clear();
+  gate_.ExpectGround(std::nullopt);
   command_ = {};
   Publish();
 }

@@ -1,7 +1,7 @@
 #pragma once
 // The velocity commands of a robot: the last one goes through the gate and is published 20 times a
-// second, and with each scan, until it is replaced or stopped. Stop() publishes 0 once and then
-// nothing more; without commands the robot itself stops.
+// second, with each scan, and with each range below it while it descends, until it is replaced or
+// stopped. Stop() publishes 0 once and then nothing more; without commands the robot itself stops.
 //
 // A body on the ground whose odometry cannot be true beside its commands is stopped as well, until
 // Stop(): it is commanded and does not move, for example before a thing below its scanner; its pose
@@ -19,6 +19,7 @@
 
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/messages/sensor_msgs/range.hpp"
 #include "musher/navigation/frames/frame_tree.hpp"
 #include "musher/navigation/gate/motion_gate.hpp"
 #include "musher/navigation/gate/motion_guard.hpp"
@@ -40,6 +41,12 @@ class VelocityOutput {
 
   // False: the scan is refused.
   bool OnScan(std::size_t scanner, const msg::LaserScan& scan);
+  // Of the sensor that looks down.
+  void OnRange(const msg::Range& range);
+  // The height of the ground on which it shall land, in the frame of its odometry; until Stop().
+  void ExpectGround(double height_m) { gate_.ExpectGround(height_m); }
+  // A flyer has to land, also where it does not see.
+  void MustLand(bool must) { gate_.MustLand(must); }
   // Where the scanner is on the body, as a transform says.
   void Mount(std::size_t scanner, const navigation::FramePlacement& placement) {
     gate_.Mount(scanner, placement.pose, placement.upside_down);
@@ -66,6 +73,8 @@ class VelocityOutput {
   const navigation::Velocity& passed() const { return verdict_.command; }
   // What the gate stops it for; empty: nothing.
   std::string HeldBy() const;
+  // Why a flyer does not descend as commanded; empty: it does.
+  const std::string& WhyNotDescending() const { return verdict_.descent; }
 
  private:
   void Send(const navigation::Velocity& command);

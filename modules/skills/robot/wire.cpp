@@ -79,6 +79,7 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   SubscribeFrames(endpoints);
   Subscribe(endpoints);
   SubscribeScans(endpoints);
+  SubscribeRanges(endpoints);
   SubscribeDrives(endpoints);
   if (!config.flies) return;
   SubscribeCommandsOfOthers(endpoints);
@@ -135,6 +136,21 @@ void RosRobot::Wire::SubscribeScans(transport::Endpoints& endpoints) {
         },
         transport::kSensorDataQos);
   }
+}
+
+void RosRobot::Wire::SubscribeRanges(transport::Endpoints& endpoints) {
+  const std::string& topic = config.gate.down.topic;
+  if (topic.empty()) return;
+  optional[topic] = endpoints.Subscribe<msg::Range>(
+      topic, [this](const msg::Range& range) { velocity->OnRange(range); },
+      transport::kSensorDataQos);
+}
+
+// The gate knows heights in the frame of the odometry.
+void RosRobot::Wire::ExpectGround(double height_m) {
+  const Motion *own = odometry.At(Now()), *mapped = motion.At(Now());
+  if (own == nullptr || mapped == nullptr) return;
+  velocity->ExpectGround(height_m + own->pose.at.z_m - mapped->pose.at.z_m);
 }
 
 void RosRobot::Wire::SubscribeDrives(transport::Endpoints& endpoints) {
@@ -237,7 +253,8 @@ void RosRobot::Wire::OnBattery(const msg::BatteryState& battery, transport::Endp
                                    config.robot, percent, limit)
                      : "";
   if (!config.flies) return;
-  if (!low) stood_high_ = false;
+  if (!low) stood_high_ = held_high_ = false;
+  velocity->MustLand(low);
   if (charges) hold.NoteCharging();
   hold.SetBatteryLow(low);
 }
@@ -290,6 +307,7 @@ void RosRobot::Wire::HoldPlace() {
   const bool sinks = command->z_m_s >= kSinkingMS || passed.z_m_s < kSinkingMS;
   const bool reaches = navigation::Speed(passed) >= kReachesShare * navigation::Speed(*command);
   if (!sinks || !reaches) hold.NoteStopped();
+  LogHeldDescent();
   const bool stands_high = hold.StandsHigh();
   if (stands_high && !std::exchange(stood_high_, stands_high)) {
     Log(LogLevel::kWarning,
@@ -297,6 +315,12 @@ void RosRobot::Wire::HoldPlace() {
                     "its odometry; it descends on until it is charged",
                     config.robot, now == nullptr ? 0.0 : now->pose.at.z_m));
   }
+}
+
+void RosRobot::Wire::LogHeldDescent() {
+  const std::string& why = velocity->WhyNotDescending();
+  if (low_battery_.empty() || why.empty() || std::exchange(held_high_, true)) return;
+  Log(LogLevel::kWarning, config.robot + " lands with a low battery: " + why);
 }
 
 void RosRobot::Wire::LogEndOfHold() {

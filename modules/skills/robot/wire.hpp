@@ -60,6 +60,8 @@ struct RosRobot::Wire {
     holding_ = false;
     velocity->Stop();
   }
+  // In the map.
+  void ExpectGround(double height_m);
   MissingInterfaces Look() const;
   // Whether the controller drives, for a skill or for another client.
   bool Drives() const;
@@ -130,6 +132,7 @@ struct RosRobot::Wire {
   void Subscribe(transport::Endpoints& endpoints);
   void SubscribeFrames(transport::Endpoints& endpoints);
   void SubscribeScans(transport::Endpoints& endpoints);
+  void SubscribeRanges(transport::Endpoints& endpoints);
   void SubscribeDrives(transport::Endpoints& endpoints);
   void SubscribeCommandsOfOthers(transport::Endpoints& endpoints);
   void OnOdometry(const msg::Odometry& message);
@@ -141,6 +144,7 @@ struct RosRobot::Wire {
   void SavePlace();
   // Once for each reason, until a skill or a drive moves it.
   void LogEndOfHold();
+  void LogHeldDescent();
   void Log(LogLevel level, const std::string& line) const {
     if (log_) log_(level, line);
   }
@@ -152,6 +156,7 @@ struct RosRobot::Wire {
   std::string body_frame_;   // of the twist of the odometry
   bool holding_ = false;     // the last command is that of `hold`
   bool stood_high_ = false;  // with a low battery; logged once
+  bool held_high_ = false;   // the same, by what is below it
   std::string end_logged_;   // of the hold
   Time driven_until_{};      // by the controller, as far as it is known
   std::string low_battery_;

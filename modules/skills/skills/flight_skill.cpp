@@ -12,6 +12,8 @@ namespace {
 constexpr double kOdometryLimitS = 2;
 constexpr std::string_view kBlindSince = "odometry_missing_since_s";
 constexpr std::string_view kPlace = "place";
+constexpr std::string_view kHeldFor = "descent_held_s";
+constexpr std::string_view kHeldAt = "descent_held_at_m";
 constexpr std::string_view kFlew = "flew";  // it was in the air
 constexpr double kFlightJumpM = 1;          // a correction of a localisation is less
 constexpr double kFlightYawRadS = 2;
@@ -112,6 +114,20 @@ skill::Next FlightSkill::AgainOrFail(const skill::Tick& tick, skill::StateId sta
     return skill::Next::Fail(std::move(why));
   }
   return skill::Next::Retry(state, std::move(why));
+}
+
+std::optional<std::string> FlightSkill::HeldTooLong(const navigation::Pose& now,
+                                                    skill::Tick& tick) const {
+  constexpr double kLowerM = 0.05;
+  std::string why = robot_.WhyNotDescending();
+  const double before_s = tick.data.Number(kHeldFor);
+  const bool lower = before_s > 0 && now.at.z_m < tick.data.Number(kHeldAt) - kLowerM;
+  const bool held = !why.empty() && !lower;
+  if (!held || before_s == 0) tick.data.Set(kHeldAt, now.at.z_m);
+  const double held_s = held ? before_s + PositionHold::SecondsOf(tick.step) : 0;
+  const bool too_long = held_s >= kHeldS;
+  tick.data.Set(kHeldFor, too_long ? 0 : held_s);
+  return too_long ? std::optional(std::move(why)) : std::nullopt;
 }
 
 double FlightSkill::Ceiling(const skill::Tick& tick) const {

@@ -60,6 +60,7 @@ skill::Next Hover::Check(const navigation::Pose& now, skill::Tick& tick) {
 
 skill::Next Hover::Approach(const navigation::Pose& now, skill::Tick& tick) {
   const navigation::Pose place = Remembered(tick);
+  if (auto why = HeldTooLong(now, tick)) return skill::Next::Fail(std::move(*why));
   Keep(place, now, tick);
   if (std::abs(now.at.z_m - place.at.z_m) <= kWithinM) return skill::Next::To(hovering_);
   tick.Report(0, "Going to " + HeightText(place.at.z_m));

@@ -40,11 +40,14 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
     tick.Report(0, "Landing");
     return skill::Next::To(executing_);
   }
+  ExpectGround(tick.parameters.Number("ground_height"));
+  if (auto why = HeldTooLong(now, tick)) return AgainOrFail(tick, initializing_, std::move(*why));
+  const bool held = !robot().WhyNotDescending().empty();
   const bool lower = height_m < tick.data.Number(kLowest) - kStillM;
   if (lower) tick.data.Set(kLowest, height_m);
   // Only time with a command counts: neither a pause, nor a time without odometry.
   const double still_s =
-      lower ? 0 : tick.data.Number(kStillFor) + PositionHold::SecondsOf(tick.step);
+      lower || held ? 0 : tick.data.Number(kStillFor) + PositionHold::SecondsOf(tick.step);
   tick.data.Set(kStillFor, still_s);
   if (still_s >= kStillS && above_m <= kGroundToleranceM) {
     NoteLanding();
@@ -53,8 +56,8 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
   const navigation::Pose place = Remembered(tick);
   KeepWhile(above_m < kSlowBelowM ? -kLastDescentMps : -kDescentMps, place, now, tick);
   const double start_m = place.at.z_m - tick.parameters.Number("ground_height");
-  tick.Report(start_m > 0 ? std::min(100 * (1 - above_m / start_m), 95.0) : 95,
-              HeightText(height_m));
+  const double progress = start_m > 0 ? std::min(100 * (1 - above_m / start_m), 95.0) : 95;
+  tick.Report(progress, held ? robot().WhyNotDescending() : HeightText(height_m));
   return skill::Next::Stay();
 }
 

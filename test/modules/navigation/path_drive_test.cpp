@@ -50,6 +50,38 @@ class Drive : public ::testing::Test {
   PathDrive drive_{Robot(), {}};
 };
 
+// A flyer on its way down sees only with its sensor who is there.
+TEST(ADriveOfAFlyer, EndsWithItsReasonAboveAPersonBelowIt) {
+  ControllerRobot robot;
+  robot.name = "r";
+  robot.flies = true;
+  robot.differential = false;
+  robot.gate.down.topic = "r/range_down";
+  PathDrive drive(robot, {});
+  Time now = Time{} + std::chrono::seconds(10);
+  Pose pose{{0, 0, 2.8}, 0};
+  Velocity velocity;
+  std::optional<DriveEnd> end;
+  for (int i = 0; i < 60 * 30 && !end; ++i) {
+    now += FromSeconds(1.0 / 60);
+    drive.OnOdometry({pose, velocity}, now.time_since_epoch(), now);
+    if (i % 3 == 0) {
+      const double range_m = pose.at.z_m - 1.6 + 0.001 * (i % 2);
+      drive.OnRange({range_m, 0.05, 4, 1}, now.time_since_epoch(), now);
+    }
+    const bool starts = i == 10;
+    ASSERT_FALSE(starts && drive.Start({pose, {{0, 0, 1}, 0}}, now));
+    const PathDrive::Step step = drive.Update(now);
+    end = step.end;
+    velocity = step.command;
+    pose.at.z_m += velocity.z_m_s / 60;
+    EXPECT_GT(pose.at.z_m, 1.6 + 0.3);
+  }
+  ASSERT_TRUE(end);
+  EXPECT_THAT(end->reason, HasSubstr("something 1.6 m high is 0."));
+  EXPECT_THAT(end->reason, HasSubstr("it does not descend, for 2.0 s"));
+}
+
 // The gate knows only the last scan; what is out of its sight the grid remembers, which the planner
 // has as well.
 TEST_F(Drive, StopsBeforeWhatItHasSeenAndSeesNoMore) {

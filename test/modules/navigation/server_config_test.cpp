@@ -180,6 +180,41 @@ kind = "flyer"
   EXPECT_EQ(reading.config->robots[1].gate.blind_m_s, 0) << "a drive of a flyer is no hold";
 }
 
+TEST(ControllerFile, HasTheSensorThatLooksDown) {
+  const auto reading = ReadControllerText(R"(
+[[robot]]
+name = "a"
+kind = "flyer"
+[robot.gate.down]
+topic = "a/range_down"
+z_m = -0.05
+foot_m = 0.1
+cone_deg = 90
+most_m = 3
+ground_m = -0.5
+stale_ms = 300
+[[robot]]
+name = "b"
+kind = "flyer"
+)",
+                                          "controller.toml");
+  ASSERT_TRUE(reading.config) << reading.diagnostics.front().message;
+  const DownRules& down = reading.config->robots[0].gate.down;
+  EXPECT_EQ(down.topic, "a/range_down");
+  EXPECT_EQ(down.on_body.z_m, -0.05);
+  EXPECT_EQ(down.foot_m, 0.1);
+  EXPECT_NEAR(*down.cone_rad, M_PI / 2, 1e-9);
+  EXPECT_EQ(down.most_m, 3);
+  EXPECT_EQ(down.least_m, std::nullopt);
+  EXPECT_EQ(down.ground_m, -0.5);
+  EXPECT_EQ(down.stale, Milliseconds(300));
+  EXPECT_EQ(reading.config->robots[1].gate.down.topic, "");
+  EXPECT_EQ(
+      ControllerError("[[robot]]\nname = \"a\"\n[robot.gate.down]\nz_m = 0.1\n"),
+      "controller.toml:3:1: error: robot.gate.down: the key \"topic\" is missing; expected the "
+      "topic of its ranges, as in \"cf2x_0/range_down\"");
+}
+
 TEST(ControllerFile, ReportsErrorsOfTheGateAtTheirPlace) {
   const std::string robot = "[[robot]]\nname = \"a\"\n";
   const std::string corners =

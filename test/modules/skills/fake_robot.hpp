@@ -2,6 +2,7 @@
 // A robot for tests of skills: a body with inertia, ground and wind, a hand, a camera and objects.
 // Replies come in the step after the request, or as the test decides. Simulated time only.
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -37,6 +38,8 @@ class FakeRobot : public Robot {
   bool has_hand = true;
   double reach_m = 100;  // of the hand
   std::string held_by;   // what its gate stops it for; empty: nothing
+  std::string below;     // what its gate stops a descent for; empty: nothing
+  double below_m_s = 0;  // or slows it down to
   std::string not_held;  // why a flyer is not held at its place; empty: it is
   bool slips = false;    // the hand takes the object and loses it
   std::vector<SeenObject> seen;
@@ -71,10 +74,16 @@ class FakeRobot : public Robot {
   navigation::Velocity velocity() const override { return motion; }
   void SetVelocity(const navigation::Velocity& velocity) override {
     command = held_by.empty() ? velocity : navigation::Velocity{};
+    descent_held_ = command.z_m_s < 0 && !below.empty();
+    if (descent_held_) command.z_m_s = std::max(command.z_m_s, -below_m_s);
   }
   std::string HeldBy() const override { return held_by; }
+  std::string WhyNotDescending() const override { return descent_held_ ? below : ""; }
   std::string WhyNotHeld() const override { return not_held; }
-  void StopMotion() override { command = {}; }
+  void StopMotion() override {
+    command = {};
+    descent_held_ = false;
+  }
   bool HasPlanner() const override { return false; }
   bool HasController() const override { return false; }
   bool Drives() const override { return false; }
@@ -113,6 +122,7 @@ class FakeRobot : public Robot {
 
   const std::string name_;
   const std::string kind_;
+  bool descent_held_ = false;
   Time now_{};
   std::vector<std::function<void()>> due_;
   std::vector<std::shared_ptr<void>> unanswered_;

@@ -429,6 +429,64 @@ TEST_F(Flight, ALandingFromHighUpMayTakeLongerWhileItDescends) {
   EXPECT_NEAR(bench_.seconds(), 83, 3);
 }
 
+constexpr const char* kPersonBelow = "something 1.6 m high is 0.31 m below it: it does not descend";
+
+TEST_F(Flight, LandWaitsForAPersonBelowAndThenLands) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  bench_.Start("land");
+  bench_.StepFor(6);
+  EXPECT_TRUE(bench_.run().running());
+  EXPECT_EQ(bench_.feedback().message, kPersonBelow);
+  EXPECT_NEAR(bench_.robot.body.at.z_m, 2, 0.05);
+  bench_.robot.below.clear();
+  EXPECT_EQ(bench_.RunOut().message, "Landed");
+}
+
+TEST_F(Flight, LandEndsWithItsReasonAfterTenSecondsAboveAPerson) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  const skill::Feedback& end = bench_.Execute("land");
+  EXPECT_EQ(end.status, Status::kFailed);
+  EXPECT_EQ(end.message, kPersonBelow);
+  EXPECT_NEAR(bench_.seconds(), 10, 0.5);
+  ExpectZeroCommand();
+}
+
+TEST_F(Flight, LandWaitsTenSecondsInEachAttempt) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  EXPECT_EQ(bench_.Execute("land", {{"retries", std::int64_t{1}}}).message, kPersonBelow);
+  EXPECT_NEAR(bench_.seconds(), 20, 1);
+}
+
+// Close to a wall, which a wide cone sees as well.
+TEST_F(Flight, LandGoesOnWhereItDescendsSlowly) {
+  InTheAir(3);
+  bench_.robot.below = kPersonBelow;
+  bench_.robot.below_m_s = 0.1;
+  bench_.Start("land");
+  bench_.StepFor(25);
+  EXPECT_TRUE(bench_.run().running());
+  EXPECT_LT(bench_.robot.body.at.z_m, 0.7);
+  bench_.robot.below.clear();
+  EXPECT_EQ(bench_.RunOut().message, "Landed");
+}
+
+// Its height stands there, near the ground, above a thing that the gate does not let it sink onto.
+TEST_F(Flight, LandReportsNoLandingWhereItsDescentIsHeld) {
+  InTheAir(0.29);
+  bench_.robot.below = "something 0.3 m high is 0.00 m below it: it does not descend";
+  EXPECT_EQ(bench_.Execute("land").message, bench_.robot.below);
+}
+
+TEST_F(Flight, HoverEndsWithItsReasonWhereItCannotDescend) {
+  InTheAir(3);
+  bench_.robot.below = kPersonBelow;
+  EXPECT_EQ(bench_.Execute("hover", {{"altitude", 1.0}}).message, kPersonBelow);
+  EXPECT_NEAR(bench_.seconds(), 10, 1);
+}
+
 // Neither a pause nor a time without odometry is a landing.
 TEST_F(Flight, LandCountsOnlyTimeInWhichItDescends) {
   InTheAir(0.25);

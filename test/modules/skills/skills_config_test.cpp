@@ -71,6 +71,9 @@ width_m = 2
 front = "dog_1/camera/image"
 [gate]
 margin_m = 0.15
+[gate.down]
+topic = "/range"
+margin_m = 0.4
 [detector.qr]
 topic = "/qr_detector/sighting"
 width_m = 0.2
@@ -87,6 +90,8 @@ camera_yaw_deg = -90
   EXPECT_EQ(reading.config->yaw_rad_s, 6.5);
   EXPECT_THAT(reading.config->gate.scanners, IsEmpty());
   EXPECT_EQ(reading.config->gate.margin_m, 0.15);
+  EXPECT_EQ(reading.config->gate.down.topic, "/range");
+  EXPECT_EQ(reading.config->gate.down.margin_m, 0.4);
   EXPECT_EQ(reading.config->gate.radius_m, reading.config->radius_m);
   EXPECT_EQ(reading.config->ceiling_m, 2.2);
   EXPECT_EQ(reading.config->names.detections, "");
