@@ -9,6 +9,11 @@
 //
 // Random scenes of these seeds, a line a run; it may be stopped at any time.
 //
+//   benchmark_scenes flyers FIRST COUNT [sensor]
+//   benchmark_scenes landings FIRST COUNT [sensor]
+//
+// The same, only of flyers; they fly above heads and land. With `sensor` they look down.
+//
 //   benchmark_scenes sum < LINES
 //
 // The table of such lines, of one process or of several.
@@ -137,9 +142,12 @@ int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const std::string mode = argc > 1 ? argv[1] : "";
   if (mode == "sum") return musher::benchmark::AddUpRandomScenes();
-  if (mode == "random") {
+  if (mode == "random" || mode == "flyers" || mode == "landings") {
+    const std::string sensor = argc > 4 ? argv[4] : "";
+    const musher::benchmark::RandomRunOptions options{mode != "random", sensor == "sensor",
+                                                      mode == "landings"};
     const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
-    return musher::benchmark::RunRandomScenes(first, argc > 3 ? std::atoi(argv[3]) : 100);
+    return musher::benchmark::RunRandomScenes(first, argc > 3 ? std::atoi(argv[3]) : 100, options);
   }
   const auto seed = static_cast<std::uint64_t>(argc > 1 ? std::atoll(argv[1]) : 1);
   const std::string words = argc > 2 ? argv[2] : "";

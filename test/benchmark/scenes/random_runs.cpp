@@ -34,6 +34,7 @@ struct Counts {
   int moving = 0;          // 2 s after its end
   int hits = 0;            // of persons into a robot that stood
   int from_above = 0;      // contacts of flyers that sink onto a person
+  int landed = 0;
 
   void Add(const Counts& other) {
     runs += other.runs;
@@ -47,6 +48,7 @@ struct Counts {
     moving += other.moving;
     hits += other.hits;
     from_above += other.from_above;
+    landed += other.landed;
   }
   bool wrong() const { return contacts > 0 || open > 0 || moving > 0 || false_arrivals > 0; }
 };
@@ -65,6 +67,7 @@ Counts CountsOf(const Scene& scene, const SceneOutcome& outcome) {
     counts.open += robot.end == End::kOpen;
     counts.contacts += robot.contacts;
     counts.from_above += robot.from_above;
+    counts.landed += robot.landed;
     counts.moving += robot.end != End::kOpen && !robot.stands;
     counts.false_arrivals += robot.end == End::kArrived && robot.off_goal_m > 0.5 && !jumps;
   }
@@ -72,14 +75,14 @@ Counts CountsOf(const Scene& scene, const SceneOutcome& outcome) {
 }
 
 constexpr const char* kColumns =
-    "robots arrived refused failed open contacts false_arrivals moving hits from_above";
+    "robots arrived refused failed open contacts false_arrivals moving hits from_above landed";
 
 void PrintRun(std::uint64_t seed, const Scene& scene, const SceneOutcome& outcome) {
   const Counts one = CountsOf(scene, outcome);
-  std::printf("run %llu %d %d %d %d %d %d %d %d %d %d %.0f s: %s\n",
+  std::printf("run %llu %d %d %d %d %d %d %d %d %d %d %d %.0f s: %s\n",
               static_cast<unsigned long long>(seed), one.robots, one.arrived, one.refused,
               one.failed, one.open, one.contacts, one.false_arrivals, one.moving, one.hits,
-              one.from_above, outcome.seconds(), scene.name.c_str());
+              one.from_above, one.landed, outcome.seconds(), scene.name.c_str());
   if (!one.wrong()) return;
   for (const RobotOutcome& robot : outcome.robots) {
     std::printf("# %llu: %d contacts, least room %.3f m, %s: %s\n",
@@ -96,8 +99,8 @@ bool ReadRun(const std::string& line, Counts& counts, std::string& name) {
   double seconds = 0;
   Counts one;
   words >> word >> seed >> one.robots >> one.arrived >> one.refused >> one.failed >> one.open >>
-      one.contacts >> one.false_arrivals >> one.moving >> one.hits >> one.from_above >> seconds >>
-      unit;
+      one.contacts >> one.false_arrivals >> one.moving >> one.hits >> one.from_above >>
+      one.landed >> seconds >> unit;
   if (!words || word != "run") return false;
   std::getline(words >> std::ws, name);
   one.runs = 1;
@@ -106,21 +109,24 @@ bool ReadRun(const std::string& line, Counts& counts, std::string& name) {
 }
 
 void PrintCounts(const std::string& what, const Counts& all) {
-  std::printf("| %s | %d | %d | %d | %d | %d | %d | %d | %d | %d | %d | %d |\n", what.c_str(),
+  std::printf("| %s | %d | %d | %d | %d | %d | %d | %d | %d | %d | %d | %d | %d |\n", what.c_str(),
               all.runs, all.robots, all.arrived, all.refused, all.failed, all.open, all.contacts,
-              all.false_arrivals, all.moving, all.hits, all.from_above);
+              all.false_arrivals, all.moving, all.hits, all.from_above, all.landed);
 }
 
 }  // namespace
 
-int RunRandomScenes(std::uint64_t first, int count) {
+int RunRandomScenes(std::uint64_t first, int count, const RandomRunOptions& options) {
   std::signal(SIGTERM, OnSignal);
   std::signal(SIGINT, OnSignal);
   std::printf("# run seed %s seconds\n", kColumns);
   bool wrong = false;
-  for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(count); ++seed) {
-    if (stopped) break;
-    const Scene scene = skills::testing::RandomScene(seed);
+  for (std::uint64_t seed = first; count > 0 && !stopped; ++seed) {
+    Scene scene =
+        options.lands ? skills::testing::LandingScene(seed) : skills::testing::RandomScene(seed);
+    if (options.flyers && !scene.flies) continue;
+    --count;
+    scene.looks_down = scene.flies && options.looks_down;
     const SceneOutcome outcome = RunScene(scene, true, seed);
     PrintRun(seed, scene, outcome);
     wrong = wrong || CountsOf(scene, outcome).wrong();
@@ -144,8 +150,9 @@ int AddUpRandomScenes() {
   }
   std::printf(
       "| random scenes | runs | robots | arrived | refused | failed | not ended | contacts | said "
-      "arrived, and not there | moving after the end | hits of persons | sunk onto persons |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "arrived, and not there | moving after the end | hits of persons | sunk onto persons | "
+      "landed |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   PrintCounts("all", all);
   for (const auto& [word, counts] : with) PrintCounts(word, counts);
   if (all.runs == 0) return 2;

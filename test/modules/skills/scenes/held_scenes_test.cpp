@@ -168,4 +168,30 @@ TEST(RandomScenesNightly, EndWithoutContact) {
   ExpectRandomScenesToEnd(1000, 200);
 }
 
+// --- Flyers that land among persons ---
+
+// How often they sink onto one.
+int SunkIn(std::uint64_t seed, bool looks_down) {
+  Scene scene = LandingScene(seed);
+  scene.looks_down = looks_down;
+  int sunk = 0;
+  for (const RobotOutcome& robot : RunScene(scene, true, seed).robots) {
+    EXPECT_EQ(robot.contacts, 0) << "seed " << seed;
+    EXPECT_TRUE(robot.landed || !robot.landing.empty()) << "seed " << seed;
+    sunk += robot.from_above;
+  }
+  return sunk;
+}
+
+TEST(LandingScenes, HaveFlyersThatSinkOntoPersonsWithoutASensorBelow) {
+  EXPECT_GT(SunkIn(70305, false), 0);
+  EXPECT_GT(SunkIn(70831, false), 0);
+}
+
+TEST(LandingScenes, HaveNoneThatSinksOntoAPersonWithOne) {
+  for (const std::uint64_t seed : {70305, 70831, 70937}) {
+    EXPECT_EQ(SunkIn(seed, true), 0) << "seed " << seed;
+  }
+}
+
 }  // namespace musher::skills::testing

@@ -359,6 +359,22 @@ class SceneMaker {
 
 }  // namespace
 
+Scene LandingScene(std::uint64_t seed) {
+  constexpr double kAboveHeadsM = 2;
+  Scene scene = RandomScene(seed);
+  if (!scene.flies) return scene;
+  std::mt19937_64 random(seed);
+  scene.lands = true;
+  scene.name += ", landing";
+  for (SceneRobot& robot : scene.robots) {
+    robot.start.at.z_m = robot.goal.at.z_m = kAboveHeadsM;
+  }
+  for (SceneMover& mover : scene.movers) {
+    mover.height_m = 0.9 + 0.7 * static_cast<double>(random() % 1000) / 1000;
+  }
+  return scene;
+}
+
 Scene RandomScene(std::uint64_t seed) {
   return SceneMaker(seed).Make();
 }

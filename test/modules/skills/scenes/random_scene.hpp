@@ -12,4 +12,8 @@ namespace musher::skills::testing {
 // Its name has the words that it consists of: "rooms, map lacks a box, 2 persons, jump, 2 robots".
 Scene RandomScene(std::uint64_t seed);
 
+// Where that is one of flyers: they fly above the heads of smaller persons, at 2 m, and land where
+// their drives have ended. Else as it is.
+Scene LandingScene(std::uint64_t seed);
+
 }  // namespace musher::skills::testing

@@ -54,6 +54,8 @@ struct Scene {
   std::vector<std::string> map;  // the first line is the one with the highest y
   double cell_m = 0.25;
   bool flies = false;
+  bool looks_down = false;   // a flyer has a sensor for it
+  bool lands = false;        // a flyer, where its drive has ended
   bool map_is_late = false;  // it comes with the first event kMap only
   Expects expects = Expects::kArrives;
   double limit_s = 150;  // a robot that has not ended by then has not ended at all

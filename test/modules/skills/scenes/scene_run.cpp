@@ -12,6 +12,7 @@
 #include "musher/modules/navigation/controller_server/controller_server.hpp"
 #include "musher/modules/navigation/planner_server/planner_server.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
+#include "musher/modules/skills/skills/body_skills.hpp"
 #include "musher/modules/skills/skills/navigation_skills.hpp"
 #include "musher/test/modules/navigation/servers_on_network.hpp"
 #include "musher/test/modules/skills/scenes/scene_world.hpp"
@@ -97,6 +98,7 @@ class SkillsOfScene {
     robot_.Open(endpoints_, "");
     skill::Registry registry;
     MUSHER_CHECK(RegisterNavigationSkills(registry, robot_).ok());
+    MUSHER_CHECK(RegisterBodySkills(registry, robot_).ok());
     manager_ = std::make_unique<skill::Manager>(registry.All());
     ticks_ = node.loop().Every(Milliseconds(100), [this, &node] {
       robot_.BeginStep(node.loop().Now());
@@ -206,6 +208,7 @@ class SceneRun {
     while (network_.now() < deadline && !NoteEnds(outcome, begin)) {
       network_.RunFor(Milliseconds(100));
     }
+    if (scene_.lands) LandAll(outcome);
     network_.RunFor(Milliseconds(2000));  // they roll out
     for (std::size_t i = 0; i < skills_.size(); ++i) {
       const navigation::Velocity velocity = world_.velocity(i);
@@ -237,6 +240,11 @@ class SceneRun {
       const std::string name = NameOf(index);
       odometry = Value(transport::MakePublisher<msg::Odometry>(node, name + "/odom"));
       scan = Value(transport::MakePublisher<msg::LaserScan>(node, name + "/scan"));
+      if (run.scene_.looks_down) {
+        range = Value(transport::MakePublisher<msg::Range>(node, name + "/range_down"));
+        timers.push_back(node.loop().Every(Milliseconds(50),
+                                           [&run, index, this] { run.LookDown(*this, index); }));
+      }
       commands = Value(transport::MakeSubscription<msg::Twist>(
           node, name + "/cmd_vel", [&run, index, this](const msg::Twist& twist, const auto&) {
             command_at = run.network_.now();
@@ -250,24 +258,32 @@ class SceneRun {
     }
     std::unique_ptr<transport::Publisher<msg::Odometry>> odometry;
     std::unique_ptr<transport::Publisher<msg::LaserScan>> scan;
+    std::unique_ptr<transport::Publisher<msg::Range>> range;
     std::unique_ptr<transport::Subscription> commands;
     std::optional<navigation::Pose> frozen;
     Time command_at{};
     std::vector<transport::LoopHandlePtr> timers;
   };
 
-  static std::string RobotTables(const Scene& scene) {
+  static std::string DownKeys(const std::string& robot) {
+    const std::string foot = std::to_string(kSceneBodyHeightM);
+    return "topic = \"" + robot + "/range_down\"\nz_m = -" + foot + "\nfoot_m = " + foot + "\n";
+  }
+
+  static std::string RobotTables(const Scene& scene, bool with_gate) {
     std::string tables = "self_check_ms = 15000\n";
     for (std::size_t i = 0; i < scene.robots.size(); ++i) {
       tables += "[[robot]]\nname = \"" + NameOf(i) + "\"\n";
       if (scene.flies) tables += "kind = \"flyer\"\n";
+      if (with_gate && scene.looks_down)
+        tables += "[robot.gate]\n[robot.gate.down]\n" + DownKeys(NameOf(i));
     }
     return tables;
   }
 
   void StartServers(bool gated) {
-    const auto planner = navigation::ReadPlannerText(RobotTables(scene_), "planner.toml");
-    auto controller = navigation::ReadControllerText(RobotTables(scene_), "controller.toml");
+    const auto planner = navigation::ReadPlannerText(RobotTables(scene_, false), "planner.toml");
+    auto controller = navigation::ReadControllerText(RobotTables(scene_, true), "controller.toml");
     MUSHER_CHECK(planner.config && controller.config);
     for (navigation::ControllerRobot& robot : controller.config->robots) {
       if (!gated) Disable(robot.gate, robot.radius_m);
@@ -281,7 +297,9 @@ class SceneRun {
                        "\"\nradius_m = 0.2\npriority = " + std::to_string(robot.priority) + "\n";
     text +=
         scene_.flies ? "kind = \"cf2x\"\nflies = true\nceiling_m = 2.2\n" : "kind = \"jetbot\"\n";
-    auto reading = ReadSkillsText(text + "[topics]\nobjects = \"\"\n", "/tmp/robot.toml");
+    text += "[topics]\nobjects = \"\"\n";
+    if (scene_.looks_down) text += "[gate.down]\n" + DownKeys(NameOf(index));
+    auto reading = ReadSkillsText(text, "/tmp/robot.toml");
     MUSHER_CHECK(reading.config.has_value());
     if (!gated) Disable(reading.config->gate, reading.config->radius_m);
     return *std::move(reading.config);
@@ -328,6 +346,32 @@ class SceneRun {
     scan.range_min = 0.02F;
     scan.range_max = static_cast<float>(kRangeM) - 0.01F;
     static_cast<void>(peer.scan->Publish(scan));
+  }
+
+  void LookDown(Peer& peer, std::size_t index) {
+    msg::Range range;
+    range.header = HeaderNow();
+    range.field_of_view = static_cast<float>(kSceneConeRad);
+    range.min_range = 0.02F;
+    range.max_range = static_cast<float>(kSceneDownM);
+    range.range = static_cast<float>(world_.LookDown(index));
+    static_cast<void>(peer.range->Publish(range));
+  }
+
+  // Those that fly land, one after another as their drives have ended.
+  void LandAll(SceneOutcome& outcome) {
+    constexpr Duration kLongest = std::chrono::seconds(60);
+    for (const auto& skills : skills_) skills->Start("land", {});
+    const Time deadline = network_.now() + kLongest;
+    const auto lands = [](const auto& skills) { return !skills->run().ended(); };
+    while (network_.now() < deadline && std::ranges::any_of(skills_, lands)) {
+      network_.RunFor(Milliseconds(100));
+    }
+    for (std::size_t i = 0; i < skills_.size(); ++i) {
+      const skill::Feedback& end = skills_[i]->run().feedback();
+      outcome.robots[i].landed = end.status == skill::Status::kCompleted;
+      outcome.robots[i].landing = end.message;
+    }
   }
 
   // True: all have ended.

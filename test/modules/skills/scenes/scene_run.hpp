@@ -20,8 +20,10 @@ struct RobotOutcome {
   double travelled_m = 0;
   double least_room_m = 0;
   int contacts = 0;
-  int from_above = 0;  // contacts of a flyer that sinks onto what its planar scan does not see
-  bool stands = true;  // 2 s after its end
+  int from_above = 0;   // contacts of a flyer that sinks onto what its planar scan does not see
+  bool stands = true;   // 2 s after its end
+  bool landed = false;  // where the scene says so
+  std::string landing;  // the message of that end
 };
 
 struct SceneOutcome {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace musher::skills::testing {
 namespace {
@@ -9,7 +10,6 @@ namespace {
 using navigation::Point;
 using navigation::Velocity;
 
-constexpr double kBodyHeightM = 0.1;  // of a flyer, above and below its middle
 constexpr double kApartAgainM = 0.01;
 constexpr double kStandsMS = 0.02;
 
@@ -69,7 +69,7 @@ double SceneWorld::ToWalls(const Point& centre, double within_m) const {
 }
 
 bool SceneWorld::Reaches(const SceneMover& mover, double height_m) const {
-  return !scene_.flies || height_m - kBodyHeightM < mover.height_m;
+  return !scene_.flies || height_m - kSceneBodyHeightM < mover.height_m;
 }
 
 bool SceneWorld::SinksOntoMover(const Point& from, const Point& to) const {
@@ -215,6 +215,45 @@ double SceneWorld::ToWallAlong(const Point& from, double angle_rad, double most_
     }
   }
   return most_m;
+}
+
+// Heads, the upper sides of robots below, walls, and the ground.
+double SceneWorld::DownAlong(const Point& from, double off_rad, double turn_rad) const {
+  const double down = std::cos(off_rad), aside = std::sin(off_rad);
+  double nearest_m = from.z_m / down;
+  const auto meet = [&](const Point& at, double top_m, double radius_m) {
+    const double along_m = (from.z_m - top_m) / down;
+    const Point hit{from.x_m + along_m * aside * std::cos(turn_rad),
+                    from.y_m + along_m * aside * std::sin(turn_rad), top_m};
+    if (along_m >= 0 && Flat(hit, at) <= radius_m) nearest_m = std::min(nearest_m, along_m);
+  };
+  for (std::size_t i = 0; i < movers_.size(); ++i) {
+    meet(movers_[i].at, scene_.movers[i].height_m, scene_.movers[i].radius_m);
+  }
+  // That of the robot itself is above the sensor.
+  for (const Body& body : bodies_) {
+    meet(body.pose.at, body.pose.at.z_m + kSceneBodyHeightM, kSceneBodyM);
+  }
+  if (aside > 0) {
+    nearest_m = std::min(nearest_m, ToWallAlong(from, turn_rad, nearest_m * aside) / aside);
+  }
+  return nearest_m;
+}
+
+double SceneWorld::LookDown(std::size_t robot) {
+  constexpr int kRings = 4, kRaysARing = 6;
+  Point from = bodies_[robot].pose.at;
+  from.z_m = std::max(0.0, from.z_m - kSceneBodyHeightM);
+  double nearest_m = DownAlong(from, 0, 0);
+  for (int ring = 1; ring <= kRings; ++ring) {
+    for (int i = 0; i < kRaysARing * ring; ++i) {
+      nearest_m = std::min(nearest_m, DownAlong(from, kSceneConeRad / 2 * ring / kRings,
+                                                2 * M_PI * i / (kRaysARing * ring)));
+    }
+  }
+  std::uniform_real_distribution<double> error_m(-0.01, 0.01);
+  return nearest_m < kSceneDownM ? std::max(0.0, nearest_m + error_m(random_))
+                                 : std::numeric_limits<double>::infinity();
 }
 
 std::vector<float> SceneWorld::Look(std::size_t robot, double most_m) {

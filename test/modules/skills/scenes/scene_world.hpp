@@ -5,8 +5,8 @@
 //
 // A body that would enter a wall or another disc stays where it is, which is a contact; as long as
 // it pushes, it is the same one. Of a mover that runs into a robot that stands the contact is the
-// mover's. A flyer that sinks onto a mover below it is counted apart: its planar scan did not see
-// it. Metres, radians, seconds; one thread; deterministic.
+// mover's. A flyer that sinks onto a mover below it is counted apart: no planar scan sees it.
+// Metres, radians, seconds; one thread; deterministic.
 
 #include <random>
 #include <vector>
@@ -15,7 +15,10 @@
 
 namespace musher::skills::testing {
 
-inline constexpr double kSceneBodyM = 0.2;  // the radius of a robot
+inline constexpr double kSceneBodyM = 0.2;        // the radius of a robot
+inline constexpr double kSceneBodyHeightM = 0.1;  // of a flyer, above and below its middle
+inline constexpr double kSceneDownM = 4;          // the longest range of its sensor that looks down
+inline constexpr double kSceneConeRad = 1;
 
 class SceneWorld {
  public:
@@ -30,6 +33,10 @@ class SceneWorld {
   navigation::Velocity velocity(std::size_t robot) const { return bodies_[robot].velocity; }
   // 360 ranges from the direction of the body on, with an error of at most 5 mm; `most_m`: nothing.
   std::vector<float> Look(std::size_t robot, double most_m);
+
+  // The nearest thing in the cone below the underside of a flyer, with an error of at most 1 cm;
+  // infinite: nothing within kSceneDownM.
+  double LookDown(std::size_t robot);
 
   int contacts(std::size_t robot) const { return bodies_[robot].contacts; }
   int from_above(std::size_t robot) const { return bodies_[robot].from_above; }
@@ -69,6 +76,7 @@ class SceneWorld {
   bool SinksOntoMover(const navigation::Point& from, const navigation::Point& to) const;
   // From the rim of a robot at a place to what is nearest.
   double RoomOf(std::size_t robot, const navigation::Point& at) const;
+  double DownAlong(const navigation::Point& from, double off_rad, double turn_rad) const;
   double ToWallAlong(const navigation::Point& from, double angle_rad, double most_m) const;
   void MoveBody(std::size_t robot, double seconds);
   void MoveMover(std::size_t index, double seconds);
