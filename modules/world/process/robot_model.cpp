@@ -228,6 +228,10 @@ RobotModel ModelOf(const RobotSpec& robot) {
   if (robot.camera && robot.camera->enabled) {
     model.AddFixed(model.root(), "camera", PlacementOf(*robot.camera));
   }
+  if (robot.range_down) {
+    model.AddFixed(model.root(), "range_down",
+                   At(robot.range_down->position_m, Turned(0, M_PI / 2, 0)));
+  }
   if (robot.hand) {
     model.AddFixed(model.root(), "hand", At(robot.hand->position_m), Sphere(0.06, kSensorColor));
   }

@@ -52,6 +52,10 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
   if (spec.lidar.enabled) {
     outlet.scan = endpoints.Advertise<msg::LaserScan>(prefix + "scan", transport::kSensorDataQos);
   }
+  if (spec.range_down) {
+    outlet.range_down =
+        endpoints.Advertise<msg::Range>(prefix + "range_down", transport::kSensorDataQos);
+  }
   outlet.battery = endpoints.Advertise<msg::BatteryState>(prefix + "battery");
   outlet.in_sight = endpoints.Advertise<msg::ObjectStates>(prefix + "objects_in_sight");
   if (spec.detector) {
@@ -166,6 +170,10 @@ void WorldRobots::OnStep() {
     if (outlet.scan != nullptr && IsDue(now, scene.robots[i].lidar.reach.rate_hz) &&
         outlet.scan->MatchedReaders() > 0) {
       static_cast<void>(outlet.scan->Publish(MeasureRobotScan(world_, i)));
+    }
+    if (outlet.range_down != nullptr && IsDue(now, scene.robots[i].range_down->reach.rate_hz) &&
+        outlet.range_down->MatchedReaders() > 0) {
+      static_cast<void>(outlet.range_down->Publish(MeasureRobotRange(world_, i)));
     }
     if (IsDue(now, kObjectsHz) && outlet.in_sight->MatchedReaders() > 0) {
       static_cast<void>(outlet.in_sight->Publish(ObjectsInSightOf(world_, i)));

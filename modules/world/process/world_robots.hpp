@@ -5,6 +5,8 @@
 //                           command_stamped of its scene a TwistStamped, whose stamp is not used
 //   R/odom                  nav_msgs/Odometry, every step, in the frame "map"
 //   R/scan                  sensor_msgs/LaserScan, best effort, at the rate of its lidar
+//   R/range_down            sensor_msgs/Range, best effort, at its rate: of a robot with such a
+//                           sensor, straight down
 //   R/battery               sensor_msgs/BatteryState, once a second
 //   R/objects_in_sight      musher_msgs/ObjectStates, 10 Hz: those that nothing hides from it
 //   R/detections            musher_msgs/ObjectStates, best effort, in the frame R: what its
@@ -39,6 +41,7 @@
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
+#include "musher/messages/sensor_msgs/range.hpp"
 #include "musher/modules/world/process/robot_messages.hpp"
 #include "musher/modules/world/simulation/world.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -63,7 +66,8 @@ class WorldRobots {
  private:
   struct Outlet {
     transport::Publisher<msg::Odometry>* odometry = nullptr;
-    transport::Publisher<msg::LaserScan>* scan = nullptr;  // null: it has no lidar
+    transport::Publisher<msg::LaserScan>* scan = nullptr;    // null: it has no lidar
+    transport::Publisher<msg::Range>* range_down = nullptr;  // null: it has no such sensor
     transport::Publisher<msg::BatteryState>* battery = nullptr;
     transport::Publisher<msg::ObjectStates>* in_sight = nullptr;
     transport::Publisher<msg::ObjectStates>* detections = nullptr;  // null: it has no detector

@@ -76,6 +76,7 @@ struct RobotSpec {
   std::optional<CameraSpec> camera;
   std::optional<LineViewSpec> line_view;
   std::optional<DetectorSpec> detector;
+  std::optional<RangeDownSpec> range_down;
   // A full circle, over the middle of its underside.
   LidarSpec lidar{true, {0.05, 10, 0.01, 10}, {{0, 0, 0.15}, 0, 0}, -M_PI, M_PI * 179 / 180, 360};
 };

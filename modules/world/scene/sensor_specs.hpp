@@ -40,6 +40,13 @@ struct UltrasonicSpec {
   double cone_rad = M_PI / 6;                   // from side to side
 };
 
+// The nearest thing in a cone straight down, of a robot.
+struct RangeDownSpec {
+  Reach reach{0.05, 4, 0.01, 20};
+  Eigen::Vector3d position_m{0, 0, 0};  // from the middle of its underside
+  double cone_rad = M_PI / 6;           // from side to side
+};
+
 // Four of 8 by 8 zones, at the head and at the rear, looking down at what is before the feet.
 struct TofSpec {
   bool enabled = true;

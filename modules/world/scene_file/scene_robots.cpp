@@ -67,7 +67,8 @@ class RobotReader {
          [&](TableReader& table) { ReadHand(table, robot); },
          [&](TableReader& table) { ReadCamera(table, robot); },
          [&](TableReader& table) { ReadLineView(table, robot); },
-         [&](TableReader& table) { ReadDetector(table, robot); }});
+         [&](TableReader& table) { ReadDetector(table, robot); },
+         [&](TableReader& table) { ReadRangeDown(table, robot); }});
     written_robots_.push_back({reader.at(), reader.path()});
     scene_.robots.push_back(std::move(robot));
   }
@@ -211,6 +212,11 @@ class RobotReader {
                        row::Number("rate_hz", detector.rate_hz, 0.1, 50),
                        row::Number("noise_m", detector.noise_m, 0, 1),
                        row::Number("miss_share", detector.miss_share, 0, 1)});
+  }
+
+  static void ReadRangeDown(TableReader& robot_table, RobotSpec& robot) {
+    auto reader = robot_table.Sub("range_down");
+    if (reader) ReadRows(*reader, RangeDownRows(robot.range_down.emplace()));
   }
 
   std::string OwnName(TableReader& reader, std::map<std::string, Position>& taken) {

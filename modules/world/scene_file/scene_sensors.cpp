@@ -112,6 +112,15 @@ Rows LidarRows(LidarSpec& lidar) {
                                     row::Integer("rays", lidar.rays, 2, kMostRays), check}));
 }
 
+Rows RangeDownRows(RangeDownSpec& range) {
+  Eigen::Vector3d& at = range.position_m;
+  return With(ReachRows(range.reach),
+              {row::Number("x_m", at.x(), -kFarthestMountM, kFarthestMountM),
+               row::Number("y_m", at.y(), -kFarthestMountM, kFarthestMountM),
+               row::Number("z_m", at.z(), -kFarthestMountM, kFarthestMountM),
+               keys::Angle("cone_deg", range.cone_rad, 1, 120)});
+}
+
 Rows SensorRows(SensorSpecs& sensors) {
   return {
       row::Sub("lidar", LidarRows(sensors.lidar)),

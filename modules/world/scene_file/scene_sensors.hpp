@@ -11,4 +11,7 @@ config_toml::Rows SensorRows(SensorSpecs& sensors);
 // Those of [lidar], also of a robot's.
 config_toml::Rows LidarRows(LidarSpec& lidar);
 
+// Those of a robot's [range_down].
+config_toml::Rows RangeDownRows(RangeDownSpec& range);
+
 }  // namespace musher::world

@@ -127,8 +127,7 @@ msg::LaserScan MeasureRobotScan(const World& world, std::size_t robot) {
   const Reach& reach = lidar.reach;
   Vector3d mount = lidar.mount.position_m;
   mount.head<2>() = Rotation2Dd(body.yaw_rad()) * Vector2d(mount.head<2>());
-  const RayTargets around(SceneAround(world, robot), body.position_m() + mount,
-                          reach.most_m + 3 * reach.noise_m);
+  const RayTargets around(SceneAround(world, robot), body.position_m() + mount, RayLength(reach));
   NormalRandom random = RobotRandom(world, robot);
   const double step = (lidar.to_rad - lidar.from_rad) / (lidar.rays - 1);
   msg::LaserScan scan;
@@ -143,12 +142,40 @@ msg::LaserScan MeasureRobotScan(const World& world, std::size_t robot) {
   for (int i = 0; i < lidar.rays; ++i) {
     const double yaw = body.yaw_rad() + lidar.mount.yaw_rad + lidar.from_rad + i * step;
     const double distance = around.DistanceAlong({std::cos(yaw), std::sin(yaw), 0});
-    double reading = distance + reach.noise_m * random.Normal();
-    if (reading < reach.least_m) reading = -kNothing;
-    if (reading > reach.most_m) reading = kNothing;
-    scan.ranges.push_back(static_cast<float>(reading));
+    scan.ranges.push_back(static_cast<float>(Reading(reach, distance, random)));
   }
   return scan;
+}
+
+msg::Range MeasureRobotRange(const World& world, std::size_t robot) {
+  constexpr int kRings = 4, kRaysARing = 6;  // around the ray in the middle; more from ring to ring
+  const RobotSpec& spec = world.scene().robots.at(robot);
+  const RangeDownSpec& sensor = spec.range_down.value();
+  const Reach& reach = sensor.reach;
+  const RobotBody& body = world.fleet().robots()[robot].body;
+  Vector3d mount = sensor.position_m;
+  mount.head<2>() = Rotation2Dd(body.yaw_rad()) * Vector2d(mount.head<2>());
+  const RayTargets around(SceneAround(world, robot), body.position_m() + mount, RayLength(reach));
+  double nearest = around.DistanceAlong({0, 0, -1});
+  for (int ring = 1; ring <= kRings; ++ring) {
+    const double off = sensor.cone_rad / 2 * ring / kRings;
+    for (int i = 0; i < kRaysARing * ring; ++i) {
+      const double turn = 2 * M_PI * i / (kRaysARing * ring);
+      nearest =
+          std::min(nearest, around.DistanceAlong({std::sin(off) * std::cos(turn),
+                                                  std::sin(off) * std::sin(turn), -std::cos(off)}));
+    }
+  }
+  NormalRandom random = RobotRandom(world, robot);
+  msg::Range range;
+  range.header = {msg::ToStamp(world.now()), spec.name + "/range_down"};
+  range.radiation_type = msg::Range::kInfrared;
+  range.field_of_view = static_cast<float>(sensor.cone_rad);
+  range.min_range = static_cast<float>(reach.least_m);
+  range.max_range = static_cast<float>(reach.most_m);
+  range.range = static_cast<float>(Reading(reach, nearest, random));
+  range.variance = static_cast<float>(reach.noise_m * reach.noise_m);
+  return range;
 }
 
 double TallestOnGround(const Scene& scene) {

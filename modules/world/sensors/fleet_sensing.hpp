@@ -5,6 +5,7 @@
 #include "musher/messages/nav_msgs/occupancy_grid.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
+#include "musher/messages/sensor_msgs/range.hpp"
 #include "musher/modules/world/simulation/world.hpp"
 
 namespace musher::world {
@@ -15,6 +16,9 @@ Scene SceneAround(const World& world, std::size_t robot);
 
 // In the frame of the robot, `<robot>/scan`, whose angles are from its own direction.
 msg::LaserScan MeasureRobotScan(const World& world, std::size_t robot);
+
+// In the frame `<robot>/range_down`, whose x is down. Of a robot with such a sensor.
+msg::Range MeasureRobotRange(const World& world, std::size_t robot);
 
 // The frame of maps and of all poses of a fleet.
 inline constexpr const char* kMapFrame = "map";

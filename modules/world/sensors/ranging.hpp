@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "musher/modules/world/body/normal_random.hpp"
 #include "musher/modules/world/scene/scene.hpp"
 
 namespace musher::world {
@@ -51,6 +52,19 @@ class RayTargets {
   std::vector<Solid> solids_;
   std::vector<Round> rounds_;
 };
+
+// Of the rays of a sensor: noise may bring a reading back within its reach.
+inline double RayLength(const Reach& reach) {
+  return reach.most_m + 3 * reach.noise_m;
+}
+
+// The sensor's reading of a distance.
+inline double Reading(const Reach& reach, double distance_m, NormalRandom& random) {
+  const double reading_m = distance_m + reach.noise_m * random.Normal();
+  if (reading_m < reach.least_m) return -kNothing;
+  if (reading_m > reach.most_m) return kNothing;
+  return reading_m;
+}
 
 // One ray.
 double DistanceAlong(const Scene& scene, const Eigen::Vector3d& from_m,

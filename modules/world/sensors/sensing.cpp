@@ -48,19 +48,6 @@ Eye Open(const World& world, const Mount& mount, double most_m) {
           body * Turned(mount.yaw_rad, mount.pitch_rad, 0)};
 }
 
-// The sensor's reading of a distance.
-double Reading(const Reach& reach, double distance_m, NormalRandom& random) {
-  const double reading = distance_m + reach.noise_m * random.Normal();
-  if (reading < reach.least_m) return -kNothing;
-  if (reading > reach.most_m) return kNothing;
-  return reading;
-}
-
-// Rays end a little beyond the reach: noise may bring a reading back within.
-double RayLength(const Reach& reach) {
-  return reach.most_m + 3 * reach.noise_m;
-}
-
 Mount TofMount(const TofSpec& tof, std::size_t position) {
   const bool rear = position >= msg::SingleTofPayload::kLeftRear;
   const bool left = position % 2 == 0;

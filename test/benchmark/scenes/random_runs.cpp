@@ -83,6 +83,11 @@ void PrintRun(std::uint64_t seed, const Scene& scene, const SceneOutcome& outcom
               static_cast<unsigned long long>(seed), one.robots, one.arrived, one.refused,
               one.failed, one.open, one.contacts, one.false_arrivals, one.moving, one.hits,
               one.from_above, one.landed, outcome.seconds(), scene.name.c_str());
+  for (const RobotOutcome& robot : outcome.robots) {
+    if (!scene.lands || robot.landed) continue;
+    std::printf("# %llu: has not landed: %s\n", static_cast<unsigned long long>(seed),
+                robot.landing.c_str());
+  }
   if (!one.wrong()) return;
   for (const RobotOutcome& robot : outcome.robots) {
     std::printf("# %llu: %d contacts, least room %.3f m, %s: %s\n",

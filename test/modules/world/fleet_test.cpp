@@ -342,6 +342,45 @@ TEST(RobotScan, HasRobotsMoversAndObjectsAndNotItself) {
   EXPECT_NEAR(towards(-M_PI / 2), 5, 0.01);
 }
 
+// A flyer at a height above the middle of the yard.
+Scene FlyerAbove(double height_m) {
+  Scene scene = RobotYard();
+  scene.robots[0].kind = RobotKind::kFlyer;
+  scene.robots[0].start_m = {0, 0, height_m};
+  scene.robots[0].range_down.emplace();
+  scene.robots[1].start_m = {-4, -4, 0};
+  scene.ceiling_m = 10;
+  return scene;
+}
+
+TEST(RobotRange, IsToTheGroundWhereNothingIsBelow) {
+  const msg::Range range = MeasureRobotRange(World(FlyerAbove(2.5)), 0);
+  EXPECT_NEAR(range.range, 2.5, 0.05);
+  EXPECT_EQ(range.header.frame_id, "jetbot_0/range_down");
+  EXPECT_NEAR(range.field_of_view, M_PI / 6, 1e-6);
+  EXPECT_NEAR(MeasureRobotRange(World(FlyerAbove(1)), 0).range, 1, 0.05);
+}
+
+TEST(RobotRange, IsToAHeadInTheConeAndNotToOneBesideIt) {
+  for (const double aside_m : {0.0, 0.35, 0.7}) {
+    Scene scene = FlyerAbove(2.5);
+    scene.movers = {MoverSpec{.name = "p",
+                              .points_m = {{aside_m, 0}, {aside_m, 0.001}},
+                              .radius_m = 0.25,
+                              .height_m = 1.6,
+                              .speed_m_s = 0.01}};
+    const double range_m = MeasureRobotRange(World(scene), 0).range;
+    EXPECT_NEAR(range_m, aside_m < 0.5 ? 0.9 : 2.5, 0.06) << aside_m;
+  }
+}
+
+TEST(RobotRange, IsInfiniteWhereNothingIsInReachAndNegativeWhereItIsTooNear) {
+  EXPECT_EQ(MeasureRobotRange(World(FlyerAbove(6)), 0).range,
+            std::numeric_limits<float>::infinity());
+  EXPECT_EQ(MeasureRobotRange(World(FlyerAbove(0)), 0).range,
+            -std::numeric_limits<float>::infinity());
+}
+
 TEST(Maps, HaveWallsAndNoneOfWhatMoves) {
   Scene scene = RobotYard();
   scene.boxes = {{"wall", {1, 0}, {0.1, 1}}, {"lamp", {-1, 0}, {0.2, 0.2}, 0, 0.2, 2.0}};

@@ -12,6 +12,7 @@
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
+#include "musher/messages/sensor_msgs/range.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
@@ -64,6 +65,20 @@ TEST_F(RobotsHostTest, PublishesWhatTheDetectorOfARobotFinds) {
   EXPECT_EQ(found.back().header.frame_id, "jetbot_0");
   EXPECT_EQ(found.back().objects[0].name, "box_red");
   EXPECT_EQ(found.back().objects[0].pose.position.x, 3);
+}
+
+TEST_F(RobotsHostTest, PublishesWhatTheSensorBelowAFlyerMeasures) {
+  Scene scene = RobotYard();
+  scene.robots[2].start_m.z() = 1.5;
+  scene.robots[2].range_down.emplace();
+  Open(scene);
+  std::vector<msg::Range> ranges;
+  Keep("cf2x_0/range_down", ranges, transport::kSensorDataQos);
+  ranges.clear();
+  network_.RunFor(seconds(2));
+  EXPECT_NEAR(static_cast<double>(ranges.size()), 40, 2);
+  ASSERT_FALSE(ranges.empty());
+  EXPECT_NEAR(ranges.back().range, 1.5, 0.1);
 }
 
 TEST_F(RobotsHostTest, DrivesARobotAndPublishesItsOdometry50TimesASecond) {
