@@ -4,7 +4,7 @@
 //
 //   INITIALIZING  checks altitude, duration and that it flies   2 s without odometry: fails
 //                 brakes, for at most 1 s, before it takes its place
-//   APPROACHING   climbs or descends at up to 0.5 m/s           30 s
+//   APPROACHING   climbs or descends at up to 0.5 m/s           30 s; 10 s above what is below
 //   HOVERING      holds the place; the time within 0.1 m of the height counts
 //                 30 s longer than the duration: fails
 //

@@ -6,7 +6,8 @@
 //                 30 s, and as long as it still descends
 //
 // It has landed when its height stands still for 1 s, within 0.3 m of the ground. A flyer that is
-// held up in the air does not land: it hovers, and the skill fails at its limit. One that is
+// held up in the air does not land: it hovers, and the skill fails at its limit. Above what its
+// sensor sees below, higher than the ground, it waits 10 s, and fails with that. One that is
 // carried off by wind, or was moved in a pause, lands where it is then. The height of the ground is
 // absolute: metres above the zero of the map.
 
