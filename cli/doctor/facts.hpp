@@ -113,6 +113,7 @@ struct ControllerFacts {
   std::string version = {};      // of its program; empty: unknown
   std::string config_file = {};  // only on this host
   bool reachable = true;         // it answers in this environment
+  bool stopped = false;          // by a signal, as SIGSTOP
 };
 
 // A process of the running machine on this host.

@@ -121,6 +121,12 @@ DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
   }
   if (!facts.controllers.front().reachable) {
     check.health = CheckStatus::kWarning;
+    if (const pid_t pid = facts.controllers.front().pid; facts.controllers.front().stopped) {
+      check.reason = fmt::format("process {} leads a machine in {} of domain {}, and is stopped",
+                                 pid, NamespaceText(facts.name_space), facts.domain);
+      check.fix = fmt::format("kill -CONT {}", pid);
+      return check;
+    }
     check.reason = fmt::format(
         "process {} leads a machine in {} of domain {} on this host, but does not answer in this "
         "environment",

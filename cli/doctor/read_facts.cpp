@@ -12,6 +12,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/own_folder.hpp"
 #include "musher/base/program.hpp"
+#include "musher/base/scheduling.hpp"
 #include "musher/base/version.hpp"
 #include "musher/cli/config/program_check.hpp"
 #include "musher/cli/config/ros_check.hpp"
@@ -167,7 +168,9 @@ void ReadControllers(DoctorFacts& facts, const GlobalOptions& given) {
   const auto& status = link.value()->status();
   if (!status) {
     const pid_t leader = link.value()->LeaderHere();
-    if (leader != 0) facts.controllers.push_back({"", "", leader, {}, {}, false});
+    if (leader == 0) return;
+    const bool stopped = RunStateOf(leader) == ProcessRunState::kStopped;
+    facts.controllers.push_back({"", "", leader, {}, {}, false, stopped});
     return;
   }
   ReadMembers(facts, *status);

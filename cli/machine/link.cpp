@@ -23,6 +23,8 @@ namespace musher::cli {
 namespace {
 
 constexpr Duration kOthersWithin = Milliseconds(300);  // after the first that is discovered
+// A controller that is stopped, as by SIGSTOP, answers no request that may take a minute.
+constexpr Duration kStoppedWithin = std::chrono::seconds(5);
 
 // A HostId() is "BOOT/PID NAMESPACE".
 bool IsOfThisBoot(const msg::MachineInfo& info) {
@@ -174,7 +176,14 @@ std::optional<std::variant<msg::Bytes, Failure>> Link::CallHere(const std::strin
       loop_, name, service, request,
       [&reply](Result<msg::Bytes> received) { reply = std::move(received); });
   if (!call) return std::nullopt;
-  RunPatiently([&reply] { return reply.has_value(); }, timeout);
+  const auto answered = [&reply] { return reply.has_value(); };
+  Duration left = timeout;
+  if (timeout > kStoppedWithin && !global_.timeout && !RunUntil(answered, kStoppedWithin)) {
+    const bool stopped = RunStateOf(call->server()) == ProcessRunState::kStopped;
+    if (stopped && !interrupted_) return NoAnswer(kStoppedWithin);
+    left -= kStoppedWithin;
+  }
+  if (!reply) RunPatiently(answered, left);
   if (!reply && interrupted_) {
     return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
   }

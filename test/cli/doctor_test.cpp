@@ -335,6 +335,15 @@ const Planted kPlanted[] = {
      [](DoctorFacts& f) {
        f.controllers = {{"", "", 7, {}, {}, false}};
      }},
+    {"AControllerThatIsStopped", "machine", CheckStatus::kWarning, "and is stopped", "kill -CONT 7",
+     [](DoctorFacts& f) {
+       f.controllers = {{"", "", 7, {}, {}, false, true}};
+     }},
+    {"AMachineInAnotherNetworkNamespace", "machine", CheckStatus::kWarning,
+     "process 7 leads dog in another network", "in that network namespace",
+     [](DoctorFacts& f) {
+       f.in_other_network = "process 7 leads dog in another network namespace of this host";
+     }},
     {"AControllerOfAnotherVersion", "version", CheckStatus::kWarning,
      "the controller (pid 7) is musher 1.2.2, this program is 1.2.3",
      "musher up --detach --takeover /dog.toml",

@@ -199,6 +199,23 @@ TEST_F(Takeover, AStoppedControllerIsNamedAsStoppedByEveryCommand) {
   kill(leader, SIGCONT);
 }
 
+// These wait for a minute where a controller that runs may take as long.
+TEST_F(Takeover, ARequestToAStoppedControllerIsGivenUpInSeconds) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t leader = before_["pid"];
+  kill(leader, SIGSTOP);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"restart", "legs"}, {"keep", "LowPower", "--for", "5"}}) {
+    const Time begun = std::chrono::steady_clock::now();
+    const Ended ended = Musher(words);
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(40)) << words[0];
+    EXPECT_EQ(ended.exit, 4);
+    EXPECT_THAT(ended.err, HasSubstr("`kill -CONT " + std::to_string(leader) + "` continues it"));
+    EXPECT_THAT(ended.err, Not(HasSubstr("restart of legs continues")));
+  }
+  kill(leader, SIGCONT);
+}
+
 TEST_F(Takeover, EndsAStoppedController) {
   ASSERT_NO_FATAL_FAILURE(Start());
   kill(before_["pid"].get<pid_t>(), SIGSTOP);
