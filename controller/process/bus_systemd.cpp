@@ -239,6 +239,16 @@ void AppendStart(sd_bus_message* m, const UnitStart& start) {
   AppendText(m, "SyslogIdentifier", spec.name);
   if (!spec.cwd.empty()) AppendText(m, "WorkingDirectory", spec.cwd);
   sd_bus_message_append(m, "(sv)", "TimeoutStopUSec", "t", kRestEndsWithinUs);
+  if (!start.stops_after.empty()) {
+    OpenProperty(m, "Before", "as");  // stops are in the reverse order
+    AppendTexts(m, {start.stops_after});
+    CloseProperty(m);
+  }
+  if (spec.output >= 0) {  // else the journal
+    for (const char* name : {"StandardOutputFileDescriptor", "StandardErrorFileDescriptor"}) {
+      sd_bus_message_append(m, "(sv)", name, "h", spec.output);
+    }
+  }
   AppendLimits(m, spec.limits);
   AppendSandbox(m, spec.limits);
   OpenProperty(m, "Environment", "as");
@@ -256,12 +266,9 @@ void AppendStart(sd_bus_message* m, const UnitStart& start) {
 
 class BusSystemd : public Systemd {
  public:
-  BusSystemd(transport::EventLoop& loop, const HostConfig& host,
+  BusSystemd(transport::EventLoop& loop, HostBus::Options options,
              const std::vector<std::string>& units, Hooks hooks)
       : hooks_(std::move(hooks)) {
-    HostBus::Options options;
-    options.ssh = SshArguments(host);
-    options.login = host.Login();
     const std::string from = "type='signal',sender='org.freedesktop.systemd1',";
     options.matches.push_back(from + "interface='" + kManager + "',member='JobRemoved'");
     for (const std::string& unit : units) {
@@ -392,8 +399,21 @@ class BusSystemd : public Systemd {
 ConnectSystemd BySsh(transport::EventLoop& loop) {
   return [&loop](const HostConfig& host, const std::vector<std::string>& units,
                  Systemd::Hooks hooks) -> std::unique_ptr<Systemd> {
-    return std::make_unique<BusSystemd>(loop, host, units, std::move(hooks));
+    HostBus::Options options;
+    options.ssh = SshArguments(host);
+    options.login = host.Login();
+    return std::make_unique<BusSystemd>(loop, std::move(options), units, std::move(hooks));
   };
+}
+
+ConnectSystemd BySocket(transport::EventLoop& loop, std::string socket) {
+  return
+      [&loop, socket = std::move(socket)](const HostConfig&, const std::vector<std::string>& units,
+                                          Systemd::Hooks hooks) -> std::unique_ptr<Systemd> {
+        HostBus::Options options;
+        options.socket = socket;
+        return std::make_unique<BusSystemd>(loop, std::move(options), units, std::move(hooks));
+      };
 }
 
 }  // namespace musher

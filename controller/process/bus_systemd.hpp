@@ -1,5 +1,5 @@
 #pragma once
-// The systemd of another host by D-Bus, through ssh (host_bus.hpp).
+// The systemd of another host by D-Bus, through ssh (host_bus.hpp), and that of this host.
 //
 // A signal goes to the object of an invocation, /org/freedesktop/systemd1/unit/<32 digits>, which
 // systemd has beside that of the unit's name: if another start of the unit runs when the call
@@ -14,5 +14,9 @@ namespace musher {
 
 // The loop must outlive the connections.
 ConnectSystemd BySsh(transport::EventLoop& loop);
+
+// Of this host, by the socket of its D-Bus. Here the output of a unit may be a file: a descriptor
+// is passed on (UnitStart::process).
+ConnectSystemd BySocket(transport::EventLoop& loop, std::string socket);
 
 }  // namespace musher

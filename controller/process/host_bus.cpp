@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <systemd/sd-bus.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string_view>
 #include <system_error>
@@ -19,6 +21,7 @@
 
 #include "musher/base/exit_status.hpp"
 #include "musher/base/host.hpp"
+#include "musher/controller/process/child_processes.hpp"
 #include "musher/controller/process/host_uptime.hpp"
 #include "musher/controller/process/ssh.hpp"
 
@@ -38,6 +41,14 @@ constexpr const char* kRemoteCommand =
     "printf \"musher-host %s/%s %s %s\\n\" "
     "\"$(cat /proc/sys/kernel/random/boot_id)\" \"$(stat -Lc %i /proc/self/ns/pid)\" "
     "\"$running\" \"$$\" && exec systemd-stdio-bridge";
+
+// As the shell of another host has it (kReadRunning): since the first process was started, which in
+// a container is later than the boot.
+Duration BootTimeHere() {
+  constexpr std::int64_t kTicksPerSecond = 100;
+  const auto first = static_cast<std::int64_t>(StartTimeOf(1).value_or(0));
+  return Milliseconds(first * 1'000 / kTicksPerSecond);
+}
 
 BusMessage Own(sd_bus_message* message) {
   return {message, [](sd_bus_message* m) { sd_bus_message_unref(m); }};
@@ -117,6 +128,27 @@ Duration HostBus::running() const {
   return SinceBoot() - booted_;
 }
 
+// --- this host ---
+
+// False: `why_` says why it is not connected. A socket of this host connects at once.
+bool HostBus::ConnectHere() {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const bool fits = options_.socket.size() < sizeof(address.sun_path);
+  if (fits) std::memcpy(address.sun_path, options_.socket.c_str(), options_.socket.size() + 1);
+  stream_ = UniqueFd(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const bool connected =
+      fits && stream_.valid() &&
+      connect(stream_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  if (!connected) {
+    why_ = SystemError("no connection to its D-Bus (" + options_.socket + ")").message;
+    return false;
+  }
+  host_id_ = HostId();
+  booted_ = BootTimeHere();
+  return true;
+}
+
 // --- ssh ---
 
 void HostBus::Connect() {
@@ -124,6 +156,11 @@ void HostBus::Connect() {
   greeting_.clear();
   errors_.clear();
   why_.clear();
+  if (!options_.socket.empty()) {
+    if (!ConnectHere()) return Ended();
+    ArmConnectDeadline();
+    return Subscribe();
+  }
   std::array<int, 2> streams{-1, -1};
   std::array<int, 2> pipe{-1, -1};
   const bool made = socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, streams.data()) == 0 &&
@@ -159,6 +196,10 @@ void HostBus::Connect() {
   stream_watch_ = loop_.WhenReadable(stream_.get(), [this] { ReadGreeting(); });
   errors_watch_ = loop_.WhenReadable(errors_pipe_.get(), [this] { ReadErrors(); });
   exit_watch_ = loop_.WhenReadable(pidfd_.get(), [this] { Ended(); });
+  ArmConnectDeadline();
+}
+
+void HostBus::ArmConnectDeadline() {
   deadline_ = loop_.At(loop_.Now() + options_.connect_within, [this] {
     End("no answer within " + std::to_string(ToMilliseconds(options_.connect_within) / 1000) +
         " s");
@@ -208,13 +249,14 @@ void HostBus::ReadErrors() {
   }
 }
 
-// Ended() follows, once ssh has ended.
+// Ended() follows, once ssh has ended; of this host in the next turn.
 void HostBus::End(const std::string& why) {
   if (state_ == State::kEnding || state_ == State::kClosed) return;
   state_ = state_ == State::kUp ? State::kUp : State::kEnding;
   why_ = why;
   DropBus();
   stream_watch_ = nullptr;
+  if (!options_.socket.empty()) retry_ = loop_.At(loop_.Now(), [this] { Ended(); });
   if (pidfd_.valid()) SendSignal(pidfd_.get(), SIGKILL);
 }
 
@@ -229,7 +271,9 @@ void HostBus::Ended() {
   if (why.empty()) why = was_up ? "the connection has ended" : "ssh has ended";
   DropBus();
   DropSsh();
-  const SshTrouble trouble = SshTroubleOf(why, options_.login);
+  const SshTrouble trouble = options_.socket.empty()
+                                 ? SshTroubleOf(why, options_.login)
+                                 : SshTrouble{why + "; see `systemctl status dbus`", false};
   trouble_ = trouble.text;
   state_ = State::kWaiting;
   if (was_up) back_off_ = kFirstBackOff;
@@ -325,7 +369,8 @@ void HostBus::Process() {
   // why within a moment, if it is what has ended.
   stream_watch_ = nullptr;
   DropBus();
-  deadline_ = loop_.At(loop_.Now() + Milliseconds(500), [this] { End("its D-Bus has ended"); });
+  const Duration wait = options_.socket.empty() ? Milliseconds(500) : Duration{};
+  deadline_ = loop_.At(loop_.Now() + wait, [this] { End("its D-Bus has ended"); });
 }
 
 void HostBus::Handle(const std::vector<Received>& received) {

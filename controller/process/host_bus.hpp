@@ -1,5 +1,6 @@
 #pragma once
 // The connection to the systemd of another host: D-Bus through ssh, as `systemctl --host` has it.
+// Or to that of this host: by the socket of its D-Bus, which is up at once or not at all.
 //
 //   Open()      ssh is started, and on the host a shell prints the host's id and becomes
 //               systemd-stdio-bridge; that of the connection before is ended, with what it holds
@@ -40,6 +41,7 @@ class HostBus {
     std::string login;                              // for people: "root@10.0.0.2"
     std::vector<std::string> matches = {};          // of the signals that are received
     Duration connect_within = Milliseconds(8'000);  // ssh's own limit for TCP is 5 s
+    std::string socket = {};                        // of this host's D-Bus, in the place of ssh
   };
   struct Hooks {
     std::function<void()> on_up;
@@ -88,6 +90,8 @@ class HostBus {
   struct PendingReply;
 
   void Connect();
+  bool ConnectHere();
+  void ArmConnectDeadline();
   void ReadGreeting();
   void Subscribe();
   void Process();

@@ -1,20 +1,22 @@
 #pragma once
-// Interface for the processes of actuators that run on other hosts, as units of the systemd there.
-// HostUnits implements it (host_units.hpp).
+// Interface for the processes of actuators that run as units of systemd: on other hosts, and with
+// `units = "always"` on this one. HostUnits implements it (host_units.hpp).
 //
 // Threads: loop thread only, callbacks too.
 
 #include <sys/types.h>
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/process/process_runner.hpp"
 
 namespace musher {
 
-// The name of the unit of an actuator on another host.
+// The name of the unit of an actuator.
 inline std::string UnitNameOf(const std::string& machine, const std::string& actuator) {
   return "musher-" + machine + "-" + actuator + ".service";
 }
@@ -23,8 +25,8 @@ class HostProcesses {
  public:
   // No hook runs inside a call of this class.
   struct Hooks {
-    // A process runs, with this pid on the host with this HostId(): Start() has started it, or it
-    // was `found` running. Repeated for the same pid by Start().
+    // A process runs, with this pid on the host with this HostId() (empty: this host): Start() has
+    // started it, or it was `found` running. Repeated for the same pid by Start().
     std::function<void(const std::string& actuator, pid_t pid, const std::string& host, bool found)>
         on_started;
     // `waits`: the host is out of reach, and the process is started once the host is reached.
@@ -37,13 +39,15 @@ class HostProcesses {
     std::function<bool(const std::string& actuator)> still_starts;
     // Whether a signal that waited for its host is still to be sent to this process.
     std::function<bool(const std::string& actuator, pid_t pid)> still_ends;
+    // The file for stdout and stderr of a process of this host; null, or empty: the journal.
+    std::function<std::shared_ptr<const UniqueFd>(const std::string& actuator)> output = nullptr;
   };
 
   // What Find() knows of the process of an actuator.
   struct Found {
     std::string actuator;
     pid_t pid = 0;          // 0: none runs
-    std::string host;       // HostId()
+    std::string host;       // HostId(); empty: this host
     std::string unreached;  // why it is not known whether one runs; empty: it is
   };
 
@@ -57,6 +61,7 @@ class HostProcesses {
   // or before its host was out of reach, that process is reported instead. Waits without a limit
   // for a host that is out of reach.
   virtual void Start(const ProcessSpec& spec) = 0;
+  // Of another host only: a process of this host is signalled by its pid (process_runner.hpp).
   // Sends a signal to all processes of the unit. If the host is out of reach, the signal waits
   // until it is reached again, and is dropped if another process runs there by then or the signal
   // is no longer wanted (still_ends).

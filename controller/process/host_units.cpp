@@ -39,9 +39,16 @@ constexpr int kNotExecutable = 203;
 constexpr int kNoSuchUser = 217;
 constexpr int kNoNamespace = 226;
 
+// Whether the process of the unit has exited; systemd may still be ending what it has left behind.
+bool HasExited(const UnitState& state, pid_t pid) {
+  return !state.runs() && state.main_pid == 0 && static_cast<pid_t>(state.exec_pid) == pid &&
+         state.exec_code != 0;
+}
+
 ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limits) {
   ProcessExit exit;
-  if (state.ended() && state.result == kResultOutOfMemory) {
+  const bool over = state.ended() || HasExited(state, pid);
+  if (over && state.result == kResultOutOfMemory) {
     const auto& most = limits.memory_max_bytes;
     exit.out_of_memory =
         most ? "memory_max_mb = " + std::to_string(*most >> 20) : "the memory of its host";
@@ -50,7 +57,7 @@ ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limit
   // ended well: with code 0, or by SIGTERM, SIGHUP, SIGINT or SIGPIPE.
   const bool dropped = state.active == "inactive" && state.exec_pid == 0;
   if (dropped) exit.kind = ProcessExit::Kind::kExited;
-  if (static_cast<pid_t>(state.exec_pid) != pid || !state.ended()) return exit;
+  if (static_cast<pid_t>(state.exec_pid) != pid || !over) return exit;
   exit.number = state.exec_status;
   if (state.exec_code == CLD_EXITED) exit.kind = ProcessExit::Kind::kExited;
   if (state.exec_code == CLD_KILLED || state.exec_code == CLD_DUMPED) {
@@ -98,6 +105,14 @@ bool IsOf(const UnitState& state, pid_t pid) {
   return static_cast<pid_t>(state.main_pid) == pid || static_cast<pid_t>(state.exec_pid) == pid;
 }
 
+// For people.
+std::string NameOf(const HostConfig& host) {
+  return host.name.empty() ? "this host" : "host " + host.name;
+}
+std::string PlaceOf(const HostConfig& host) {
+  return host.name.empty() ? "systemd of this host" : NameOf(host) + " (" + host.Login() + ")";
+}
+
 std::string_view BootOf(std::string_view host_id) {
   return host_id.substr(0, host_id.find('/'));
 }
@@ -112,6 +127,10 @@ struct HostUnits::Host {
   bool reported = false;                 // its loss was reported
   std::optional<Duration> lost_at = {};  // since_boot() when its connection was lost
   Duration gained = {};                  // by its clock, since that was read, as a start has shown
+
+  bool is_own() const { return config.name.empty(); }
+  // As the hooks name it.
+  std::string IdOf(const std::string& id) const { return is_own() ? "" : id; }
 };
 
 struct HostUnits::Unit {
@@ -132,6 +151,7 @@ struct HostUnits::Unit {
   bool signalled = false;                  // the machine ends its process
   std::optional<ProcessExit> exit = {};    // the end of the process, not reported yet
   bool asks_system = false;                // whether the host shuts down: not answered yet
+  bool ends_rest = false;                  // its end was reported, and not all of it has ended
   bool examining = false;
   std::string unread = {};                      // why its state could not be read
   std::uint64_t examined = 0;                   // how often
@@ -151,20 +171,25 @@ HostUnits::HostUnits(transport::EventLoop& loop, const MachineConfig& config,
                      std::function<MachineIdentity()> machine, const ConnectSystemd& connect,
                      Options options)
     : loop_(loop), config_(config), machine_(std::move(machine)), options_(std::move(options)) {
-  for (const HostConfig& host : config.hosts) {
-    auto made = std::make_unique<Host>(Host{host, nullptr});
-    std::vector<std::string> names;
-    for (const ActuatorConfig& actuator : config.actuators) {
-      if (actuator.host != host.name) continue;
-      const std::string& name = names.emplace_back(UnitNameOf(config.name, actuator.name));
-      auto unit = std::make_unique<Unit>(Unit{*made, actuator.name, name});
-      made->units.push_back(unit.get());
-      units_.emplace(actuator.name, std::move(unit));
-    }
-    if (made->units.empty()) continue;
-    made->systemd = connect(host, names, HooksOf(*made));
-    hosts_.emplace(host.name, std::move(made));
+  for (const HostConfig& host : config.hosts) Add(host, connect);
+  if (options_.own) Add(here_, options_.own);
+}
+
+// With the actuators that run there.
+void HostUnits::Add(const HostConfig& host, const ConnectSystemd& connect) {
+  auto made = std::make_unique<Host>(Host{host, nullptr});
+  std::vector<std::string> names;
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    const bool waits_for_person = host.name.empty() && actuator.command.empty();
+    if (actuator.host != host.name || waits_for_person) continue;
+    const std::string& name = names.emplace_back(UnitNameOf(config_.name, actuator.name));
+    auto unit = std::make_unique<Unit>(Unit{*made, actuator.name, name});
+    made->units.push_back(unit.get());
+    units_.emplace(actuator.name, std::move(unit));
   }
+  if (made->units.empty()) return;
+  made->systemd = connect(host, names, HooksOf(*made));
+  hosts_.emplace(host.name, std::move(made));
 }
 
 Systemd::Hooks HostUnits::HooksOf(Host& host) {
@@ -224,7 +249,7 @@ void HostUnits::Close() {
 // --- the hosts ---
 
 std::string HostUnits::Unreached(const Host& host) const {
-  return "host " + host.config.name + " (" + host.config.Login() + "): " + TroubleOf(*host.systemd);
+  return PlaceOf(host.config) + ": " + TroubleOf(*host.systemd);
 }
 
 // The address may belong to another board now, with the same key if both were made from one image.
@@ -255,7 +280,7 @@ void HostUnits::OnUp(Host& host) {
   const std::string& id = host.systemd->host_id();
   const bool rebooted = !host.seen.empty() && host.seen != id;
   if (std::exchange(host.reported, false)) {
-    hooks_.on_reach(true, "host " + host.config.name + " is reached" +
+    hooks_.on_reach(true, NameOf(host.config) + " is reached" +
                               (rebooted ? ", and has been booted again" : ""));
   }
   for (Unit* unit : host.units) {
@@ -366,7 +391,8 @@ void HostUnits::Conclude(Unit& unit) {
   if (unit.pid != 0) {
     const bool same =
         IsOf(state, unit.pid) && (unit.invocation.empty() || unit.invocation == state.invocation);
-    if (state.ended() || (state.runs() && !same)) return Ended(unit);
+    const bool exited = unit.host.is_own() && HasExited(state, unit.pid);
+    if (state.ended() || exited || (state.runs() && !same)) return Ended(unit);
     if (unit.wanted && state.runs()) Started(unit, unit.pid, true);
     return;
   }
@@ -374,13 +400,14 @@ void HostUnits::Conclude(Unit& unit) {
   if (state.runs() && main_pid != 0) {
     if (IsOurs(unit)) return Started(unit, main_pid, true);
     if (unit.wanted) {
-      NotStarted(unit, "host " + unit.host.config.name + " runs " + unit.name +
+      NotStarted(unit, NameOf(unit.host.config) + " runs " + unit.name +
                            " already, for another machine of this name; give one of the machines "
                            "another name, or run `systemctl stop " +
                            unit.name + "` there");
     }
     return;
   }
+  if (state.active == "failed" && std::exchange(unit.ends_rest, false)) Reset(unit);
   if (!unit.wanted || !state.ended()) return;
   // Its host was reached too late.
   if (!hooks_.still_starts(unit.actuator)) return NotStarted(unit, "the machine is torn down");
@@ -396,7 +423,7 @@ void HostUnits::Started(Unit& unit, pid_t pid, bool found) {
   unit.waits = false;
   unit.deadline = nullptr;
   unit.again = nullptr;
-  hooks_.on_started(unit.actuator, pid, unit.host.systemd->host_id(), found);
+  hooks_.on_started(unit.actuator, pid, unit.host.IdOf(unit.host.systemd->host_id()), found);
 }
 
 void HostUnits::NotStarted(Unit& unit, const std::string& why) {
@@ -407,8 +434,9 @@ void HostUnits::NotStarted(Unit& unit, const std::string& why) {
   hooks_.on_not_started(unit.actuator, why, false);
 }
 
-// The start stays wanted.
+// The start stays wanted; on this host it fails, and is repeated by the actuator's `restart`.
 void HostUnits::Await(Unit& unit, const std::string& why) {
+  if (unit.host.is_own()) return NotStarted(unit, why);
   unit.waits = true;
   unit.deadline = nullptr;
   hooks_.on_not_started(unit.actuator, why + "; it is started once its host is reached", true);
@@ -445,6 +473,7 @@ void HostUnits::ReportEnd(Unit& unit, const ProcessExit& exit) {
   unit.exit.reset();
   unit.signal = 0;
   if (unit.state.active == "failed") Reset(unit);
+  unit.ends_rest = !unit.state.ended();
   // Or another process runs there by now.
   if (unit.wanted || unit.state.runs()) {
     unit.again = loop_.At(loop_.Now(), [this, &unit] { Examine(unit); });
@@ -468,8 +497,7 @@ void HostUnits::Kill(Unit& unit, int signal) {
         // That start of the unit has ended, which may not have been reported.
         if (error->kind == SystemdError::Kind::kGone) return Examine(unit);
         if (std::exchange(unit.refused, true)) return;
-        hooks_.on_reach(false, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
-                                   "): the signal to " + unit.name +
+        hooks_.on_reach(false, PlaceOf(unit.host.config) + ": the signal to " + unit.name +
                                    " was refused: " + TextOf(*error));
       });
 }
@@ -504,7 +532,7 @@ void HostUnits::ArmDeadline(Unit& unit) {
                                       std::to_string(ToMilliseconds(options_.start_within) / 1000) +
                                       " s"
                                 : "'s state cannot be read: " + unit.unread;
-    NotStarted(unit, "host " + unit.host.config.name + ": " + unit.name + how +
+    NotStarted(unit, NameOf(unit.host.config) + ": " + unit.name + how +
                          "; see `systemctl status " + unit.name + "` there");
   });
 }
@@ -523,6 +551,9 @@ void HostUnits::StartUnit(Unit& unit) {
   start.unit = unit.name;
   start.description = unit.actuator + " of the machine " + config_.name;
   start.process = *unit.wanted;
+  const auto output = unit.host.is_own() && hooks_.output ? hooks_.output(unit.actuator) : nullptr;
+  if (output) start.process.output = output->get();
+  if (unit.host.is_own()) start.stops_after = options_.own_unit;
   // A start that waits in a lost connection is not carried out later, when it may not be wanted any
   // more.
   start.until =
@@ -552,7 +583,7 @@ void HostUnits::OnStartAnswered(Unit& unit, const std::optional<SystemdError>& e
     unit.again = loop_.At(loop_.Now() + Milliseconds(50), [this, &unit] { Examine(unit); });
     return;
   }
-  const std::string host = "host " + unit.host.config.name + " (" + unit.host.config.Login() + ")";
+  const std::string host = PlaceOf(unit.host.config);
   // systemd starts no unit beside the job of its shutdown, until that job has ended.
   if (error->kind == SystemdError::Kind::kShuttingDown) {
     unit.again = loop_.At(loop_.Now() + kExamineAgain, [this, &unit] { Examine(unit); });
@@ -591,8 +622,7 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   }
   const ProcessSpec& spec = *unit.wanted;
   if (not_executed && unit.state.exec_status == kNoSuchUser) {
-    return NotStarted(unit, "host " + unit.host.config.name + " (" + unit.host.config.Login() +
-                                ") has no user " + spec.limits.user +
+    return NotStarted(unit, PlaceOf(unit.host.config) + " has no user " + spec.limits.user +
                                 "; make it there, or correct `user`");
   }
   const ProcessExit exit = ExitOf(unit.state, pid, spec.limits);
@@ -600,8 +630,8 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   if (!exit.out_of_memory.empty()) why = "the start of " + unit.name + " has ended " + exit.Text();
   if (skipped) why = WhySkipped(unit.name, spec);
   if (not_executed) why = WhyNotExecuted(unit.state.exec_status, spec);
-  NotStarted(unit, "host " + unit.host.config.name + ": " + why + "; see `journalctl -u " +
-                       unit.name + "` there");
+  NotStarted(unit, NameOf(unit.host.config) + ": " + why + "; see `journalctl -u " + unit.name +
+                       "` there");
 }
 
 // --- signals and searches ---
@@ -646,7 +676,8 @@ void HostUnits::AnswerSearches() {
     searches_.erase(searches_.begin() + static_cast<std::ptrdiff_t>(i));
     std::vector<Found> found;
     for (const auto& [unit, before] : search->until) {
-      Found& one = found.emplace_back(Found{unit->actuator, unit->pid, unit->host.seen, ""});
+      Found& one = found.emplace_back(
+          Found{unit->actuator, unit->pid, unit->host.IdOf(unit->host.seen), ""});
       const bool examined = unit->examined != before;
       if (examined && !IsChanging(*unit)) continue;
       one.pid = 0;

@@ -1,5 +1,6 @@
 #pragma once
-// Runs the processes of other hosts as transient units of the systemd there, one for each actuator:
+// Runs the processes of other hosts as transient units of the systemd there, one for each actuator,
+// and with `units = "always"` also those of this host:
 //
 //   musher-<machine>-<actuator>.service
 //
@@ -17,6 +18,13 @@
 //
 // A signal, and the end of a start that was given up, name one start of the unit: carried out late,
 // they end no newer process. A start is never carried out late.
+//
+// This host is reached by a socket, not by ssh (Options::own). What differs there:
+//
+//   start  does not wait for a D-Bus that is silent: it fails after `start_within`, and is repeated
+//          by the actuator's `restart`. A child is never started in its place
+//   end    is reported once the process itself has exited: what it has left behind systemd may
+//          still be ending, and the next start waits for that
 //
 // Threads: loop thread only, callbacks too.
 
@@ -43,6 +51,11 @@ class HostUnits : public HostProcesses {
     Duration start_within = Milliseconds(10'000);
     // For how long the controller's host has run, also while it was suspended.
     std::function<Duration()> since_boot = SinceBoot;
+    // The systemd of this host, for the actuators without a `host`; empty: they are no units.
+    ConnectSystemd own = nullptr;
+    // The unit of the controller: at a shutdown of this host it tears the machine down, and what it
+    // leads must not end before. Empty: it is in none.
+    std::string own_unit = {};
   };
 
   // All must outlive this object. `machine`: returns the present name and id of the controller's
@@ -63,6 +76,7 @@ class HostUnits : public HostProcesses {
   struct Unit;
   struct Search;
 
+  void Add(const HostConfig& host, const ConnectSystemd& connect);
   Systemd::Hooks HooksOf(Host& host);
   static Unit* UnitOf(Host& host, const std::string& name);
   void OnUp(Host& host);
@@ -97,6 +111,7 @@ class HostUnits : public HostProcesses {
   const MachineConfig& config_;
   const std::function<MachineIdentity()> machine_;
   const Options options_;
+  const HostConfig here_{};  // without a name
   Hooks hooks_;
   bool open_ = false;
   // By since_boot(). After a pause of this process, or of its computer, a loss may be as old.

@@ -1,7 +1,7 @@
 #pragma once
-// Interface of the systemd of another host, with the calls and signals that HostUnits needs. No
-// call waits. BusSystemd implements it by D-Bus through ssh (bus_systemd.hpp); the simulation has
-// its own, in virtual time.
+// Interface of the systemd of another host, or of this one, with the calls and signals that
+// HostUnits needs. No call waits. BusSystemd implements it by D-Bus (bus_systemd.hpp); the
+// simulation has its own, in virtual time.
 //
 // A connection that is lost may hold calls that it has not delivered, and the kernel may still
 // deliver them when the host is reached again: what must not happen late is bound to one start of a
@@ -63,8 +63,9 @@ struct SystemdError {
 struct UnitStart {
   std::string unit;
   std::string description;
-  ProcessSpec process;  // without its output and its mark
-  Duration until{};     // it is not started once its host has run for longer than this
+  ProcessSpec process;           // without its mark; its output only on this host
+  Duration until{};              // it is not started once its host has run for longer than this
+  std::string stops_after = {};  // a unit: at a shutdown this one ends after it; empty: at once
 };
 
 class Systemd {

@@ -1,8 +1,10 @@
 // What a test reaches instead of another host: `controller_fake_systemd FOLDER` is the end of an
 // ssh connection, and answers the calls of D-Bus as systemd does, for one unit. It has no process.
+// `controller_fake_systemd FOLDER SOCKET` is the same for this host: it listens there, and serves
+// one connection after the other.
 //
-//   FOLDER/unit           ActiveState, MainPID, one variable of the environment, Result, and the
-//                         exit code of its last process
+//   FOLDER/unit           ActiveState, the pid of its last process, one variable of the environment,
+//                         Result, and the exit code of that process; without that it still runs
 //   FOLDER/system         SystemState; without it "running"
 //   FOLDER/uptime         for how many seconds the host has run: a start whose limit is less is
 //                         skipped; without it none is
@@ -17,6 +19,8 @@
 //   FOLDER/reads          written: the same of the calls that read its state
 
 #include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <systemd/sd-bus.h>
 #include <unistd.h>
 
@@ -44,16 +48,20 @@ struct Unit {
     return text.insert(0, 32 - text.size(), '0');
   }
   std::int32_t exec_code() const { return exit_code < 0 ? 0 : CLD_EXITED; }
+  std::uint32_t main_pid() const { return exit_code < 0 ? pid : 0; }
 };
 
 class FakeSystemd {
  public:
   explicit FakeSystemd(std::string folder) : folder_(std::move(folder)) {}
+  ~FakeSystemd() { sd_bus_unref(bus_); }
+  FakeSystemd(const FakeSystemd&) = delete;
+  FakeSystemd& operator=(const FakeSystemd&) = delete;
 
-  int Run() {
+  int Run(int input, int output) {
     sd_id128_t id{};
     const bool made = sd_id128_randomize(&id) >= 0 && sd_bus_new(&bus_) >= 0 &&
-                      sd_bus_set_fd(bus_, STDIN_FILENO, STDOUT_FILENO) >= 0 &&
+                      sd_bus_set_fd(bus_, input, output) >= 0 &&
                       sd_bus_set_server(bus_, 1, id) >= 0 && sd_bus_set_anonymous(bus_, 1) >= 0 &&
                       sd_bus_add_filter(bus_, nullptr, &OnMessage, this) >= 0 &&
                       sd_bus_start(bus_) >= 0;
@@ -162,7 +170,7 @@ class FakeSystemd {
     if (sd_bus_message_new_method_return(call, &reply) < 0) return;
     const Unit unit = Read();
     if (std::string_view(interface).ends_with(".Service")) {
-      sd_bus_message_append(reply, "a{sv}", 5, "MainPID", "u", unit.pid, "ExecMainPID", "u",
+      sd_bus_message_append(reply, "a{sv}", 5, "MainPID", "u", unit.main_pid(), "ExecMainPID", "u",
                             unit.pid, "ExecMainCode", "i", unit.exec_code(), "ExecMainStatus", "i",
                             unit.exit_code, "Environment", "as", 1, unit.variable.c_str());
     } else {
@@ -199,9 +207,9 @@ class FakeSystemd {
       sd_bus_message_set_sender(signal, "org.freedesktop.systemd1");
       if (service) {
         sd_bus_message_append(signal, "sa{sv}as", "org.freedesktop.systemd1.Service", 5, "MainPID",
-                              "u", unit.pid, "ExecMainPID", "u", unit.pid, "ExecMainCode", "i",
-                              unit.exec_code(), "ExecMainStatus", "i", unit.exit_code, "Result",
-                              "s", unit.result.c_str(), 0);
+                              "u", unit.main_pid(), "ExecMainPID", "u", unit.pid, "ExecMainCode",
+                              "i", unit.exec_code(), "ExecMainStatus", "i", unit.exit_code,
+                              "Result", "s", unit.result.c_str(), 0);
       } else {
         sd_bus_message_append(signal, "s", "org.freedesktop.systemd1.Unit");
         AppendUnit(signal, unit);
@@ -266,6 +274,12 @@ class FakeSystemd {
     if (type == "s" && sd_bus_message_read(call, "v", "s", &text) > 0) {
       return std::string(" ") + text;
     }
+    if (type == "h") {  // a file
+      int file = -1;
+      if (sd_bus_message_read(call, "v", "h", &file) <= 0) return "";
+      constexpr std::string_view kPrinted = "printed by the unit\n";
+      return write(file, kPrinted.data(), kPrinted.size()) > 0 ? " written" : " not written";
+    }
     if (type == "a(ss)") {
       std::string words;
       sd_bus_message_enter_container(call, 'v', "a(ss)");
@@ -309,5 +323,19 @@ class FakeSystemd {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return argc == 2 ? FakeSystemd(argv[1]).Run() : 2;
+  if (argc == 2) return FakeSystemd(argv[1]).Run(STDIN_FILENO, STDOUT_FILENO);
+  if (argc != 3) return 2;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::snprintf(address.sun_path, sizeof(address.sun_path), "%s", argv[2]);
+  const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const bool listens =
+      bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 &&
+      listen(listener, 4) == 0;
+  while (listens) {
+    const int connection = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+    if (connection < 0) break;
+    if (FakeSystemd(argv[1]).Run(connection, connection) != 0) break;
+  }
+  return 1;
 }

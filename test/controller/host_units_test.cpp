@@ -5,13 +5,16 @@
 
 #include <gmock/gmock.h>
 
+#include <fcntl.h>
 #include <signal.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +26,7 @@
 #include "musher/controller/process/host_uptime.hpp"
 #include "musher/controller/shell/actuator_processes.hpp"
 #include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -93,8 +97,9 @@ class UnitOfAnotherHost : public ::testing::Test {
   }
   void Open() {
     HostProcesses::Hooks hooks;
-    hooks.on_started = [this](const std::string&, pid_t pid, const std::string&, bool) {
+    hooks.on_started = [this](const std::string&, pid_t pid, const std::string& host, bool) {
       started_.push_back(pid);
+      hosts_.push_back(host);
     };
     hooks.on_not_started = [this](const std::string&, const std::string& why, bool waits) {
       (waits ? waits_ : not_started_).push_back(why);
@@ -108,6 +113,7 @@ class UnitOfAnotherHost : public ::testing::Test {
       (reached ? reached_ : troubles_).push_back(message);
     };
     hooks.still_ends = [this](const std::string&, pid_t) { return still_ends_; };
+    hooks.output = [this](const std::string&) { return output_; };
     units_->Open(std::move(hooks));
   }
   void Await(const std::function<bool()>& holds) {
@@ -166,6 +172,8 @@ class UnitOfAnotherHost : public ::testing::Test {
   std::vector<std::string> waits_;
   std::string exit_;
   std::vector<pid_t> started_;
+  std::vector<std::string> hosts_;  // where
+  std::shared_ptr<const UniqueFd> output_;
   std::vector<pid_t> ended_;
   std::vector<std::string> reached_;
   std::vector<std::string> troubles_;
@@ -675,6 +683,113 @@ TEST_F(UnitOfAnotherHost, EndedByItsLimitOfMemoryNamesThat) {
   Await([this] { return !ended_.empty(); });
   EXPECT_EQ(exit_,
             "out of memory: its limit (memory_max_mb = 64) or the memory of its host is used up");
+}
+
+// --- this host ---
+
+class UnitOfThisHost : public UnitOfAnotherHost {
+ protected:
+  UnitOfThisHost() {
+    units_->Close();
+    config_.hosts.clear();
+    config_.actuators[0].host.clear();
+    config_.actuators[0].limits.memory_max_bytes = 64 << 20;
+    MakeHere();
+  }
+  ~UnitOfThisHost() override { units_->Close(); }
+
+  void MakeHere(Duration start_within = kSoon) {
+    HostUnits::Options options;
+    options.start_within = start_within;
+    options.own = BySocket(loop_, socket_);
+    units_ = std::make_unique<HostUnits>(
+        loop_, config_,
+        [] {
+          return MachineIdentity{"robot", "ours"};
+        },
+        BySsh(loop_), std::move(options));
+  }
+  void Listen() {
+    systemd_.emplace(
+        std::vector<std::string>{BinDir() + "/controller_fake_systemd", folder_.path(), socket_});
+    ASSERT_TRUE(testing::Until([this] { return std::filesystem::exists(socket_); },
+                               std::chrono::minutes(2)));
+  }
+
+  const std::string socket_ = folder_ / "bus";
+  std::optional<testing::Process> systemd_;
+};
+
+TEST_F(UnitOfThisHost, IsStartedWithTheFileOfItsLogAndWithoutSsh) {
+  const auto log = std::make_shared<const UniqueFd>(
+      open((folder_ / "log").c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600));
+  output_ = log;
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  SetUnit("inactive", 0);
+  Write("job", "done");
+  Write("started", std::string("active 41 ") + kOurs + "\n");
+  Open();
+  Start();
+  Await([this] { return !started_.empty(); });
+  EXPECT_THAT(started_, ElementsAre(41));
+  EXPECT_THAT(hosts_, ElementsAre(""));
+  EXPECT_THAT(Calls(), AllOf(HasSubstr("StandardOutputFileDescriptor written"),
+                             HasSubstr("StandardErrorFileDescriptor written"),
+                             HasSubstr("MemoryMax 67108864")));
+  EXPECT_EQ(ReadFile(folder_ / "log"), "printed by the unit\nprinted by the unit\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "commands"));  // of ssh
+}
+
+TEST_F(UnitOfThisHost, HasEndedWithItsProcessWhileSystemdEndsTheRest) {
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("unit", std::string("deactivating 41 ") + kOurs + " exit-code 3\n");
+  Write("changed", "");
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "exit code 3");
+  Start();
+  Find();
+  Find();
+  EXPECT_THAT(Calls(), Not(HasSubstr("StartTransientUnit")));  // the rest has not ended
+  Write("unit", std::string("inactive 41 ") + kOurs + " exit-code 3\n");
+  Write("changed", "");
+  AwaitCall("StartTransientUnit");
+}
+
+TEST_F(UnitOfThisHost, ThatNeedsMoreMemoryThanItsLimitNamesIt) {
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("unit", std::string("failed 41 ") + kOurs + " oom-kill 137\n");
+  Write("changed", "");
+  Await([this] { return !ended_.empty(); });
+  EXPECT_THAT(exit_, HasSubstr("out of memory: its limit (memory_max_mb = 64)"));
+}
+
+// On another host it would wait. Here it fails, so that `restart` counts it.
+TEST_F(UnitOfThisHost, IsNotStartedWithoutItsDBus) {
+  MakeHere(Milliseconds(300));
+  Open();
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(not_started_.front(),
+              AllOf(HasSubstr("systemd of this host: no connection to its D-Bus"),
+                    HasSubstr("see `systemctl status dbus`")));
+  EXPECT_THAT(waits_, IsEmpty());
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  SetUnit("inactive", 0);
+  Await([this] { return !reached_.empty(); });
+  EXPECT_THAT(reached_.front(), HasSubstr("this host is reached"));
+  Find();
+  EXPECT_THAT(Calls(), Not(HasSubstr("StartTransientUnit")));  // it was given up
+}
+
+TEST_F(UnitOfThisHost, RunsOnWhenItsDBusIsLostAndIsFoundAgain) {
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !reached_.empty(); });
+  EXPECT_EQ(Find().pid, 41);
+  EXPECT_THAT(ended_, IsEmpty());
 }
 
 }  // namespace musher::host_units_test
