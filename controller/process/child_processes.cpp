@@ -188,7 +188,9 @@ std::vector<MarkedProcess> FindMarked() {
     if (value.size() <= kMarkDigits || value[kMarkDigits] != '/') continue;
     const auto start_time = StartTimeOf(pid);
     if (!start_time) continue;
-    found.push_back({value.substr(kMarkDigits + 1), std::atoi(value.c_str()), pid, *start_time});
+    const pid_t started = std::atoi(value.c_str());
+    found.push_back(
+        {value.substr(kMarkDigits + 1), started != 0 ? started : getsid(pid), pid, *start_time});
   }
   return found;
 }
@@ -212,9 +214,12 @@ std::vector<ChildProcess> FindChildren(const std::vector<MarkedActuator>& actuat
     for (const ChildProcess& one : stored) {
       if (one.actuator == actuator.name && IsRunning(one)) child = one;
     }
+    const bool is_stored = child.has_value();
     for (const MarkedProcess& one : marked) {
       const bool matches = one.mark == actuator.mark && one.pid == one.started;
-      if (matches && !child) child = {actuator.name, one.pid, one.start_time};
+      // What a unit has started may have made a session of its own.
+      const bool first = !child || (!is_stored && one.start_time < child->start_time);
+      if (matches && first) child = {actuator.name, one.pid, one.start_time};
     }
     if (child) {
       children.push_back(*child);

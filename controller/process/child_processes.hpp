@@ -35,6 +35,12 @@ struct ChildProcess {
 inline constexpr const char* kChildMark = "MUSHER_STARTED_AS";
 inline constexpr std::size_t kMarkDigits = 10;  // of the pid
 
+// The same for a unit of this host, whose pid is not known before: that of the first process of its
+// session, which systemd makes for it.
+inline std::string UnitMarkOf(const std::string& mark) {
+  return std::string(kMarkDigits, '0') + "/" + mark;
+}
+
 // The variable in the environment that the process was started with; empty: it has none, has exited
 // or hides its environment.
 std::string VariableOf(pid_t pid, const std::string& name);

@@ -6,13 +6,16 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "musher/base/result.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/lifecycle/config/process_limits.hpp"
 
 namespace musher {
@@ -56,6 +59,12 @@ struct ProcessExit {
   friend bool operator==(const ProcessExit&, const ProcessExit&) = default;
 };
 
+// Where a process writes its output.
+struct ProcessLog {
+  std::shared_ptr<const UniqueFd> file;  // null: it is no file
+  std::int64_t begin = 0;                // its size at the start of the process, in bytes
+};
+
 class ProcessRunner {
  public:
   using OnExit = std::function<void(const ProcessExit&)>;
@@ -85,6 +94,15 @@ class ProcessRunner {
   // Sends a signal to a started or watched process: to its whole group if it leads one. Fails if
   // the process is neither or has exited, so that it never hits another process with a reused pid.
   virtual Result<> Signal(pid_t pid, int signal) = 0;
+
+  // The log of a process that is about to start with this output.
+  virtual ProcessLog LogOf(int /*output*/) { return {}; }
+  // Calls `done` with the exit of a process that this runner has not started, and with the last
+  // line in its log, as for a child; maybe later, and once.
+  virtual void AddLastOutput(const ProcessExit& exit, const std::string& /*name*/,
+                             const ProcessLog& /*log*/, const OnExit& done) {
+    done(exit);
+  }
 };
 
 }  // namespace musher

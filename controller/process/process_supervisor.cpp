@@ -98,6 +98,11 @@ std::vector<pid_t> Children() {
   return children;
 }
 
+// Whether its output says why it has exited.
+bool HasLastWords(const ProcessExit& exit, const ProcessLog& log) {
+  return log.file && exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
+}
+
 void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit) {
   for (const ProcessRunner::OnExit& on_exit : all) {
     if (on_exit) on_exit(exit);
@@ -122,10 +127,7 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
   process.name = spec.name;
   process.number = next_number_++;
   process.on_exit.push_back(std::move(on_exit));
-  process.log_begin = spec.output >= 0 ? SizeOf(spec.output) : -1;
-  if (process.log_begin >= 0) {
-    process.log = std::make_shared<UniqueFd>(fcntl(spec.output, F_DUPFD_CLOEXEC, 0));
-  }
+  process.log = LogOf(spec.output);
   ProcessSpec marked = spec;
   marked.env[kMark] = MarkOf(process.number);
   auto child = Spawn(marked);
@@ -218,9 +220,21 @@ void ProcessSupervisor::Ended(pid_t pid) {
   if (const auto failure = ended.child->Failure(Duration::zero())) {
     exit = {ProcessExit::Kind::kNotRun, 0, ErrorOf(*failure, *ended.child).message};
   }
-  const bool discontent = exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
-  if (discontent && ended.log) return AwaitLastOutput(exit, std::move(ended));
+  if (HasLastWords(exit, ended.log)) {
+    return AwaitLastOutput(exit, ended.name, ended.log, std::move(ended.on_exit));
+  }
   Call(ended.on_exit, exit);
+}
+
+ProcessLog ProcessSupervisor::LogOf(int output) {
+  const std::int64_t begin = output >= 0 ? SizeOf(output) : -1;
+  if (begin < 0) return {};
+  return {std::make_shared<UniqueFd>(fcntl(output, F_DUPFD_CLOEXEC, 0)), begin};
+}
+
+void ProcessSupervisor::AddLastOutput(const ProcessExit& exit, const std::string& name,
+                                      const ProcessLog& log, const OnExit& done) {
+  HasLastWords(exit, log) ? AwaitLastOutput(exit, name, log, {done}) : done(exit);
 }
 
 void ProcessSupervisor::AdoptOrphans() {
@@ -245,16 +259,17 @@ void ProcessSupervisor::EndOrphans() {
   }
 }
 
-void ProcessSupervisor::AwaitLastOutput(const ProcessExit& exit, Process process) {
+void ProcessSupervisor::AwaitLastOutput(const ProcessExit& exit, const std::string& name,
+                                        const ProcessLog& log, std::vector<OnExit> on_exit) {
   const std::uint64_t id = next_ending_++;
   const auto output = std::make_shared<std::string>();
-  endings_[id] = {exit, std::move(process.on_exit),
+  endings_[id] = {exit, std::move(on_exit),
                   loop_.At(loop_.Now() + kLastOutputTimeout, [this, id] { Report(id, ""); })};
   // While the disk stalls only the last job of each name is kept: the queue is bounded.
   disk_.Do(
-      "last output of " + process.name,
-      [output, log = process.log, begin = process.log_begin, name = process.name] {
-        *output = LastOutput(log->get(), begin, name);
+      "last output of " + name,
+      [output, log, name] {
+        *output = LastOutput(log.file->get(), log.begin, name);
         return Ok();
       },
       // A destroyed supervisor has no ending left; the disk outlives it.

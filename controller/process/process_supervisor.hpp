@@ -52,6 +52,9 @@ class ProcessSupervisor : public ProcessRunner {
   Result<> Watch(pid_t pid, OnExit on_exit) override;
   Result<> Adopt(pid_t pid, std::uint64_t start_time, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
+  ProcessLog LogOf(int output) override;
+  void AddLastOutput(const ProcessExit& exit, const std::string& name, const ProcessLog& log,
+                     const OnExit& done) override;
 
   // Makes this process the parent of the orphans of a child, such as a daemon that it started. They
   // are killed when that child has exited. From then on ReapOrphans() is to be called
@@ -65,10 +68,9 @@ class ProcessSupervisor : public ProcessRunner {
     std::uint64_t number = 0;            // in the environment of all its descendants
     std::optional<ForkedProgram> child;  // none: it is only watched or adopted
     bool adopted = false;
-    std::string mark;               // of an adopted one (child_processes.hpp)
-    std::shared_ptr<UniqueFd> log;  // of a child whose output is a file
-    std::int64_t log_begin = 0;     // its size at the start, in bytes
-    std::vector<OnExit> on_exit;    // of its starter, then of its watchers
+    std::string mark;             // of an adopted one (child_processes.hpp)
+    ProcessLog log;               // of a child
+    std::vector<OnExit> on_exit;  // of its starter, then of its watchers
     UniqueFd pidfd;
     transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
   };
@@ -85,7 +87,8 @@ class ProcessSupervisor : public ProcessRunner {
   Result<> Add(pid_t pid, Process process);
   void Ended(pid_t pid);
   void EndOrphans();
-  void AwaitLastOutput(const ProcessExit& exit, Process process);
+  void AwaitLastOutput(const ProcessExit& exit, const std::string& name, const ProcessLog& log,
+                       std::vector<OnExit> on_exit);
   void Report(std::uint64_t ending, const std::string& last_output);
 
   transport::EventLoop& loop_;

@@ -74,6 +74,17 @@ TEST_F(ChildProcesses, AProcessThatIsNotStoredIsFoundByItsMark) {
   EXPECT_THAT(FindChildren({{"cat", "7//cat"}}, {}), IsEmpty());
 }
 
+// Its pid is not known before, so that the mark does not name it.
+TEST_F(ChildProcesses, AUnitIsFoundByItsMarkAsTheFirstOfItsSession) {
+  ProcessSpec spec = Script(
+      "tail -f /dev/null & setsid tail -f /dev/null & echo ready > $PIPE; exec tail -f /dev/null");
+  spec.env[kChildMark] = UnitMarkOf(mark_);
+  const pid_t pid = MustStart(spec);
+  WaitForLine();
+  EXPECT_THAT(Find({}), ElementsAre(Now(pid)));
+  EXPECT_EQ(ChildMarkOf(pid), mark_);
+}
+
 // A process that is in the middle of an exec has no environment for some microseconds.
 TEST_F(ChildProcesses, AProcessIsFoundByItsMarkWhileItReplacesItsProgram) {
   const std::string program = folder_ / "program";
