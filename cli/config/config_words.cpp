@@ -91,6 +91,7 @@ void AddController(const MachineConfig& config, WordList& words) {
   words.Key("shutdown_budget_ms", Ms(config.shutdown_budget));
   words.Key("log", Or(config.log, "controller.log"));
   words.Key("log_group", Or(config.log_group, "none"));
+  words.Key("units", config.own_units ? "always" : "never");
   words.Key("journal_size_mb", Mb(config.journal_size_bytes));
   words.Key("log_size_mb", Mb(config.log_size_bytes));
   words.Key("logs_size_mb", Mb(config.logs_size_bytes));

@@ -168,7 +168,8 @@ struct MachineConfig {
   std::optional<Duration> permit;
   std::string rules_file;  // absolute; the user's rules for stable states; empty: none
 
-  std::vector<HostConfig> hosts;       // in the order of the file
+  std::vector<HostConfig> hosts;  // in the order of the file
+  bool own_units = false;  // processes of the controller's host are units of its systemd, too
   std::optional<PolicyConfig> policy;  // none: no rules
   Ros2Config ros2;
   std::optional<ViewConfig> view;  // none: no page is served

@@ -4,6 +4,7 @@
 
 #include "musher/base/suggest.hpp"
 #include "musher/base/toml/names.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/config/toml/draft.hpp"
 #include "musher/lifecycle/state.hpp"
 
@@ -138,6 +139,16 @@ void ReadLogGroup(TableReader& controller, Draft& draft) {
   }
 }
 
+// Whether systemd runs here is asked where the machine is started.
+void ReadUnits(TableReader& controller, Draft& draft) {
+  constexpr std::string_view kKey = "units";
+  const auto always = controller.Choice<bool>(kKey, {{"never", false}, {"always", true}});
+  draft.config.own_units = always.value_or(false);
+  if (!draft.config.own_units || SupportsHosts()) return;
+  controller.Fault(controller.At(kKey), kKey,
+                   "not supported by this build, which was made without libsystemd-dev");
+}
+
 }  // namespace
 
 void ReadController(TableReader& root, Draft& draft) {
@@ -159,6 +170,7 @@ void ReadController(TableReader& root, Draft& draft) {
   config.shutdown_budget = budget.value_or(config.shutdown_budget);
   config.log = ReadPath("log", controller, draft).value_or("");
   ReadLogGroup(controller, draft);
+  ReadUnits(controller, draft);
   const auto clock = controller.Choice<ClockSource>(
       "clock", {{"steady", ClockSource::kSteady}, {"topic", ClockSource::kTopic}});
   config.clock = clock.value_or(config.clock);

@@ -102,19 +102,20 @@ void ReadDevices(TableReader& reader, ProcessLimits& limits) {
 
 // What nothing would keep there.
 void FaultOnOwnHost(TableReader& reader, std::string_view key) {
-  const std::string unit = "limit the controller with all its processes in its own unit ";
-  std::string instead = "has no such limit; " + unit + "(MemoryMax=, CPUQuota=)";
-  if (key == "user") instead = "runs as the user of the controller; remove the key";
-  if (key == "sandbox") instead = "has none; " + unit + "(ProtectSystem=)";
-  if (key == "devices") instead = "opens what the controller may; " + unit + "(DeviceAllow=)";
+  std::string instead = "has no such limit";
+  if (key == "user") instead = "runs as the user of the controller";
+  if (key == "sandbox") instead = "has none";
+  if (key == "devices") instead = "opens what the controller may";
   reader.Fault(reader.At(key), key,
-               "needs a host, whose systemd keeps it: a process of the controller's own host " +
-                   instead + ", or give the actuator a [host.<name>]");
+               "needs systemd, which keeps it: a child of the controller " + instead +
+                   "; set units = \"always\" in [controller], or give the actuator a "
+                   "[host.<name>]");
 }
 
 // What the process needs, and does not see in its sandbox.
 void CheckSandbox(TableReader& reader, const ActuatorConfig& config, const Draft& draft) {
-  if (config.limits.sandbox != Sandbox::kStrict || config.host.empty()) return;
+  const bool is_unit = !config.host.empty() || draft.config.own_units;
+  if (config.limits.sandbox != Sandbox::kStrict || !is_unit) return;
   const auto own = config.env.find("MUSHER_CONFIG");
   const std::filesystem::path name = std::filesystem::path(draft.config.file).filename();
   const std::string file = own != config.env.end() ? own->second : (draft.folder / name).string();
@@ -223,7 +224,8 @@ void ReadLimits(TableReader& reader, ActuatorConfig& config, const Draft& draft)
     if (!reader.Has(key)) continue;
     if (!reader.Has("command")) {
       reader.Warn(reader.At(key), key, "has no effect without a command");
-    } else if (!reader.Has("host") && key != "nice" && key != "realtime_priority") {
+    } else if (!reader.Has("host") && !draft.config.own_units && key != "nice" &&
+               key != "realtime_priority") {
       FaultOnOwnHost(reader, key);
     }
   }
