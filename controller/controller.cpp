@@ -18,6 +18,7 @@
 #if MUSHER_HOSTS
 #include "musher/controller/process/bus_systemd.hpp"
 #include "musher/controller/process/host_units.hpp"
+#include "musher/controller/process/own_systemd.hpp"
 #endif
 #include "musher/controller/process/network_namespace.hpp"
 #include "musher/controller/storage/other_starts.hpp"
@@ -332,14 +333,9 @@ Result<> Controller::OpenShell() {
   dependencies.node = &node_;
   dependencies.processes = &processes_;
   dependencies.process_probe = &process_probe_;
-#if MUSHER_HOSTS
-  if (!config_.hosts.empty()) {
-    hosts_ = std::make_unique<HostUnits>(
-        node_.loop(), config_, [this] { return shell_->machine_identity(); }, BySsh(node_.loop()),
-        HostUnits::Options{});
-  }
-#endif
+  if (auto opened = OpenHosts(); !opened) return opened;
   dependencies.hosts = hosts_.get();
+  dependencies.own_units = hosts_ && config_.own_units;
   dependencies.host_environment = {{"ROS_DOMAIN_ID", std::to_string(domain_id_)}};
   dependencies.journal = journal_.get();
   AddSaves(dependencies);
@@ -367,6 +363,26 @@ Result<> Controller::OpenShell() {
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
   if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
+  return Ok();
+}
+
+// The systemds that run processes of this machine: of other hosts, and of this one.
+Result<> Controller::OpenHosts() {
+#if MUSHER_HOSTS
+  if (config_.hosts.empty() && !config_.own_units) return Ok();
+  HostUnits::Options options;
+  if (config_.own_units) {
+    const OwnSystemd own = FindOwnSystemd(transport::OwnEnvironment(), geteuid());
+    if (!own.trouble.empty()) {
+      return Error{kCodeFailed, "[controller] units = \"always\": " + own.trouble};
+    }
+    options.own = BySocket(node_.loop(), own.socket);
+    options.own_unit = UnitOf(getpid());
+  }
+  hosts_ = std::make_unique<HostUnits>(
+      node_.loop(), config_, [this] { return shell_->machine_identity(); }, BySsh(node_.loop()),
+      std::move(options));
+#endif
   return Ok();
 }
 
@@ -746,6 +762,8 @@ pid_t Controller::HolderOf(ActuatorIndex i) {
   const std::string& actuator = config_.actuators[i].name;
   const auto holder = NameLock::HolderOf(LockOf(actuator));
   if (holder.trusted) return holder.pid;
+  // Its unit runs as that user, and finds it.
+  if (config_.own_units && !config_.actuators[i].limits.user.empty()) return 0;
   shell_->Remark(kCodePermissionDenied,
                  holder.Text() + " holds the name of " + actuator +
                      " but belongs neither to root nor to user " + std::to_string(geteuid()) +

@@ -89,6 +89,7 @@ class Controller {
   void ShareStore();
   Result<> TakeName();
   Result<> OpenShell();
+  Result<> OpenHosts();
   void AddSaves(ShellDependencies& dependencies);
   ControllerShell::Hooks ShellHooks();
   Result<> OpenServices();
@@ -142,7 +143,7 @@ class Controller {
   std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;
   KernelProbe process_probe_;
-  std::unique_ptr<HostProcesses> hosts_;  // null unless the config has [host.*]
+  std::unique_ptr<HostProcesses> hosts_;  // null unless units run processes
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<transport::RosNodes> ros_nodes_;              // null unless this controller leads
   std::unique_ptr<ControllerServices> services_;                // null unless this controller leads

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "musher/controller/process/own_systemd.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 #include "musher/transport/network.hpp"
 #include "musher/transport/ros_environment.hpp"
@@ -15,6 +16,16 @@ namespace musher {
 namespace {
 
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung process is killed
+// How long after the exit of a process its systemd may say how it has exited.
+constexpr Duration kUnitEndWithin = Milliseconds(100);
+
+// What a child has by itself.
+ProcessSpec AsUnit(ProcessSpec spec) {
+  spec.env.emplace("MUSHER_LOG_TIME", "1");  // `musher logs` merges the lines by their times
+  if (!spec.mark.empty()) spec.env[kChildMark] = UnitMarkOf(spec.mark);
+  InheritForUnit(transport::OwnEnvironment(), spec);
+  return spec;
+}
 
 }  // namespace
 
@@ -81,11 +92,15 @@ bool ActuatorProcesses::IsOfOther(ActuatorIndex i, pid_t pid) const {
 }
 
 void ActuatorProcesses::OpenHosts() {
-  if (dependencies_.hosts == nullptr) return;
+  if (dependencies_.hosts != nullptr) dependencies_.hosts->Open(HookHosts());
+}
+
+HostProcesses::Hooks ActuatorProcesses::HookHosts() {
   HostProcesses::Hooks hooks;
   hooks.on_started = [this](const std::string& actuator, pid_t pid, const std::string& host,
                             bool found) {
     const ActuatorIndex i = *config_.IndexOf(actuator);
+    if (IsOwnUnit(i)) return OwnUnitStarted(i, pid, found);
     context_.handle(event::ProcessStarted{i, pid, host, found});
     peers_.ReportTaken(i);
   };
@@ -94,6 +109,7 @@ void ActuatorProcesses::OpenHosts() {
   };
   hooks.on_ended = [this](const std::string& actuator, pid_t pid, const ProcessExit& exit) {
     const ActuatorIndex i = *config_.IndexOf(actuator);
+    if (IsOwnUnit(i)) return OwnUnitEnded(i, pid, exit);
     context_.handle(event::ProcessEnded{i, pid, exit.clean(), exit.Text(), exit.code()});
     health_.ForgetUnlessPresent(i, context_.machine.actuators[i]);
   };
@@ -108,7 +124,58 @@ void ActuatorProcesses::OpenHosts() {
     const ActuatorIndex i = *config_.IndexOf(actuator);
     return !IsOfOther(i, pid) && IsStillEnded(context_.machine, i, pid);
   };
-  dependencies_.hosts->Open(std::move(hooks));
+  hooks.output = dependencies_.output;
+  return hooks;
+}
+
+// --- units of this host ---
+
+bool ActuatorProcesses::IsOwnUnit(ActuatorIndex i) const {
+  return dependencies_.own_units && !config_.actuators[i].command.empty() &&
+         config_.actuators[i].host.empty();
+}
+
+// The kernel reports its exit as that of a child, also while D-Bus is silent. A unit that was found
+// by its mark already is no news.
+void ActuatorProcesses::OwnUnitStarted(ActuatorIndex i, pid_t pid, bool found) {
+  if (context_.machine.actuators[i].process.pid == pid) return;
+  const std::uint64_t start_time = dependencies_.process_probe->StartTimeOf(pid);
+  own_units_[i].ended = 0;
+  // One that has exited meanwhile is reported by its unit.
+  static_cast<void>(
+      dependencies_.processes
+          ->Adopt(pid, start_time, [this, i, pid](const ProcessExit&) { AwaitOwnEnd(i, pid); })
+          .ok());
+  NoteChild(i, pid);
+  found ? peers_.OnProcessFound(i, pid) : peers_.OnProcess(i, pid);
+  context_.handle(event::ProcessStarted{i, pid, "", found});
+}
+
+void ActuatorProcesses::AwaitOwnEnd(ActuatorIndex i, pid_t pid) {
+  OwnUnit& unit = own_units_[i];
+  if (unit.ended == pid || context_.machine.actuators[i].process.pid != pid) return;
+  unit.silence = context_.loop().At(context_.loop().Now() + kUnitEndWithin,
+                                    [this, i, pid] { Ended(i, pid, {}); });
+}
+
+void ActuatorProcesses::OwnUnitEnded(ActuatorIndex i, pid_t pid, const ProcessExit& exit) {
+  if (context_.machine.actuators[i].process.pid != pid) return;
+  OwnUnit& unit = own_units_[i];
+  unit.ended = pid;
+  unit.silence = nullptr;
+  dependencies_.processes->AddLastOutput(
+      exit, config_.actuators[i].name, unit.log,
+      [this, i, pid](const ProcessExit& with_output) { Ended(i, pid, with_output); });
+}
+
+// Reported once: by its unit, or for the silence of that.
+void ActuatorProcesses::Ended(ActuatorIndex i, pid_t pid, const ProcessExit& exit) {
+  if (context_.machine.actuators[i].process.pid != pid) return;
+  const OwnUnit waited = std::exchange(own_units_[i], {});
+  ForgetChild(i, pid);
+  peers_.OnProcessEnded(i, pid);
+  context_.handle(event::ProcessEnded{i, pid, exit.clean(), exit.Text(), exit.code()});
+  health_.ForgetUnlessPresent(i, context_.machine.actuators[i]);
 }
 
 void ActuatorProcesses::CancelStarts() {
@@ -129,6 +196,10 @@ void ActuatorProcesses::Do(const action::StartProcess& a) {
   ProcessSpec spec = SpecOf(a.actuator);
   if (IsOnHost(a.actuator)) return dependencies_.hosts->Start(spec);
   const auto output = dependencies_.output(spec.name);
+  if (IsOwnUnit(a.actuator)) {
+    own_units_[a.actuator].log = dependencies_.processes->LogOf(output ? output->get() : -1);
+    return dependencies_.hosts->Start(AsUnit(std::move(spec)));
+  }
   if (output) spec.output = output->get();
   auto pid = std::make_shared<pid_t>(0);
   const auto started =
@@ -210,6 +281,10 @@ void ActuatorProcesses::Do(const action::FindProcesses&) {
     found.unreached.resize(config_.actuators.size());
     for (const HostProcesses::Found& one : there) {
       const ActuatorIndex i = *config_.IndexOf(one.actuator);
+      if (IsOwnUnit(i)) {  // whose host is not out of reach
+        if (found.processes[i] == 0) found.processes[i] = one.pid;
+        continue;
+      }
       // One that is found now and follows another machine is not ended with this one.
       found.processes[i] = peers_.IsOfOther(i, one.host, one.pid) ? 0 : one.pid;
       found.hosts[i] = one.host;
@@ -273,6 +348,7 @@ void ActuatorProcesses::Do(const action::RunPowerCommand& a) {
 bool ActuatorProcesses::WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child) {
   if (pid == 0 || pid == dependencies_.pid) return false;
   const auto on_exit = [this, actuator, pid](const ProcessExit&) {
+    if (IsOwnUnit(actuator)) return AwaitOwnEnd(actuator, pid);
     ForgetChild(actuator, pid);
     peers_.ReportExit(actuator, [this, actuator, pid] {
       peers_.OnProcessEnded(actuator, pid);

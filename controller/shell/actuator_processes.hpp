@@ -30,7 +30,7 @@ class ActuatorProcesses {
   // that an earlier controller has started.
   void TakeOver(event::Begin& begin, const std::vector<ChildProcess>& children);
 
-  // Connects to the other hosts that run processes, once the machine has begun.
+  // Connects to the hosts that run processes as units, once the machine has begun.
   void OpenHosts();
 
   // What the kernel reports of each process of this host that has not announced its actuator by its
@@ -53,6 +53,13 @@ class ActuatorProcesses {
   // Whether the process that the controller has started for the actuator runs on another host.
   bool RunsOnHost(ActuatorIndex actuator) const;
   bool IsOfOther(ActuatorIndex actuator, pid_t pid) const;
+  // Whether the command of the actuator runs as a unit of this host.
+  bool IsOwnUnit(ActuatorIndex actuator) const;
+  HostProcesses::Hooks HookHosts();
+  void OwnUnitStarted(ActuatorIndex actuator, pid_t pid, bool found);
+  void AwaitOwnEnd(ActuatorIndex actuator, pid_t pid);
+  void OwnUnitEnded(ActuatorIndex actuator, pid_t pid, const ProcessExit& exit);
+  void Ended(ActuatorIndex actuator, pid_t pid, const ProcessExit& exit);
   // Finds the processes of this host, and watches them from then on.
   event::ProcessesFound FindHere();
   ProcessSpec SpecOf(ActuatorIndex actuator) const;
@@ -71,6 +78,12 @@ class ActuatorProcesses {
   bool children_unsaved_ = false;                   // the last save failed, which was reported
   bool power_command_runs_ = false;                 // the command of power-off or reboot
   std::map<ActuatorIndex, transport::LoopHandlePtr> starts_later_;
+  struct OwnUnit {
+    ProcessLog log;                    // where this controller has started it
+    pid_t ended = 0;                   // whose end systemd has reported
+    transport::LoopHandlePtr silence;  // ends the wait for that
+  };
+  std::map<ActuatorIndex, OwnUnit> own_units_;
 };
 
 }  // namespace musher

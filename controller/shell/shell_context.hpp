@@ -30,6 +30,7 @@ struct ShellDependencies {
   ProcessProbe* process_probe = nullptr;
   // The processes of actuators with a `host`; null: `processes` starts them as well.
   HostProcesses* hosts = nullptr;
+  bool own_units = false;  // `hosts` also starts those without a `host`, by the systemd of this one
   std::map<std::string, std::string> host_environment = {};  // of these processes, beside their own
   JournalSink* journal = nullptr;
   // These save what must survive this controller. Each hands its value to the disk and does not
