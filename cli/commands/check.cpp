@@ -66,13 +66,15 @@ ExitCode Check(const CheckOptions& options, const GlobalOptions& /*global*/, Con
       const auto limits =
           CheckLimits(*read, {user.may_real_time, user.real_time, user.lowest_nice});
       reading.diagnostics.insert(reading.diagnostics.end(), limits.begin(), limits.end());
+      const auto units = CheckOtherHosts(*read, ReadOwnHost(*read));
+      reading.diagnostics.insert(reading.diagnostics.end(), units.begin(), units.end());
       const auto hosts =
           options.hosts ? CheckOtherHosts(*read, ReadOtherHosts(*read)) : std::vector<Diagnostic>();
       reading.diagnostics.insert(reading.diagnostics.end(), hosts.begin(), hosts.end());
       const auto rules = reading.config ? RulesOf(*read).diagnostics : std::vector<Diagnostic>();
       reading.diagnostics.insert(reading.diagnostics.end(), rules.begin(), rules.end());
-      if (HasError(found) || HasError(group) || HasError(limits) || HasError(hosts) ||
-          HasError(rules)) {
+      if (HasError(found) || HasError(group) || HasError(limits) || HasError(units) ||
+          HasError(hosts) || HasError(rules)) {
         reading.config.reset();
       }
     }

@@ -21,6 +21,8 @@
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
+#include "musher/controller/process/host_processes.hpp"
+#include "musher/controller/process/own_systemd.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
@@ -127,11 +129,21 @@ ExitCode Watch(Link& link, Console& console) {
   return ExitCode::kDone;
 }
 
+// Of the processes of this host.
+void AddUnits(const msg::MachineStatus& status, StatusSince& since) {
+  for (const msg::ActuatorInfo& actuator : status.actuators) {
+    if (actuator.pid == 0 || (!actuator.host.empty() && actuator.host != HostId())) continue;
+    const std::string unit = UnitOf(actuator.pid);
+    if (unit == UnitNameOf(status.machine, actuator.name)) since.units[actuator.name] = unit;
+  }
+}
+
 // Of a machine that works: what is not known is left out.
 StatusSince SinceWhen(Link& link, const msg::MachineStatus& status) {
   StatusSince since;
   if (status.host == HostId()) {
     if (const auto facts = FactsOf(status.pid)) since.up_s = facts->age_s;
+    AddUnits(status, since);
   }
   const auto answer = link.Call<msg::GetHistory>("get_history", {0, kRecent}, kHistoryTime);
   const auto* history = std::get_if<msg::GetHistory::Response>(&answer);
@@ -163,7 +175,7 @@ void PrintStatus(const msg::MachineStatus& status, const Uncontrolled& unlisted,
   } else {
     console.Print(StatusText(status, colour, TimesOf(since, status.host)) +
                   (console.mode().terminal ? StatusLegend(status, colour) : "") +
-                  (hosts ? HostsText(*hosts, colour) : ""));
+                  UnitsText(since.units, colour) + (hosts ? HostsText(*hosts, colour) : ""));
   }
   if (!hosts) return;
   for (const HostClock& host : *hosts) {

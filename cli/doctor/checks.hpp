@@ -36,7 +36,8 @@ std::vector<DoctorCheck> CheckNetwork(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckHost(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckStorage(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts);
-std::vector<DoctorCheck> CheckHosts(const DoctorFacts& facts);  // the other ones
+std::vector<DoctorCheck> CheckHosts(const DoctorFacts& facts);  // whose systemd runs actuators
+inline constexpr const char* kOwnUnitsCheck = "units";          // the name of that of this host
 
 CheckStatus Worst(const std::vector<DoctorCheck>& checks);
 

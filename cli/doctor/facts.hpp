@@ -188,7 +188,7 @@ struct DoctorFacts {
   std::string controllers_error;
   std::string in_other_network;  // MachineInOtherNetwork::Text(); empty: none is known
   std::vector<MemberFacts> members;
-  std::vector<OtherHostFacts> hosts;       // that run actuators of the config
+  std::vector<OtherHostFacts> hosts;       // that run actuators of the config as units
   std::vector<std::string> other_vendors;  // participants of another DDS than Cyclone
   std::string uri_text;                    // of CYCLONEDDS_URI, also of the file that it names
   std::string uri_error;

@@ -1,16 +1,21 @@
 #include "musher/cli/doctor/host_reach.hpp"
 
+#include <unistd.h>
+
 #include <charconv>
 #include <filesystem>
 #include <sstream>
 
+#include "musher/base/program.hpp"
 #include "musher/base/version.hpp"
 #include "musher/base/words.hpp"
 #include "musher/cli/config/config_places.hpp"
 #include "musher/cli/doctor/checks.hpp"
 #include "musher/cli/machine/host_query.hpp"
 #include "musher/controller/process/host_processes.hpp"
+#include "musher/controller/process/own_systemd.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
+#include "musher/transport/ros_environment.hpp"
 
 namespace musher::cli {
 namespace {
@@ -169,6 +174,28 @@ std::vector<OtherHostFacts> ReadOtherHosts(const MachineConfig& config) {
   return hosts;
 }
 
+std::vector<OtherHostFacts> ReadOwnHost(const MachineConfig& config) {
+  constexpr Duration kScriptWithin = Milliseconds(8000);
+  if (!config.own_units) return {};
+  OtherHostFacts here;
+  const OwnSystemd systemd = FindOwnSystemd(transport::OwnEnvironment(), geteuid());
+  here.trouble = systemd.trouble;
+  if (!here.trouble.empty()) return {here};
+  ProgramSpec script;
+  script.argv = {"sh", "-c", HostFactsScript(config, "")};
+  const auto end = RunProgram(script, "", kScriptWithin);
+  if (!end || end.value().timed_out) {
+    here.trouble = "its systemd could not be examined";
+    return {here};
+  }
+  std::vector<std::string> lines;
+  std::istringstream text(end.value().output);
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  const auto origin = LoadOrigin(config.state_dir);
+  TakeHostLines(lines, origin && origin->name == config.name ? origin->id : "", here);
+  return {here};
+}
+
 std::vector<Diagnostic> CheckOtherHosts(const MachineConfig& config,
                                         const std::vector<OtherHostFacts>& hosts) {
   const ConfigPlaces places(config.file);
@@ -180,7 +207,9 @@ std::vector<Diagnostic> CheckOtherHosts(const MachineConfig& config,
   for (const DoctorCheck& check : CheckHosts(facts)) {
     if (check.health != CheckStatus::kWarning && check.health != CheckStatus::kError) continue;
     const int line =
-        places.LineOf("host." + check.name.substr(check.name.find(' ') + 1), "address");
+        check.name == kOwnUnitsCheck
+            ? places.LineOf("controller", "units")
+            : places.LineOf("host." + check.name.substr(check.name.find(' ') + 1), "address");
     const bool is_error = check.health == CheckStatus::kError;
     found.push_back({config.file, line, line == 0 ? 0 : 1,
                      is_error ? Severity::kError : Severity::kWarning,

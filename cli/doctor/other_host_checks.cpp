@@ -15,6 +15,11 @@ constexpr int kOldestSystemd = 248;
 constexpr std::int64_t kLittle = 100 << 20;  // bytes
 constexpr Duration kAhead = Milliseconds(1000);
 
+// Before a command that is to run there.
+std::string OnIt(const OtherHostFacts& host) {
+  return host.name.empty() ? "" : "ssh " + host.login + " ";
+}
+
 // The actuators of the host with such a limit.
 template <typename Has>
 std::vector<std::string> Limited(const DoctorFacts& facts, const OtherHostFacts& host, Has has) {
@@ -82,9 +87,15 @@ std::optional<Unkept> UnkeptLimit(const DoctorFacts& facts, const OtherHostFacts
   if (!nice.empty() && !keeps("cpu") && host.autogroups) {
     return Unkept{CheckStatus::kWarning,
                   of("nice", nice) + "it has autogroups, and its cgroups have no cpu controller",
-                  "ssh " + host.login + " sysctl kernel.sched_autogroup_enabled=0"};
+                  OnIt(host) + "sysctl kernel.sched_autogroup_enabled=0"};
   }
   return std::nullopt;
+}
+
+std::optional<Unkept> NoUser(const OtherHostFacts& host) {
+  if (host.no_users.empty()) return std::nullopt;
+  return Unkept{CheckStatus::kError, fmt::format("it has no user {}", Joined(host.no_users)),
+                OnIt(host) + "useradd --system " + host.no_users.front()};
 }
 
 // What no actuator is started without.
@@ -98,11 +109,7 @@ std::optional<Unkept> MissingThere(const OtherHostFacts& host) {
                   "the working directory is not there for " + Joined(host.no_folders),
                   "make it there, correct `cwd`, or let `musher deploy` copy the files"};
   }
-  if (!host.no_users.empty()) {
-    return Unkept{CheckStatus::kError, fmt::format("it has no user {}", Joined(host.no_users)),
-                  fmt::format("ssh {} useradd --system {}", host.login, host.no_users.front())};
-  }
-  return std::nullopt;
+  return NoUser(host);
 }
 
 // A file that an actuator may do without.
@@ -121,7 +128,59 @@ std::optional<Unkept> MissingFile(const OtherHostFacts& host) {
   return std::nullopt;
 }
 
+// What the systemd of a user keeps for no process.
+std::optional<Unkept> OfRootOnly(const DoctorFacts& facts, const OtherHostFacts& host) {
+  const auto fault = [&](const char* key, auto has) -> std::optional<Unkept> {
+    const auto names = Limited(facts, host, has);
+    if (names.empty()) return std::nullopt;
+    return Unkept{CheckStatus::kError,
+                  fmt::format("the systemd of a user does not keep `{}` of {}", key, Joined(names)),
+                  "start the machine as root, or remove the key"};
+  };
+  if (auto found = fault("user", [](const ProcessLimits& one) { return !one.user.empty(); })) {
+    return found;
+  }
+  if (auto found = fault("sandbox",
+                         [](const ProcessLimits& one) { return one.sandbox != Sandbox::kNone; })) {
+    return found;
+  }
+  return fault("devices", [](const ProcessLimits& one) { return one.devices.has_value(); });
+}
+
+// Of this host, whose programs and folders other checks look at.
+DoctorCheck CheckOwn(const DoctorFacts& facts, const OtherHostFacts& host) {
+  DoctorCheck check{kOwnUnitsCheck};
+  const auto fault = [&](CheckStatus health, std::string reason, std::string fix) {
+    check.health = health;
+    check.reason = "controller.units: " + std::move(reason);
+    check.fix = std::move(fix);
+    return check;
+  };
+  if (!host.trouble.empty()) return fault(CheckStatus::kError, host.trouble, "");
+  if (host.systemd < kOldestSystemd) {
+    return fault(
+        CheckStatus::kError,
+        fmt::format("systemd {} is too old: actuators need {}", host.systemd, kOldestSystemd),
+        "upgrade this system, or remove `units`");
+  }
+  const auto root_only = host.root ? std::nullopt : OfRootOnly(facts, host);
+  for (const auto& found : {root_only, NoUser(host), UnkeptLimit(facts, host)}) {
+    if (found) return fault(found->health, "this host: " + found->reason, found->fix);
+  }
+  if (host.root && !host.foreign.empty()) {
+    return fault(CheckStatus::kError,
+                 fmt::format("this host runs {} already, for another machine of this name",
+                             Joined(host.foreign)),
+                 "give one of the machines another name, or run `systemctl stop " +
+                     host.foreign.front() + "`");
+  }
+  check.reason = fmt::format("processes of this host are units of systemd {}{}", host.systemd,
+                             host.root ? "" : ", that of this user");
+  return check;
+}
+
 DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
+  if (host.name.empty()) return CheckOwn(facts, host);
   DoctorCheck check{"host " + host.name};
   const auto fault = [&](CheckStatus health, std::string reason, std::string fix) {
     check.health = health;

@@ -203,7 +203,10 @@ DoctorFacts ReadFacts(std::optional<MachineConfig> config, const GlobalOptions& 
     ReadStorage(facts, kDiskTime);
     facts.programs = CheckPrograms(*facts.config, kProgramTime, Severity::kError);
     facts.ros = CheckRos(*facts.config, facts.environment);
-    facts.hosts = ReadOtherHosts(*facts.config);
+    facts.hosts = ReadOwnHost(*facts.config);
+    for (OtherHostFacts& host : ReadOtherHosts(*facts.config)) {
+      facts.hosts.push_back(std::move(host));
+    }
   }
   facts.limits = ReadLimits();
   facts.core = ReadCore();

@@ -168,7 +168,12 @@ std::string StatusJson(const msg::MachineStatus& status,
                        const StatusSince& since,
                        const std::optional<std::vector<HostClock>>& hosts) {
   OrderedJson actuators = OrderedJson::object();
-  for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = ActuatorJson(a);
+  for (const msg::ActuatorInfo& a : status.actuators) {
+    const auto unit = since.units.find(a.name);
+    actuators[a.name] = ActuatorJson(a);
+    actuators[a.name]["unit"] =
+        unit == since.units.end() ? OrderedJson() : OrderedJson(unit->second);
+  }
   return JsonLine({{"machine", status.machine},
                    {"pid", Known(status.pid)},
                    {"state", Known(status.state)},

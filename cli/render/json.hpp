@@ -35,10 +35,12 @@ OrderedJson ActuatorJson(const msg::ActuatorInfo& actuator);
 OrderedJson ActuatorJson(const msg::ActuatorStatus& status);
 // The stop that an actuator has latched.
 OrderedJson StopJson(const msg::ActuatorStatus& status);
-// `state_since_ns` by the wall clock, `up_s` of its controller; nullopt: not known.
+// What this host knows beside the status. `state_since_ns` by the wall clock, `up_s` of its
+// controller; nullopt: not known.
 struct StatusSince {
   std::optional<std::int64_t> state_since_ns;
   std::optional<double> up_s;
+  std::map<std::string, std::string> units = {};  // of actuators whose process is one of this host
 };
 // `unlisted`: running actuators of the namespace that are not in the machine's config. `hosts`: its
 // other hosts; nullopt: they were not looked at.

@@ -212,6 +212,13 @@ std::string HostsText(const std::vector<HostClock>& hosts, bool colour) {
   return table.Text(colour);
 }
 
+std::string UnitsText(const std::map<std::string, std::string>& units, bool colour) {
+  if (units.empty()) return {};
+  std::vector<std::string> names;
+  for (const auto& [actuator, unit] : units) names.push_back(unit);
+  return Paint("units of systemd: " + Joined(names) + "\n", Style::kDim, colour);
+}
+
 std::string StatusLine(const msg::MachineStatus& shown, std::int64_t wall_ns) {
   const msg::MachineStatus status = Printable(shown);
   std::string line = LocalTime(wall_ns) + "  " + status.machine + "  " + status.state;

@@ -35,6 +35,8 @@ std::string StatusText(const msg::MachineStatus& status, bool colour,
 std::string StatusLegend(const msg::MachineStatus& status, bool colour);
 // The other hosts of a machine, with how far their clocks are from this computer's.
 std::string HostsText(const std::vector<HostClock>& hosts, bool colour);
+// The units of this host's systemd that run processes of the machine; empty: there are none.
+std::string UnitsText(const std::map<std::string, std::string>& units, bool colour);
 // The status on one line, for output that is not a terminal.
 std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 

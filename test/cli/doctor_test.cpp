@@ -723,6 +723,66 @@ TEST(DoctorOfAnotherHost, NamesTheLimitsThatItsKernelDoesNotKeep) {
   }
 }
 
+// `units = "always"`, of a host without a fault.
+OtherHostFacts ThisHost() {
+  OtherHostFacts host = Vision();
+  host.name.clear();
+  host.login.clear();
+  host.cgroups = 2;
+  host.keeps = {"cpu", "quota", "memory", "devices", "mounts"};
+  return host;
+}
+
+DoctorCheck CheckUnits(const OtherHostFacts& host, const ProcessLimits& limits = {}) {
+  DoctorFacts facts = Healthy();
+  ActuatorConfig eyes;
+  eyes.name = "eyes";
+  eyes.command = {"eyes"};
+  eyes.limits = limits;
+  facts.config.emplace().actuators.push_back(eyes);
+  facts.config->own_units = true;
+  facts.hosts = {host};
+  return Check(facts, "units");
+}
+
+TEST(DoctorOfUnitsOfThisHost, SaysThatProcessesAreUnits) {
+  EXPECT_EQ(CheckUnits(ThisHost()).health, CheckStatus::kOk);
+  EXPECT_EQ(CheckUnits(ThisHost()).reason, "processes of this host are units of systemd 252");
+}
+
+TEST(DoctorOfUnitsOfThisHost, NamesEachLimitThatIsNotKeptWithWhatToDo) {
+  ProcessLimits limits;
+  limits.memory_max_bytes = 64 << 20;
+  limits.user = "robot";
+  OtherHostFacts none = ThisHost();
+  none.trouble = "systemd does not run on this host; remove `units`";
+  EXPECT_EQ(CheckUnits(none).health, CheckStatus::kError);
+  EXPECT_EQ(CheckUnits(none).reason, "controller.units: " + none.trouble);
+  OtherHostFacts old = ThisHost();
+  old.systemd = 245;
+  EXPECT_THAT(CheckUnits(old).reason, HasSubstr("systemd 245 is too old"));
+  OtherHostFacts small = ThisHost();
+  small.keeps = {"cpu"};
+  EXPECT_EQ(CheckUnits(small, limits).health, CheckStatus::kError);
+  EXPECT_THAT(CheckUnits(small, limits).reason,
+              HasSubstr("this host: its kernel does not keep `memory_max_mb` of eyes"));
+  OtherHostFacts empty = ThisHost();
+  empty.no_users = {"robot"};
+  EXPECT_EQ(CheckUnits(empty, limits).fix, "useradd --system robot");
+  OtherHostFacts of_user = ThisHost();
+  of_user.root = false;
+  EXPECT_THAT(CheckUnits(of_user, limits).reason,
+              HasSubstr("the systemd of a user does not keep `user` of eyes"));
+  EXPECT_THAT(CheckUnits(of_user, limits).fix, HasSubstr("as root"));
+  EXPECT_EQ(CheckUnits(of_user).reason,
+            "processes of this host are units of systemd 252, that of this user");
+  OtherHostFacts taken = ThisHost();
+  taken.foreign = {"musher-dog-eyes.service"};
+  EXPECT_EQ(CheckUnits(taken).fix,
+            "give one of the machines another name, or run `systemctl stop "
+            "musher-dog-eyes.service`");
+}
+
 TEST(DoctorOfAnotherHost, ReadsWhatItsScriptPrints) {
   OtherHostFacts host;
   TakeHostLines({"arch aarch64", "init systemd", "systemd 252", "free 1024", "user 0",

@@ -11,15 +11,17 @@
 namespace musher::cli::json_test {
 
 TEST(Json, HasTheStatusOfAMachine) {
+  StatusSince since;
+  since.units = {{"legs", "musher-dog-legs.service"}};
   EXPECT_EQ(
-      StatusJson(RobotStatus()),
+      StatusJson(RobotStatus(), {}, since),
       R"({"machine":"dog","pid":100,"state":"Active","degraded":["eyes"],"actuators":{)"
       R"("legs":{"state":"Active","pid":101,"target":"LowPower","presence":"present","stage":1,)"
       R"("critical":true,"held":false,"degraded":false,"code":0,"message":"","host":"here",)"
-      R"("health":"well","restarts":0,"restarting":false},)"
+      R"("health":"well","restarts":0,"restarting":false,"unit":"musher-dog-legs.service"},)"
       R"("eyes":{"state":"SetUp","pid":null,"target":null,"presence":"lost","stage":2,"critical":false,)"
       R"("held":true,"degraded":true,"code":107,"message":"gone\n","host":"here",)"
-      R"("health":"crashed","restarts":2,"restarting":true}},)"
+      R"("health":"crashed","restarts":2,"restarting":true,"unit":null}},)"
       R"("unlisted":{},"phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
       R"("config":"dog.toml","config_hash":"cafe","host":"here",)"
       R"("emergency_stop":{"engaged":false,"by":null,"reason":""},"held_by_stop":[],"not_on_disk":[],"policy":null,)"
