@@ -523,15 +523,15 @@ void HostUnits::ArmDeadline(Unit& unit) {
   unit.deadline = loop_.At(loop_.Now() + options_.start_within, [this, &unit] {
     if (!unit.wanted) return;
     if (!unit.host.systemd->is_up()) return Await(unit, Unreached(unit.host));
+    const bool silent = unit.examining && unit.unread.empty();
     if (unit.asked) {  // it would start after it was given up
       unit.given_up = true;
       Examine(unit);
     }
-    const std::string how = unit.unread.empty()
-                                ? " is " + unit.state.active + " for " +
-                                      std::to_string(ToMilliseconds(options_.start_within) / 1000) +
-                                      " s"
-                                : "'s state cannot be read: " + unit.unread;
+    std::string how = " is " + unit.state.active + " for " +
+                      std::to_string(ToMilliseconds(options_.start_within) / 1000) + " s";
+    if (!unit.unread.empty()) how = "'s state cannot be read: " + unit.unread;
+    if (silent) how = "'s state cannot be read: systemd does not answer";
     NotStarted(unit, NameOf(unit.host.config) + ": " + unit.name + how +
                          "; see `systemctl status " + unit.name + "` there");
   });

@@ -783,6 +783,20 @@ TEST_F(UnitOfThisHost, IsNotStartedWithoutItsDBus) {
   EXPECT_THAT(Calls(), Not(HasSubstr("StartTransientUnit")));  // it was given up
 }
 
+TEST_F(UnitOfThisHost, IsNotStartedByASystemdThatDoesNotAnswer) {
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  MakeHere(Milliseconds(300));
+  SetUnit("inactive", 0);
+  Open();
+  Find();  // it answers
+  Write("ignore-GetAll", "");
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(
+      not_started_.front(),
+      HasSubstr("musher-robot-eyes.service's state cannot be read: systemd does not answer"));
+}
+
 TEST_F(UnitOfThisHost, RunsOnWhenItsDBusIsLostAndIsFoundAgain) {
   ASSERT_NO_FATAL_FAILURE(Listen());
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
