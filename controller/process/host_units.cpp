@@ -45,7 +45,19 @@ bool HasExited(const UnitState& state, pid_t pid) {
          state.exec_code != 0;
 }
 
-ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limits) {
+// systemd keeps a unit that has failed, and drops one that has ended with code 0. It also drops one
+// that SIGTERM, SIGHUP, SIGINT or SIGPIPE has ended, maybe in its TearDown.
+bool IsDropped(const UnitState& state) {
+  return state.active == "inactive" && state.exec_pid == 0;
+}
+
+std::string WhyUnknown(const UnitState& state, const std::string& unit) {
+  return IsDropped(state) ? "systemd knows nothing of " + unit + " any more"
+                          : "systemd knows another start of " + unit + " only";
+}
+
+ProcessExit ExitOf(const UnitState& state, pid_t pid, const std::string& unit,
+                   const ProcessLimits& limits) {
   ProcessExit exit;
   const bool over = state.ended() || HasExited(state, pid);
   if (over && state.result == kResultOutOfMemory) {
@@ -53,11 +65,10 @@ ProcessExit ExitOf(const UnitState& state, pid_t pid, const ProcessLimits& limit
     exit.out_of_memory =
         most ? "memory_max_mb = " + std::to_string(*most >> 20) : "the memory of its host";
   }
-  // While the host was out of reach. systemd keeps a unit that has failed, and drops one that has
-  // ended well: with code 0, or by SIGTERM, SIGHUP, SIGINT or SIGPIPE.
-  const bool dropped = state.active == "inactive" && state.exec_pid == 0;
-  if (dropped) exit.kind = ProcessExit::Kind::kExited;
-  if (static_cast<pid_t>(state.exec_pid) != pid || !over) return exit;
+  if (static_cast<pid_t>(state.exec_pid) != pid || !over) {
+    exit.last_output = WhyUnknown(state, unit);
+    return exit;
+  }
   exit.number = state.exec_status;
   if (state.exec_code == CLD_EXITED) exit.kind = ProcessExit::Kind::kExited;
   if (state.exec_code == CLD_KILLED || state.exec_code == CLD_DUMPED) {
@@ -149,6 +160,7 @@ struct HostUnits::Unit {
   int signal = 0;                          // to be sent, or sent and not confirmed
   bool refused = false;                    // a signal was refused, which was reported
   bool signalled = false;                  // the machine ends its process
+  std::optional<UnitState> end = {};       // how the process has exited, by a signal of systemd
   std::optional<ProcessExit> exit = {};    // the end of the process, not reported yet
   bool asks_system = false;                // whether the host shuts down: not answered yet
   bool ends_rest = false;                  // its end was reported, and not all of it has ended
@@ -201,6 +213,7 @@ Systemd::Hooks HostUnits::HooksOf(Host& host) {
     Unit* unit = UnitOf(host, name);
     if (unit == nullptr) return;
     merge(unit->state);
+    if (whole && HasExited(unit->state, unit->pid)) unit->end = unit->state;
     if (whole) OnChange(*unit);
   };
   hooks.on_job_removed = [this, &host](const std::string& name, const std::string& job,
@@ -415,7 +428,10 @@ void HostUnits::Conclude(Unit& unit) {
 }
 
 void HostUnits::Started(Unit& unit, pid_t pid, bool found) {
-  if (unit.pid != pid) unit.signalled = false;
+  if (unit.pid != pid) {
+    unit.signalled = false;
+    unit.end.reset();
+  }
   unit.pid = pid;
   unit.invocation = unit.state.invocation;
   unit.refused = false;
@@ -445,7 +461,9 @@ void HostUnits::Await(Unit& unit, const std::string& why) {
 void HostUnits::Ended(Unit& unit) {
   if (unit.asks_system) return;
   const ActuatorIndex i = *config_.IndexOf(unit.actuator);
-  if (!unit.exit) unit.exit = ExitOf(unit.state, unit.pid, config_.actuators[i].limits);
+  // It may have been dropped while it was examined.
+  const UnitState& state = unit.end && IsDropped(unit.state) ? *unit.end : unit.state;
+  if (!unit.exit) unit.exit = ExitOf(state, unit.pid, unit.name, config_.actuators[i].limits);
   const bool wanted = unit.signalled || !hooks_.still_starts(unit.actuator);
   if (NeedsSystemState(*unit.exit, wanted)) return AskSystemState(unit);
   const ProcessExit exit = *std::exchange(unit.exit, std::nullopt);
@@ -625,7 +643,7 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
     return NotStarted(unit, PlaceOf(unit.host.config) + " has no user " + spec.limits.user +
                                 "; make it there, or correct `user`");
   }
-  const ProcessExit exit = ExitOf(unit.state, pid, spec.limits);
+  const ProcessExit exit = ExitOf(unit.state, pid, unit.name, spec.limits);
   std::string why = "the start of " + unit.name + " has ended as '" + result + "'";
   if (!exit.out_of_memory.empty()) why = "the start of " + unit.name + " has ended " + exit.Text();
   if (skipped) why = WhySkipped(unit.name, spec);

@@ -35,7 +35,7 @@ struct ProcessExit {
   enum class Kind {
     kExited,        // number = its exit code
     kKilled,        // number = the signal
-    kUnknown,       // not a child: only its exit is known
+    kUnknown,       // only its exit is known; `last_output` may give the reason
     kNotRun,        // its program could not be executed; `last_output` gives the reason
     kHostWentDown,  // another host, which it ran on, was shut down or booted again
   };
@@ -52,8 +52,8 @@ struct ProcessExit {
   // The exit code; 0 also if it was killed or the code is unknown.
   int code() const { return kind == Kind::kExited ? number : 0; }
 
-  // "exit code 3: no such port", "killed by SIGKILL", "out of memory: …", "ended (exit code
-  // unknown)", "its host went down".
+  // "exit code 3: no such port", "killed by SIGKILL", "out of memory: …", "exit code unknown: …",
+  // "its host went down".
   std::string Text() const;
 
   friend bool operator==(const ProcessExit&, const ProcessExit&) = default;

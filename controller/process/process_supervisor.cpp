@@ -115,7 +115,9 @@ std::string ProcessExit::Text() const {
   if (!out_of_memory.empty()) {
     return "out of memory: its limit (" + out_of_memory + ") or the memory of its host is used up";
   }
-  if (kind == Kind::kUnknown) return "ended (exit code unknown)";
+  if (kind == Kind::kUnknown) {
+    return last_output.empty() ? "exit code unknown" : "exit code unknown: " + last_output;
+  }
   if (kind == Kind::kHostWentDown) return "its host went down";
   if (kind == Kind::kNotRun) return last_output;
   const std::string text = ExitStatus{kind == Kind::kKilled, number}.Text();

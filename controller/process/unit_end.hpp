@@ -19,7 +19,8 @@ inline constexpr std::string_view kSystemStops = "stopping";
 // Whether EndOfUnit() needs the state of the host's systemd. `wanted`: the machine has ended the
 // process, or is torn down; then its host does not matter.
 inline bool NeedsSystemState(const ProcessExit& exit, bool wanted) {
-  return !wanted && exit.kind == ProcessExit::Kind::kExited;
+  return !wanted &&
+         (exit.kind == ProcessExit::Kind::kExited || exit.kind == ProcessExit::Kind::kUnknown);
 }
 
 // `system_state`: that of the host's systemd after the end; empty: unknown. `rebooted`: the host

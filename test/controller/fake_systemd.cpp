@@ -71,10 +71,7 @@ class FakeSystemd {
       if (more < 0) return 0;
       if (more > 0) continue;
       if (Take("down")) return 0;
-      if (!path_.empty() && Has("changed")) {
-        SendChange();
-        Take("changed");
-      }
+      TellChange();
       if (sd_bus_wait(bus_, kLookEach_us) < 0) return 0;
     }
   }
@@ -90,7 +87,10 @@ class FakeSystemd {
     const std::string member = sd_bus_message_get_member(call);
     if (Has("late-" + member)) {
       Note(member + " is late");
-      while (Has("late-" + member)) sd_bus_wait(bus_, kLookEach_us);
+      while (Has("late-" + member)) {
+        TellChange();
+        sd_bus_wait(bus_, kLookEach_us);
+      }
     }
     if (Has("refuse-" + member)) {
       std::ifstream file(folder_ + "/refuse-" + member);
@@ -194,6 +194,12 @@ class FakeSystemd {
     sd_bus_message_open_container(message, 'v', "ay");
     sd_bus_message_append_array(message, 'y', id.data(), id.size());
     for (int level = 0; level < 3; ++level) sd_bus_message_close_container(message);
+  }
+
+  void TellChange() {
+    if (path_.empty() || !Has("changed")) return;
+    SendChange();
+    Take("changed");
   }
 
   void SendChange() {

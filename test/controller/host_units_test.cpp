@@ -107,6 +107,7 @@ class UnitOfAnotherHost : public ::testing::Test {
     hooks.on_ended = [this](const std::string&, pid_t pid, const ProcessExit& exit) {
       ended_.push_back(pid);
       exit_ = exit.Text();
+      clean_ = exit.clean();
     };
     hooks.still_starts = [this](const std::string&) { return still_starts_; };
     hooks.on_reach = [this](bool reached, const std::string& message) {
@@ -146,13 +147,16 @@ class UnitOfAnotherHost : public ::testing::Test {
     units_->Start(spec);
   }
   void AwaitCall(const std::string& call) {
-    // A call that is not answered is no event of the loop.
+    AwaitThere([this, &call] { return Calls().find(call) != std::string::npos; });
+  }
+  // What the fake systemd has done is no event of the loop.
+  void AwaitThere(const std::function<bool()>& holds) {
     transport::LoopHandlePtr look;
     const std::function<void()> again = [&] {
       look = loop_.At(loop_.Now() + Milliseconds(5), again);
     };
     again();
-    Await([&] { return Calls().find(call) != std::string::npos; });
+    Await(holds);
   }
   // Its process, which was reported as started, exits.
   void Exit(int code) {
@@ -171,6 +175,7 @@ class UnitOfAnotherHost : public ::testing::Test {
   std::vector<std::string> not_started_;
   std::vector<std::string> waits_;
   std::string exit_;
+  bool clean_ = false;
   std::vector<pid_t> started_;
   std::vector<std::string> hosts_;  // where
   std::shared_ptr<const UniqueFd> output_;
@@ -323,13 +328,33 @@ TEST_F(UnitOfAnotherHost, ThatEndsByItselfHasItsExitCode) {
   EXPECT_EQ(exit_, "exit code 0");
 }
 
-// systemd does not keep it, so its end is only read after the connection is made again.
-TEST_F(UnitOfAnotherHost, ThatHasDoneItsWorkWhileItsHostWasOutOfReachHasExitCode0) {
+// systemd keeps no unit that has ended with code 0, and none that SIGTERM has ended: a TearDown
+// that was cut short is no work that was done.
+TEST_F(UnitOfAnotherHost, OfWhichSystemdKnowsNothingHasEndedWithAnUnknownExitCode) {
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
   SetUnit("inactive", 0);
   ASSERT_NO_FATAL_FAILURE(LoseConnection());
   Await([this] { return !ended_.empty(); });
+  EXPECT_THAT(ended_, ElementsAre(41));
+  EXPECT_FALSE(clean_);
+  EXPECT_EQ(exit_,
+            "exit code unknown: systemd knows nothing of musher-robot-eyes.service any more");
+}
+
+// Its end was received while its state was read, and the state that was read has none.
+TEST_F(UnitOfAnotherHost, ThatIsDroppedWhileItIsExaminedHasItsExitCode) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("late-GetAll", "");
+  std::vector<HostProcesses::Found> found;
+  units_->Find([&](const std::vector<HostProcesses::Found>& there) { found = there; });
+  AwaitCall("GetAll is late");
+  Exit(0);
+  AwaitThere([this] { return !std::filesystem::exists(folder_ / "changed"); });
+  SetUnit("inactive", 0);
+  std::filesystem::remove(folder_ / "late-GetAll");
+  Await([this] { return !ended_.empty(); });
   EXPECT_EQ(exit_, "exit code 0");
+  EXPECT_TRUE(clean_);
 }
 
 TEST_F(UnitOfAnotherHost, ThatHasFailedWhileItsHostWasOutOfReachHasItsExitCode) {

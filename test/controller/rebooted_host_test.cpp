@@ -209,6 +209,7 @@ TEST(EndOfUnit, IsItsHostsIfThatShutsDownOrWasBootedAgain) {
   }
   EXPECT_FALSE(host.clean());
   EXPECT_TRUE(NeedsSystemState(done, /*wanted=*/false));
+  EXPECT_TRUE(NeedsSystemState(ProcessExit{}, /*wanted=*/false));  // its unit was dropped
   EXPECT_FALSE(NeedsSystemState(done, /*wanted=*/true));
   EXPECT_FALSE(NeedsSystemState(killed, /*wanted=*/false));  // is started again in any case
 }
