@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -226,6 +227,8 @@ TEST_F(OwnUnits, ThatExitWhileDBusIsSilentAreStartedOnceItAnswers) {
 TEST_F(OwnUnits, HaveTheLimitsOfTheConfig) {
   Write("always",
         "memory_max_mb = 512\ncpus = 0.5\nnice = 7\nuser = \"daemon\"\nsandbox = \"read-only\"\n");
+  // That user reads the config.
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms{0755});
   // Its kernel may keep none of them.
   ASSERT_NO_FATAL_FAILURE(StartUp());
   EXPECT_EQ(Property("MemoryMax"), std::to_string(512 << 20));
