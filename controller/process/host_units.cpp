@@ -103,7 +103,8 @@ std::string WhyNotExecuted(int status, const ProcessSpec& spec) {
 // up the process that looks at the time.
 std::string WhySkipped(const std::string& unit, const ProcessSpec& spec) {
   std::string causes;
-  if (!spec.cwd.empty()) causes = "its folder " + spec.cwd + " (`cwd`) may be missing there";
+  if (spec.cwd.starts_with('/'))
+    causes = "its folder " + spec.cwd + " (`cwd`) may be missing there";
   if (spec.limits.realtime_priority) {
     causes += causes.empty() ? "" : ", or ";
     causes += "its kernel may refuse `realtime_priority`";

@@ -76,6 +76,13 @@ const std::set<std::string>& OfThisProcessAlone() {
   return names;
 }
 
+// Of the user of this process, not of another one.
+bool IsOfUser(std::string_view name) {
+  static const std::set<std::string_view> names = {"HOME",  "USER", "LOGNAME",
+                                                   "SHELL", "MAIL", "DBUS_SESSION_BUS_ADDRESS"};
+  return names.contains(name) || name.starts_with("XDG_");
+}
+
 }  // namespace
 
 OwnSystemd FindOwnSystemd(const std::map<std::string, std::string>& environment, uid_t user) {
@@ -127,10 +134,13 @@ std::string UnitOf(pid_t pid) {
 void InheritForUnit(const std::map<std::string, std::string>& environment, ProcessSpec& spec) {
   for (const auto& [name, value] : environment) {
     if (!IsVariable(name) || !IsText(value) || OfThisProcessAlone().contains(name)) continue;
+    if (!spec.limits.user.empty() && IsOfUser(name)) continue;
     spec.env.emplace(name, value);
   }
   std::error_code error;
-  if (spec.cwd.empty()) spec.cwd = std::filesystem::current_path(error).string();
+  // '-': another user, or a sandbox, may not enter it, and then starts in '/'.
+  const std::filesystem::path here = std::filesystem::current_path(error);
+  if (spec.cwd.empty() && !here.empty()) spec.cwd = "-" + here.string();
   // A stalled disk may hold up a search in PATH, and the loop does not wait for it.
   const bool searched = spec.argv.front().find('/') == std::string::npos;
   if (searched) spec.argv.insert(spec.argv.begin(), "/usr/bin/env");

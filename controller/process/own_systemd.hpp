@@ -26,9 +26,10 @@ OwnSystemd FindOwnSystemd(const std::map<std::string, std::string>& environment,
 // "session-3.scope"; empty: none, or there is no such process.
 std::string UnitOf(pid_t pid);
 
-// What a child has from its controller and a unit has not: the environment, where a variable that
-// systemd would refuse or has given to this process alone is left out, the working directory, and
-// that a program without '/' is looked up in PATH.
+// What a child has from its controller and a unit has not: the environment, the working directory,
+// and that a program without '/' is looked up in PATH. A variable that systemd would refuse, or has
+// given to this process alone, is left out; so is what belongs to the controller's user if the unit
+// has another `user`.
 void InheritForUnit(const std::map<std::string, std::string>& environment, ProcessSpec& spec);
 
 }  // namespace musher

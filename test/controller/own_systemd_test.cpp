@@ -65,8 +65,31 @@ TEST(UnitOfThisHost, InheritsWhatAChildDoes) {
                  spec);
   EXPECT_THAT(spec.env,
               ElementsAre(Pair("SHARED", "its own"), Pair("TEXT", "zwölf\tlines\nof it")));
-  EXPECT_EQ(spec.cwd, std::filesystem::current_path());
+  EXPECT_EQ(spec.cwd, "-" + std::filesystem::current_path().string());
   EXPECT_THAT(spec.argv, ElementsAre("/usr/bin/env", "arm", "--fast"));
+}
+
+// A program of that user would look for its files in the home folder of the controller's.
+TEST(UnitOfThisHost, OfAnotherUserInheritsNothingOfTheControllersUser) {
+  const std::map<std::string, std::string> environment = {
+      {"DBUS_SESSION_BUS_ADDRESS", "unix:path=/run/user/0/bus"},
+      {"HOME", "/root"},
+      {"LANG", "C.UTF-8"},
+      {"LOGNAME", "root"},
+      {"SHELL", "/bin/sh"},
+      {"USER", "root"},
+      {"XDG_RUNTIME_DIR", "/run/user/0"},
+      {"XDG_STATE_HOME", "/var/lib"}};
+  ProcessSpec spec;
+  spec.argv = {"/opt/arm"};
+  spec.limits.user = "robot";
+  spec.env = {{"HOME", "/srv/robot"}};
+  InheritForUnit(environment, spec);
+  EXPECT_THAT(spec.env, ElementsAre(Pair("HOME", "/srv/robot"), Pair("LANG", "C.UTF-8")));
+  ProcessSpec own;
+  own.argv = {"/opt/arm"};
+  InheritForUnit(environment, own);
+  EXPECT_EQ(own.env, environment);
 }
 
 TEST(UnitOfThisHost, KeepsItsPathAndItsFolder) {
