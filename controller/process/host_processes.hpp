@@ -39,6 +39,9 @@ class HostProcesses {
     std::function<bool(const std::string& actuator)> still_starts;
     // Whether a signal that waited for its host is still to be sent to this process.
     std::function<bool(const std::string& actuator, pid_t pid)> still_ends;
+    // Whether the kernel has reported the exit of this process of this host, which systemd may not
+    // have noticed yet; empty: it has not.
+    std::function<bool(const std::string& actuator, pid_t pid)> has_exited = nullptr;
     // The file for stdout and stderr of a process of this host; null, or empty: the journal.
     std::function<std::shared_ptr<const UniqueFd>(const std::string& actuator)> output = nullptr;
   };

@@ -407,7 +407,10 @@ void HostUnits::Conclude(Unit& unit) {
         IsOf(state, unit.pid) && (unit.invocation.empty() || unit.invocation == state.invocation);
     const bool exited = unit.host.is_own() && HasExited(state, unit.pid);
     if (state.ended() || exited || (state.runs() && !same)) return Ended(unit);
-    if (unit.wanted && state.runs()) Started(unit, unit.pid, true);
+    if (!unit.wanted || !state.runs()) return;
+    // systemd is about to notice its exit, and to report that.
+    const bool lingers = hooks_.has_exited && hooks_.has_exited(unit.actuator, unit.pid);
+    if (!lingers) Started(unit, unit.pid, true);
     return;
   }
   if (unit.asked) return;  // its job decides

@@ -17,7 +17,7 @@ namespace {
 
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung process is killed
 // How long after the exit of a process its systemd may say how it has exited.
-constexpr Duration kUnitEndWithin = Milliseconds(100);
+constexpr Duration kUnitEndWithin = Milliseconds(500);
 
 // What a child has by itself.
 ProcessSpec AsUnit(ProcessSpec spec) {
@@ -124,6 +124,9 @@ HostProcesses::Hooks ActuatorProcesses::HookHosts() {
     const ActuatorIndex i = *config_.IndexOf(actuator);
     return !IsOfOther(i, pid) && IsStillEnded(context_.machine, i, pid);
   };
+  hooks.has_exited = [this](const std::string& actuator, pid_t pid) {
+    return own_units_[*config_.IndexOf(actuator)].exited == pid;
+  };
   hooks.output = dependencies_.output;
   return hooks;
 }
@@ -140,38 +143,58 @@ bool ActuatorProcesses::IsOwnUnit(ActuatorIndex i) const {
 void ActuatorProcesses::OwnUnitStarted(ActuatorIndex i, pid_t pid, bool found) {
   if (context_.machine.actuators[i].process.pid == pid) return;
   const std::uint64_t start_time = dependencies_.process_probe->StartTimeOf(pid);
-  own_units_[i].ended = 0;
-  // One that has exited meanwhile is reported by its unit.
-  static_cast<void>(
-      dependencies_.processes
-          ->Adopt(pid, start_time, [this, i, pid](const ProcessExit&) { AwaitOwnEnd(i, pid); })
-          .ok());
+  OwnUnit& unit = own_units_[i];
+  unit = {.log = unit.log};
+  const auto on_exit = [this, i, pid](const ProcessExit&) { AwaitOwnEnd(i, pid); };
+  const bool watched = dependencies_.processes->Adopt(pid, start_time, on_exit).ok();
+  if (!watched) unit.unwatched = pid;
   NoteChild(i, pid);
   found ? peers_.OnProcessFound(i, pid) : peers_.OnProcess(i, pid);
   context_.handle(event::ProcessStarted{i, pid, "", found});
+  const bool exited =
+      start_time == 0 || dependencies_.process_probe->StartTimeOf(pid) != start_time;
+  if (!watched && exited) AwaitOwnEnd(i, pid);
 }
 
+// The kernel has reported its exit.
 void ActuatorProcesses::AwaitOwnEnd(ActuatorIndex i, pid_t pid) {
   OwnUnit& unit = own_units_[i];
-  if (unit.ended == pid || context_.machine.actuators[i].process.pid != pid) return;
+  unit.exited = pid;
+  if (context_.machine.actuators[i].process.pid != pid) return;
+  if (unit.ended == pid) return EndOwnUnit(i, pid);
   unit.silence = context_.loop().At(context_.loop().Now() + kUnitEndWithin,
-                                    [this, i, pid] { Ended(i, pid, {}); });
+                                    [this, i, pid] { ReportEnd(i, pid, {}); });
 }
 
+// systemd has reported its end. A unit that is lost to systemd may have a process that runs on:
+// until the kernel reports its exit, no other one is started beside it.
 void ActuatorProcesses::OwnUnitEnded(ActuatorIndex i, pid_t pid, const ProcessExit& exit) {
   if (context_.machine.actuators[i].process.pid != pid) return;
   OwnUnit& unit = own_units_[i];
   unit.ended = pid;
-  unit.silence = nullptr;
-  dependencies_.processes->AddLastOutput(
-      exit, config_.actuators[i].name, unit.log,
-      [this, i, pid](const ProcessExit& with_output) { Ended(i, pid, with_output); });
+  unit.how = exit;
+  if (unit.exited == pid || unit.unwatched == pid) EndOwnUnit(i, pid);
 }
 
-// Reported once: by its unit, or for the silence of that.
+void ActuatorProcesses::EndOwnUnit(ActuatorIndex i, pid_t pid) {
+  OwnUnit& unit = own_units_[i];
+  unit.silence = nullptr;
+  const ProcessExit how = unit.how;  // which is forgotten meanwhile
+  dependencies_.processes->AddLastOutput(
+      how, config_.actuators[i].name, unit.log,
+      [this, i, pid](const ProcessExit& exit) { ReportEnd(i, pid, exit); });
+}
+
+// A process whose exit code is unknown may have been torn down, as its last status says.
+void ActuatorProcesses::ReportEnd(ActuatorIndex i, pid_t pid, const ProcessExit& exit) {
+  if (exit.kind != ProcessExit::Kind::kUnknown) return Ended(i, pid, exit);
+  peers_.ReportExit(i, [this, i, pid, exit] { Ended(i, pid, exit); });
+}
+
+// Once for each process: an exit code may arrive while the last status is awaited.
 void ActuatorProcesses::Ended(ActuatorIndex i, pid_t pid, const ProcessExit& exit) {
   if (context_.machine.actuators[i].process.pid != pid) return;
-  const OwnUnit waited = std::exchange(own_units_[i], {});
+  const OwnUnit waited = std::exchange(own_units_[i], {.exited = own_units_[i].exited});
   ForgetChild(i, pid);
   peers_.OnProcessEnded(i, pid);
   context_.handle(event::ProcessEnded{i, pid, exit.clean(), exit.Text(), exit.code()});
@@ -281,8 +304,9 @@ void ActuatorProcesses::Do(const action::FindProcesses&) {
     found.unreached.resize(config_.actuators.size());
     for (const HostProcesses::Found& one : there) {
       const ActuatorIndex i = *config_.IndexOf(one.actuator);
-      if (IsOwnUnit(i)) {  // whose host is not out of reach
-        if (found.processes[i] == 0) found.processes[i] = one.pid;
+      if (IsOwnUnit(i)) {
+        const bool runs = one.pid != own_units_[i].exited;
+        if (found.processes[i] == 0 && runs) found.processes[i] = one.pid;
         continue;
       }
       // One that is found now and follows another machine is not ended with this one.

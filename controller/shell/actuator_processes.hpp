@@ -59,6 +59,8 @@ class ActuatorProcesses {
   void OwnUnitStarted(ActuatorIndex actuator, pid_t pid, bool found);
   void AwaitOwnEnd(ActuatorIndex actuator, pid_t pid);
   void OwnUnitEnded(ActuatorIndex actuator, pid_t pid, const ProcessExit& exit);
+  void EndOwnUnit(ActuatorIndex actuator, pid_t pid);
+  void ReportEnd(ActuatorIndex actuator, pid_t pid, const ProcessExit& exit);
   void Ended(ActuatorIndex actuator, pid_t pid, const ProcessExit& exit);
   // Finds the processes of this host, and watches them from then on.
   event::ProcessesFound FindHere();
@@ -79,9 +81,12 @@ class ActuatorProcesses {
   bool power_command_runs_ = false;                 // the command of power-off or reboot
   std::map<ActuatorIndex, transport::LoopHandlePtr> starts_later_;
   struct OwnUnit {
-    ProcessLog log;                    // where this controller has started it
-    pid_t ended = 0;                   // whose end systemd has reported
-    transport::LoopHandlePtr silence;  // ends the wait for that
+    ProcessLog log = {};                         // where this controller has started it
+    pid_t unwatched = 0;                         // whose exit the kernel does not report
+    pid_t exited = 0;                            // whose exit the kernel has reported
+    pid_t ended = 0;                             // whose end systemd has reported
+    ProcessExit how = {};                        // that end
+    transport::LoopHandlePtr silence = nullptr;  // ends the wait for that
   };
   std::map<ActuatorIndex, OwnUnit> own_units_;
 };

@@ -114,6 +114,7 @@ class UnitOfAnotherHost : public ::testing::Test {
       (reached ? reached_ : troubles_).push_back(message);
     };
     hooks.still_ends = [this](const std::string&, pid_t) { return still_ends_; };
+    hooks.has_exited = [this](const std::string&, pid_t pid) { return pid == exited_; };
     hooks.output = [this](const std::string&) { return output_; };
     units_->Open(std::move(hooks));
   }
@@ -178,6 +179,7 @@ class UnitOfAnotherHost : public ::testing::Test {
   bool clean_ = false;
   std::vector<pid_t> started_;
   std::vector<std::string> hosts_;  // where
+  pid_t exited_ = 0;                // by the kernel
   std::shared_ptr<const UniqueFd> output_;
   std::vector<pid_t> ended_;
   std::vector<std::string> reached_;
@@ -779,6 +781,23 @@ TEST_F(UnitOfThisHost, HasEndedWithItsProcessWhileSystemdEndsTheRest) {
   Write("unit", std::string("inactive 41 ") + kOurs + " exit-code 3\n");
   Write("changed", "");
   AwaitCall("StartTransientUnit");
+}
+
+// The dead process was reported as found, its end as another one, and no new one was started.
+TEST_F(UnitOfThisHost, WhoseExitSystemdHasNotNoticedIsStartedOnceItHas) {
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  exited_ = 41;
+  Start();
+  Find();
+  Find();
+  EXPECT_THAT(started_, ElementsAre(41));
+  EXPECT_THAT(Calls(), Not(HasSubstr("StartTransientUnit")));
+  Write("unit", std::string("inactive 41 ") + kOurs + " exit-code 3\n");
+  Write("changed", "");
+  AwaitCall("StartTransientUnit");
+  EXPECT_THAT(ended_, ElementsAre(41));
+  EXPECT_THAT(started_, ElementsAre(41));
 }
 
 TEST_F(UnitOfThisHost, ThatNeedsMoreMemoryThanItsLimitNamesIt) {
