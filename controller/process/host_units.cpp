@@ -703,6 +703,11 @@ void HostUnits::AnswerSearches() {
       const bool examined = unit->examined != before;
       if (examined && !IsChanging(*unit)) continue;
       one.pid = 0;
+      if (unit->host.is_own()) {  // the kernel says which processes run here
+        if (!unit->asked) continue;
+        one.unreached = PlaceOf(unit->host.config) + ": " + unit->name + " is about to start";
+        continue;
+      }
       const bool up = unit->host.systemd->is_up();
       if (up && examined) {
         one.unreached = unit->name + " is " + (unit->asked ? "about to start" : unit->state.active);

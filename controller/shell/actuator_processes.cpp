@@ -307,6 +307,7 @@ void ActuatorProcesses::Do(const action::FindProcesses&) {
       if (IsOwnUnit(i)) {
         const bool runs = one.pid != own_units_[i].exited;
         if (found.processes[i] == 0 && runs) found.processes[i] = one.pid;
+        if (found.processes[i] == 0) found.unreached[i] = one.unreached;
         continue;
       }
       // One that is found now and follows another machine is not ended with this one.

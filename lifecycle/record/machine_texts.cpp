@@ -231,7 +231,8 @@ RecordText LeftToOther(std::int32_t pid, const std::string& host, const std::str
 
 RecordText HostUnreached(const std::string& host, const std::string& why) {
   return MakeText(EventName::kMayStillRun,
-                  "host {host} is out of reach, so it may still run there: {why}",
+                  host.empty() ? "it may still be started: {why}"
+                               : "host {host} is out of reach, so it may still run there: {why}",
                   {{"host", host}, {"why", why}});
 }
 

@@ -800,6 +800,18 @@ TEST_F(UnitOfThisHost, WhoseExitSystemdHasNotNoticedIsStartedOnceItHas) {
   EXPECT_THAT(started_, ElementsAre(41));
 }
 
+// A process of this host that runs is known without its systemd.
+TEST_F(UnitOfThisHost, IsOnlyUnknownToASearchWhileItsStartIsUnderWay) {
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  Write("unit", std::string("deactivating 41 ") + kOurs + " exit-code 3\n");
+  Open();
+  EXPECT_THAT(Find().unreached, IsEmpty());
+  SetUnit("inactive", 0);
+  Start();
+  AwaitCall("StartTransientUnit");
+  EXPECT_EQ(Find().unreached, "systemd of this host: musher-robot-eyes.service is about to start");
+}
+
 TEST_F(UnitOfThisHost, ThatNeedsMoreMemoryThanItsLimitNamesIt) {
   ASSERT_NO_FATAL_FAILURE(Listen());
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));

@@ -17,6 +17,7 @@
 
 namespace musher::testing::own_unit_test {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -183,6 +184,17 @@ TEST_F(OwnUnit, IsTornDownByItsLastStatusIfItsExitCodeIsUnknown) {
                         network_.now() + config_.shutdown_budget + std::chrono::seconds(5)));
   EXPECT_EQ(Known().state(), kTearDown);
   EXPECT_THAT(Fault(), IsEmpty());
+}
+
+// D-Bus has the start, and may deliver it after the machine is stopped.
+TEST_F(OwnUnit, WhoseStartIsUnderWayIsNamedByATearDown) {
+  there_.hooks.on_not_started(Name(), "given up", false);
+  there_.found = {{Name(), 0, "", "musher-robot-a.service is about to start"}};
+  shell_->TearDown(AfterTearDown::kStaysDown);
+  network_.RunFor(config_.shutdown_budget + std::chrono::seconds(5));
+  EXPECT_EQ(shell_->machine().phase, Phase::kStopped);
+  EXPECT_THAT(Fault(), AllOf(HasSubstr("it may still be started: "),
+                             HasSubstr("musher-robot-a.service is about to start")));
 }
 
 }  // namespace musher::testing::own_unit_test

@@ -73,6 +73,7 @@ Examples OfTheMachine() {
       {"ProcessLeftBehind", ProcessLeftBehind(12, std::nullopt, "vision")},
       {"LeftToOther", LeftToOther(12, "vision", "it follows another machine now, cat")},
       {"HostUnreached", HostUnreached("vision", "no answer within 5 s")},
+      {"HostUnreached", HostUnreached("", "eyes.service is about to start")},
       {"MayStillRun", MayStillRun("Active")},
       {"MayStillRun", MayStillRun(std::nullopt)},
       {"MayStillRunOn", MayStillRunOn("there")},
