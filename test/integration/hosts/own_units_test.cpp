@@ -83,8 +83,9 @@ class OwnUnits : public MachineFixture {
         status.is_null() ? nlohmann::json() : status["actuators"]["eyes"]["pid"];
     return pid.is_number() ? pid.get<pid_t>() : 0;
   }
-  void StartUp() const {
-    const Ended up = Run({"up", config_, "--detach"});
+  void StartUp(const std::string& from = "/") const {
+    const Ended up =
+        Do({"env", "--chdir=" + from, BinDir() + "/musher", "up", config_, "--detach"});
     ASSERT_EQ(up.exit, 0) << up.err;
     ASSERT_TRUE(AwaitActive()) << Status();
   }
@@ -224,18 +225,52 @@ TEST_F(OwnUnits, ThatExitWhileDBusIsSilentAreStartedOnceItAnswers) {
   EXPECT_EQ(Run({"down"}).exit, 0);
 }
 
+// It is started again for the first that connects to its socket.
+TEST_F(OwnUnits, RunOnWhenDBusIsKilledAndAreStartedAgainByTheNextOne) {
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  const pid_t before = PidOfEyes();
+  ASSERT_EQ(SignalDBus("KILL").exit, 0);
+  EXPECT_TRUE(AwaitHistory("this host is reached")) << History();
+  EXPECT_EQ(PidOfEyes(), before);
+  EXPECT_EQ(Status()["actuators"]["eyes"]["state"], "Active");
+  ASSERT_EQ(Do({"kill", "-KILL", std::to_string(before)}).exit, 0);
+  EXPECT_TRUE(
+      AwaitHistory("eyes's process " + std::to_string(before) + " ended: killed by SIGKILL"))
+      << History();
+  ASSERT_TRUE(Until([&] { return PidOfEyes() != before && PidOfEyes() != 0; }, kSoon));
+  ASSERT_TRUE(AwaitActive());
+  EXPECT_EQ(Run({"down"}).exit, 0);
+  EXPECT_THAT(Units(), IsEmpty());
+}
+
+// As an upgrade of its package does.
+TEST_F(OwnUnits, RunOnWhenSystemdIsExecutedAgain) {
+  ASSERT_NO_FATAL_FAILURE(StartUp());
+  const pid_t before = PidOfEyes();
+  ASSERT_EQ(Do({"systemctl", "daemon-reexec"}).exit, 0);
+  EXPECT_EQ(Property("MainPID"), std::to_string(before));
+  EXPECT_EQ(PidOfEyes(), before);
+  ASSERT_EQ(Run({"restart", "eyes"}).exit, 0);
+  ASSERT_TRUE(AwaitActive());
+  EXPECT_NE(PidOfEyes(), before);
+  EXPECT_EQ(Property("MainPID"), std::to_string(PidOfEyes()));
+  EXPECT_EQ(Run({"down"}).exit, 0);
+  EXPECT_THAT(Units(), IsEmpty());
+}
+
 TEST_F(OwnUnits, HaveTheLimitsOfTheConfig) {
   Write("always",
         "memory_max_mb = 512\ncpus = 0.5\nnice = 7\nuser = \"daemon\"\nsandbox = \"read-only\"\n");
   // That user reads the config.
   std::filesystem::permissions(folder_.path(), std::filesystem::perms{0755});
-  // Its kernel may keep none of them.
-  ASSERT_NO_FATAL_FAILURE(StartUp());
+  // Its kernel may keep none of them. Into that folder its user may not go.
+  ASSERT_NO_FATAL_FAILURE(StartUp("/root"));
   EXPECT_EQ(Property("MemoryMax"), std::to_string(512 << 20));
   EXPECT_EQ(Property("CPUQuotaPerSecUSec"), "500ms");
   EXPECT_EQ(Property("Nice"), "7");
   EXPECT_EQ(Property("User"), "daemon");
   EXPECT_EQ(Property("ProtectSystem"), "strict");
+  EXPECT_THAT(Property("Environment"), AllOf(HasSubstr("PATH="), Not(HasSubstr("XDG_"))));
   const pid_t before = PidOfEyes();
   ASSERT_NO_FATAL_FAILURE(KillController());
   ASSERT_NO_FATAL_FAILURE(StartUp());
