@@ -9,8 +9,8 @@
 //
 // An actuator that may run, and has not announced itself to this controller since its start, is
 // waited for, at most kLongestDiscovery and three tenths of the budget: a signal would end it
-// without its TearDown, and one that this controller did not start would not be torn down at all. So
-// is one whose connection alone was lost, while its process runs.
+// without its TearDown, and one that this controller did not start would not be torn down at all.
+// So is one whose connection alone was lost, while its process runs.
 //
 // An actuator that does not list TearDown is ended by the signals alone. Where the controller did
 // not start its process either, nothing ends it: it is listed as degraded.
