@@ -362,7 +362,7 @@ TEST(RobotRange, IsToTheGroundWhereNothingIsBelow) {
 }
 
 TEST(RobotRange, IsToAHeadInTheConeAndNotToOneBesideIt) {
-  for (const double aside_m : {0.0, 0.35, 0.7}) {
+  for (const double aside_m : {0.0, 0.35, 1.0}) {
     Scene scene = FlyerAbove(2.5);
     scene.movers = {MoverSpec{.name = "p",
                               .points_m = {{aside_m, 0}, {aside_m, 0.001}},
