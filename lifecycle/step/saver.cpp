@@ -106,8 +106,11 @@ std::vector<StoredActuator> Saver::StoredActuators() const {
   if (is_down && machine_.stopping->after == AfterTearDown::kStaysDown) return stored;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const KnownActuator& known = Of(i);
-    StoredActuator one = StoredOf(i);
-    if (!ends) one = {one.name, WhyDown(i), {}, known.kept_in};
+    const StaysDown why = ends ? StaysDown::kNo : WhyDown(i);
+    const bool is_usual = why == StaysDown::kNo && known.lost_in.empty() && known.kept_in.empty();
+    if (!ends && is_usual) continue;  // in each step of most machines
+    StoredActuator one{ConfigOf(i).name, why, {}, known.kept_in};
+    if (ends) one = StoredOf(i);
     if (is_down && one.stays_down == StaysDown::kGivenUp) one.stays_down = StaysDown::kNo;
     one.lost_in = known.lost_in;
     if (one != StoredActuator{one.name}) stored.push_back(one);
