@@ -82,7 +82,7 @@ enum class StaysDown {
 struct StoredActuator {
   std::string name;
   StaysDown stays_down = StaysDown::kNo;
-  State lost_in{};  // in which its process was lost, with no successor that is set up; "": in none
+  State lost_in{};  // in which its process was lost, with no successor in use; "": in none
   State kept_in{};  // in which a person holds it; "": in none
 
   friend bool operator==(const StoredActuator&, const StoredActuator&) = default;

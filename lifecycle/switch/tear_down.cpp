@@ -307,8 +307,8 @@ std::optional<RecordText> TearDown::WhyMayRun(ActuatorIndex i) const {
   return texts::MayStillRun(known.state());
 }
 
-// An actuator whose process has exited without its TearDown, and that no process has been set up of
-// since: what it had switched on may be on.
+// An actuator whose process has exited in use without its TearDown, and of which no other process
+// has reached a state of the machine since: what it had switched on may be on.
 std::optional<RecordText> TearDown::WhyMayBeOn(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const bool away = known.presence != Presence::kPresent && !known.lost_in.empty();
