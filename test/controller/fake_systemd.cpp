@@ -333,11 +333,13 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  std::snprintf(address.sun_path, sizeof(address.sun_path), "%s", argv[2]);
+  // A test that finds the socket may connect.
+  const std::string made = std::string(argv[2]) + ".new";
+  std::snprintf(address.sun_path, sizeof(address.sun_path), "%s", made.c_str());
   const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const bool listens =
       bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 &&
-      listen(listener, 4) == 0;
+      listen(listener, 4) == 0 && rename(made.c_str(), argv[2]) == 0;
   while (listens) {
     const int connection = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
     if (connection < 0) break;
