@@ -128,7 +128,7 @@ std::optional<RecordText> MachineView::WaitsForSuspended(ActuatorIndex i) const 
 }
 
 bool MachineView::IsPlace(const State& state) const {
-  return config_.RankOf(state) && state != kError && state != kTearDown;
+  return config_.RankOf(state) && state != kTearDown;
 }
 
 bool MachineView::IsKeptBelow(ActuatorIndex i) const {
@@ -136,9 +136,16 @@ bool MachineView::IsKeptBelow(ActuatorIndex i) const {
   return !kept_in.empty() && Falls(config_, view_.state, kept_in);
 }
 
+bool MachineView::IsKeptApart(ActuatorIndex i) const {
+  const State& kept_in = Of(i).kept_in;
+  const bool ranked = config_.RankOf(view_.state).has_value();  // not in a step of a start
+  return !kept_in.empty() && ranked && kept_in != view_.state &&
+         !Rises(config_, view_.state, kept_in);
+}
+
 State MachineView::PlaceOf(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
-  const State& place = IsKeptBelow(i) ? known.kept_in : view_.state;
+  const State& place = IsKeptApart(i) ? known.kept_in : view_.state;
   if (!known.suspended) return place;
   const State rest = RestOf(i);
   if (rest.empty() || !Falls(config_, known.state(), rest)) return known.state();

@@ -61,8 +61,10 @@ class MachineView {
   bool IsPlace(const State& state) const;
   // Whether it is held in a state below the machine's, or is to be held there once it is restarted.
   bool IsKeptBelow(ActuatorIndex i) const;
-  // Its target: the state of the machine, or the one below in which it is kept; while suspended,
-  // DeActive or LowPower, and never higher than its present state.
+  // Likewise in another state that is at most as active as the machine's.
+  bool IsKeptApart(ActuatorIndex i) const;
+  // Its target: the state of the machine, or the one apart from it in which it is kept; while
+  // suspended, DeActive or LowPower, and never higher than its present state.
   State PlaceOf(ActuatorIndex i) const;
 
   // Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.

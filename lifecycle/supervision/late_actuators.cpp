@@ -158,13 +158,13 @@ void LateActuators::Join(ActuatorIndex i) {
   const State place = PlaceOf(i);
   if (known.state() == place) {
     if (known.checked && !known.suspended) known.fault.reset();
-    known.held |= IsKeptBelow(i) && place == known.kept_in;
+    known.held |= IsKeptApart(i) && place == known.kept_in;
   } else if (!config_.RankOf(place)) {
     Lower(i);  // the next switch includes this actuator
   } else if (!ConfigOf(i).Lists(place)) {
     Degrade(i, kCodeUnSupport, texts::NoState(place), known.cause);
   } else {
-    commands_.Issue(i, machine_.number + 1, place, config_.TimeFor(i, place), IsKeptBelow(i));
+    commands_.Issue(i, machine_.number + 1, place, config_.TimeFor(i, place), IsKeptApart(i));
   }
 }
 

@@ -274,7 +274,7 @@ void Commands::EndOwn(ActuatorIndex i, const PendingCommand& command, const Comm
   if (known.restart.requested) return EndTornDown(i, end);
   if (end.outcome == ActuatorOutcome::kDone) {
     known.due = command.target == kSelfCheck || known.state() != PlaceOf(i);
-    if (!known.due && IsKeptBelow(i)) known.held = true;
+    if (!known.due && IsKeptApart(i)) known.held = true;
     return;
   }
   if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost

@@ -430,6 +430,9 @@ void Switches::Apply(const Switch& s, bool undone) {
     KnownActuator& known = Of(leg.actuator);
     if (leg.outcome == ActuatorOutcome::kDone) {
       if (!undone && !check) Hold(leg.actuator, s.only.has_value() ? leg.target : State());
+      // A person leads it out of Error by a self-check.
+      const bool leads_out = check && s.purpose == Purpose::kRequested;
+      if (leads_out && known.kept_in == kError) known.kept_in = {};
       // An actuator that has passed late is driven to the state of the machine. Before the machine
       // is usable, an actuator after a failed rollback is driven back: the check clears its fault.
       const bool passed = check && known.checked;  // by the present process
