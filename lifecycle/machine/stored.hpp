@@ -82,7 +82,8 @@ enum class StaysDown {
 struct StoredActuator {
   std::string name;
   StaysDown stays_down = StaysDown::kNo;
-  State lost_in{};  // in which its process was lost, with no successor in use; "": in none
+  State lost_in{};  // in which its process was lost, with no successor in use; may be
+                    // kUnknownState; "": in none
   State kept_in{};  // in which a person holds it; "": in none
 
   friend bool operator==(const StoredActuator&, const StoredActuator&) = default;
@@ -103,9 +104,10 @@ std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
 // Data that was handed to the disk thread and is not known to be saved.
 struct Unsaved {
   Stored what = Stored::kEpoch;
-  SaveNumber save = 0;  // the number of the last save
-  Time since{};         // of the first save that is not on disk
-  std::string why;      // of a failure; empty: not ended yet
+  SaveNumber save = 0;          // the number of the last save
+  Time since{};                 // of the first save that is not on disk
+  std::string why;              // of a failure; empty: not ended yet
+  std::optional<Time> again{};  // when it is saved once more, after a failure
 
   friend bool operator==(const Unsaved&, const Unsaved&) = default;
 };
@@ -160,10 +162,8 @@ inline constexpr std::tuple kFields<StoredActuator> = {
 
 template <>
 inline constexpr std::tuple kFields<Unsaved> = {
-    Field{"what", &Unsaved::what},
-    Field{"save", &Unsaved::save},
-    Field{"since", &Unsaved::since},
-    Field{"why", &Unsaved::why},
+    Field{"what", &Unsaved::what}, Field{"save", &Unsaved::save},   Field{"since", &Unsaved::since},
+    Field{"why", &Unsaved::why},   Field{"again", &Unsaved::again},
 };
 
 }  // namespace musher::fields

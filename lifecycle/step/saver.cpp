@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace musher {
+namespace {
+
+constexpr Duration kAgain = Milliseconds(5000);
+
+}  // namespace
 
 void Saver::Save(Stored what) {
   const SaveNumber save = ++machine_.saves.last;
@@ -10,9 +15,10 @@ void Saver::Save(Stored what) {
   const auto found = std::find_if(unsaved.begin(), unsaved.end(),
                                   [what](const Unsaved& one) { return one.what == what; });
   if (found == unsaved.end()) {
-    unsaved.push_back({what, save, now_, {}});
+    unsaved.push_back({what, save, now_, {}, {}});
   } else {
     found->save = save;
+    found->again.reset();
   }
   switch (what) {
     case Stored::kEpoch:
@@ -131,7 +137,7 @@ void Saver::On(const event::SaveEnded& ended) {
     return one.what == ended.what && one.save == ended.save;
   });
   if (found == unsaved.end() && ended.what == Stored::kJournal && !ended.ok) {
-    found = unsaved.insert(found, Unsaved{ended.what, ended.save, now_, {}});
+    found = unsaved.insert(found, Unsaved{ended.what, ended.save, now_, {}, {}});
   }
   if (found == unsaved.end()) return;  // a newer save of the same counts
   const bool failed_before = !found->why.empty();
@@ -140,11 +146,19 @@ void Saver::On(const event::SaveEnded& ended) {
     if (failed_before) RecordMachine(kCodeOk, texts::SaveRecovered(StoredName(ended.what)));
   } else {
     found->why = ended.why.empty() ? "failed" : ended.why;
+    if (ended.what != Stored::kJournal) found->again = now_ + kAgain;  // its writer tries by itself
     if (!failed_before) {
       RecordMachine(kCodeFailed, texts::SaveFailed(StoredName(ended.what), found->why));
     }
   }
   if (ended.what == Stored::kStopIntent && machine_.stopping) machine_.stopping->intent_by.reset();
+}
+
+void Saver::SaveAgain() {
+  for (std::size_t one = 0; one < machine_.saves.unsaved.size(); ++one) {
+    const Unsaved& unsaved = machine_.saves.unsaved[one];
+    if (unsaved.again && *unsaved.again <= now_) Save(unsaved.what);
+  }
 }
 
 }  // namespace musher
