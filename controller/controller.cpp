@@ -749,11 +749,16 @@ std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
   for (const ActuatorIndex i : config_.actuators.Indices()) {
     if (begin.running[i] && begin.processes[i] == 0) begin.processes[i] = HolderOf(i);
   }
+  begin.ended = PerActuator<bool>(begin.running.size(), false);
   for (const ChildProcess& child : stored) {
     const auto i = config_.IndexOf(child.actuator);
     const bool listed =
         i && !config_.actuators[*i].command.empty() && config_.actuators[*i].host.empty();
-    if (!listed && IsRunning(child)) EndUnlisted(child);
+    if (listed) {
+      begin.ended[*i] = !begin.running[*i];
+    } else if (IsRunning(child)) {
+      EndUnlisted(child);
+    }
   }
   return children;
 }

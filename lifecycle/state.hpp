@@ -46,6 +46,8 @@ inline constexpr BuiltInState kProtected{"Protected"};
 inline constexpr BuiltInState kLowPower{"LowPower"};
 inline constexpr BuiltInState kOta{"OTA"};
 inline constexpr BuiltInState kError{"Error"};
+// Of a process that has ended, and whose last report was not received. No state of a machine.
+inline constexpr BuiltInState kUnknownState{"unknown"};
 
 // A state by its name; empty: none. A built-in state and a literal become one by themselves; any
 // other text, such as the field of a message, by State(text), so that it cannot be taken for one by

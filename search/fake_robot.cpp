@@ -6,6 +6,7 @@ namespace musher::search {
 
 void FakeRobot::Feed(const Event& event) {
   queue_.push_back(event);
+  NoteChild(event);
   if (handling_) return;
   handling_ = true;
   while (!queue_.empty()) {
@@ -16,13 +17,27 @@ void FakeRobot::Feed(const Event& event) {
   handling_ = false;
 }
 
+// As the shell stores them.
+void FakeRobot::NoteChild(const Event& event) {
+  auto& children = controller_.disk.children;
+  if (const auto* started = std::get_if<event::ProcessStarted>(&event)) {
+    children[started->actuator] = started->pid;
+  } else if (const auto* ended = std::get_if<event::ProcessEnded>(&event)) {
+    const auto child = children.find(ended->actuator);
+    if (child != children.end() && child->second == ended->pid) children.erase(child);
+  }
+}
+
 void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised, bool at_boot) {
+  if (at_boot) controller_.disk.children.clear();
   PerActuator<bool> running;
   PerActuator<std::int32_t> processes;
+  PerActuator<bool> ended;
   for (const ActuatorIndex i : config_.actuators.Indices()) {
     const FakeActuator& actuator = Actuator(i);
     running.push_back(actuator.alive);
     processes.push_back(actuator.alive ? actuator.pid() : 0);
+    ended.push_back(!actuator.alive && controller_.disk.children.contains(i));
   }
   const Disk& disk = controller_.disk;
   event::Begin begin{by_hand, disk.epoch, running, "here", disk.stops, processes};
@@ -33,6 +48,7 @@ void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised, b
   begin.actuators = disk.actuators;
   begin.supervised = supervised;
   begin.at_boot = at_boot;
+  begin.ended = ended;
   Feed(begin);
 }
 

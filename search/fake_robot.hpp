@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <variant>
 #include <vector>
 
@@ -47,6 +48,7 @@ struct Disk {
   bool stop_intent = false;
   std::vector<RemoteActuator> remote;
   std::vector<StoredActuator> actuators;
+  std::map<ActuatorIndex, std::int32_t> children;  // their pids
 };
 
 // A fake robot but for its actuators; a value.
@@ -87,6 +89,7 @@ class FakeRobot {
   // Executes an action of the controller: by Send(), Save() or, if it is none of those, Do().
   void Apply(const Action& action);
 
+  void NoteChild(const Event& event);
   virtual FakeActuator& Actuator(ActuatorIndex i) = 0;
   // One step of a decision code, with all its actions.
   virtual void StepController(const Event& event) = 0;

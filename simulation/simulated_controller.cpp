@@ -33,6 +33,7 @@ SimulatedController::SimulatedController(transport::sim::Network& network,
       hooks_(std::move(hooks)),
       endpoint_(endpoint),
       host_(host),
+      host_id_(hosts.Id(host)),
       pid_(hosts.NewPid(host)),
       serial_(hosts.NewSerial()),
       node_(network.MakeNode(endpoint)) {
@@ -56,7 +57,7 @@ SimulatedController::SimulatedController(transport::sim::Network& network,
     return (network_.now().time_since_epoch() + wall_offset).count();
   };
   dependencies.rules = disk_.rules;
-  dependencies.host = hosts.Id(host);
+  dependencies.host = host_id_;
   dependencies.pid = pid_;
   dependencies.machine_id = machine_id;
   dependencies.incarnation = hosts.NewIncarnation(host);
@@ -86,6 +87,7 @@ void SimulatedController::SetSaves(ControllerShell::Dependencies& dependencies) 
   dependencies.save_children = [this](const std::vector<ChildProcess>& children, const auto& done) {
     disk_.children.clear();
     for (const ChildProcess& child : children) disk_.children[child.actuator] = child;
+    disk_.children_host = host_id_;
     done(Ok());
   };
 }
@@ -199,8 +201,9 @@ void SimulatedController::Begin(bool takeover, Starter starter) {
     begin.running.push_back(pid != 0);
     begin.processes.push_back(pid);
     const auto child = disk_.children.find(actuator.name);
-    if (child != disk_.children.end() && child->second.pid == pid)
-      children.push_back(child->second);
+    const bool is_known = child != disk_.children.end() && disk_.children_host == host_id_;
+    if (is_known && child->second.pid == pid) children.push_back(child->second);
+    begin.ended.push_back(is_known && pid == 0);
   }
   begin.stops = LoadStops();
   begin.stop_intent = disk_.stop_intent;

@@ -41,6 +41,7 @@ struct Disk {
   std::vector<JournalRow> recording;
   // Processes by actuator; also those that could not be saved, which are found by their mark.
   std::map<std::string, ChildProcess> children;
+  std::string children_host;                 // on which they run, of that boot
   std::map<std::string, std::string> files;  // small text files, by name
   UserRules rules;                           // of the user
   FolderOpens opens = FolderOpens::kYes;     // at the next start
@@ -162,6 +163,7 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   Hooks hooks_;
   const std::string endpoint_;
   const std::size_t host_;
+  const std::string host_id_;  // of this boot
   const std::int32_t pid_;
   const std::uint64_t serial_;
   bool begun_ = false;

@@ -56,7 +56,10 @@ void ActuatorProcesses::TakeOver(event::Begin& begin, const std::vector<ChildPro
     begin.processes[i] = 0;
     const bool exited =
         is_child && dependencies_.process_probe->StartTimeOf(pid) != child->start_time;
-    if (exited && !peers_.RanBeforeBegin(i)) begin.running[i] = false;
+    if (exited && !peers_.RanBeforeBegin(i)) {
+      begin.running[i] = false;
+      if (begin.ended.Has(i)) begin.ended[i] = true;
+    }
   }
 }
 

@@ -160,7 +160,7 @@ struct KnownActuator {
   // for another actuator, it does not come on again.
   bool down_requested = false;
   // In which its last process was lost: what it had switched on may be on. Until another process of
-  // it has reached a state of the machine, or was torn down. "": none.
+  // it has reached a state of the machine, or was torn down. May be kUnknownState. "": none.
   State lost_in{};
   bool met = false;  // its process was present, in this run of the controller
   // The process ran before this controller, announced itself after the machine went on, or replaced

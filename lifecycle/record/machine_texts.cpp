@@ -253,6 +253,12 @@ RecordText MayStillRunOn(const std::string& host) {
 }
 
 RecordText LostWithoutTearDown(const State& state) {
+  if (state == kUnknownState) {
+    return MakeText(EventName::kLostWithoutTearDown,
+                    "its process has ended, and its last state is not known; what it had switched "
+                    "on may be on",
+                    {});
+  }
   return MakeText(EventName::kLostWithoutTearDown,
                   "its process has ended in {state} without its TearDown; what it had switched on "
                   "may be on",

@@ -87,7 +87,8 @@ RecordText GivenUp(int restarts, const std::optional<std::string>& why) {
 }
 
 RecordText GivenUpBefore(const State& lost_in) {
-  const std::string where = lost_in.empty() ? "" : ", lost in {state}";
+  const bool is_known = !lost_in.empty() && lost_in != kUnknownState;
+  const std::string where = is_known ? ", lost in {state}" : "";
   return MakeText(EventName::kRestartLimitReached,
                   "given up before this controller started" + where +
                       "; only a restart that a person requests starts it",

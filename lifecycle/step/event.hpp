@@ -18,13 +18,14 @@ namespace event {
 
 // Starts the machine: with `by_hand` only SetUp, the rest follows by requests. `running[i]`: a
 // process of actuator i already runs on this host; `processes[i]` is its pid if its exit can be
-// detected, else 0. `epoch`, `stops`, `policy`, `stop_intent`, `remote` and `actuators` were read
-// from disk. `restarted`: a supervisor restarts the controller, not a person; with `stop_intent`
-// the controller finishes the TearDown that was begun, and the machine stays down. A person's start
-// clears the intent. `supervised`: a supervisor starts the controller, at boot or again; only a
-// person's start is a request to switch on what an emergency stop has switched off. `at_boot`: it
-// is the first start of that kind since the host was booted, and undoes no person's takeover
-// either.
+// detected, else 0; `ended[i]`: a process that an earlier controller had started has ended since
+// that controller led, and none runs. `epoch`, `stops`, `policy`, `stop_intent`, `remote` and
+// `actuators` were read from disk. `restarted`: a supervisor restarts the controller, not a person;
+// with `stop_intent` the controller finishes the TearDown that was begun, and the machine stays
+// down. A person's start clears the intent. `supervised`: a supervisor starts the controller, at
+// boot or again; only a person's start is a request to switch on what an emergency stop has
+// switched off. `at_boot`: it is the first start of that kind since the host was booted, and undoes
+// no person's takeover either.
 struct Begin {
   bool by_hand = false;
   Epoch epoch = 0;
@@ -39,6 +40,7 @@ struct Begin {
   bool supervised = false;
   bool at_boot = false;
   std::vector<StoredActuator> actuators = {};
+  PerActuator<bool> ended = {};
   friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status was received.
@@ -250,6 +252,7 @@ inline constexpr std::tuple kFields<event::Begin> = {
     Field{"supervised", &event::Begin::supervised},
     Field{"at_boot", &event::Begin::at_boot},
     Field{"actuators", &event::Begin::actuators},
+    Field{"ended", &event::Begin::ended},
 };
 
 template <>

@@ -41,7 +41,8 @@ void StartUp::Begin(const event::Begin& begin) {
     if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
   }
   RecordMachine(kCodeOk, texts::ControllerStarted(machine_.epoch, machine_.actuators.size()));
-  TakeUp(begin.actuators);
+  machine_.saves.actuators = begin.actuators;
+  TakeUp(WithEnded(begin));
   if (machine_.start_up.finishing) {
     RecordMachine(kCodeOk, texts::TearDownResumedBySupervisor(), kBegun);
   } else if (begin.stop_intent) {
@@ -51,10 +52,25 @@ void StartUp::Begin(const event::Begin& begin) {
              kBegun);
 }
 
+// What was stored, with what has ended since the controller that stored it. The config may forbid
+// that such an actuator is restarted: it would be, by the restart of the controller.
+std::vector<StoredActuator> StartUp::WithEnded(const event::Begin& begin) const {
+  std::vector<StoredActuator> actuators = begin.actuators;
+  for (const ActuatorIndex i : begin.ended.Indices()) {
+    if (!begin.ended[i]) continue;
+    const std::string& name = ConfigOf(i).name;
+    auto found = std::ranges::find(actuators, name, &StoredActuator::name);
+    if (found == actuators.end()) found = actuators.insert(found, StoredActuator{name});
+    if (found->stays_down == StaysDown::kTornDown) continue;  // it has ended after its TearDown
+    if (found->lost_in.empty()) found->lost_in = State(kUnknownState);
+    if (!MayRestart(i)) found->stays_down = StaysDown::kGivenUp;
+  }
+  return actuators;
+}
+
 // What a person has torn down alone or holds, and what was given up, comes on by no restart of the
 // controller and by no boot, but by a start of the person.
 void StartUp::TakeUp(const std::vector<StoredActuator>& actuators) {
-  machine_.saves.actuators = actuators;
   const bool by_itself = machine_.start_up.requests_nothing || machine_.start_up.by_supervisor;
   for (const StoredActuator& stored : actuators) {
     const auto i = config_.IndexOf(stored.name);

@@ -30,6 +30,7 @@ class StartUp : StepPart {
   void CheckDeadlines();
 
  private:
+  std::vector<StoredActuator> WithEnded(const event::Begin& begin) const;
   void TakeUp(const std::vector<StoredActuator>& actuators);
   void StartStage(int stage, RecordId cause);
   void EndFirstStage();

@@ -240,6 +240,79 @@ TEST_F(FoundByTheNext, OneThatWasJustGivenUpIsNotSwitchedOnByARestartOfTheContro
   EXPECT_THAT(t.log(), IsEmpty());
 }
 
+TEST_F(FoundByTheNext, HeldInAStateAsActiveAsTheMachineStaysThere) {
+  Harness& t = In("Active", WithDancing(Ours(3)));
+  ASSERT_TRUE(t.Set("Dancing").done());
+  ASSERT_TRUE(t.Set("Active", "b").done());
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("b").held);
+  t.Crash("b");
+  t.Rest();
+  EXPECT_NE(t.StateOf("b"), "Dancing");
+}
+
+TEST_F(FoundByTheNext, HeldInErrorIsNotRaisedByASwitchDown) {
+  Harness& t = Held(State(kError));
+  t.Set("Protected");
+  EXPECT_EQ(t.StateOf("b"), "Error");
+}
+
+TEST_F(FoundByTheNext, HeldInErrorIsNotRaisedByARestart) {
+  Harness& t = Held(State(kError));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_NE(t.StateOf("b"), "Active");
+}
+
+TEST_F(FoundByTheNext, WhatAFullDiskHasNotStoredIsStoredAgain) {
+  Harness& t = In("Active", Ours(2));
+  t.disk_fails = "no space";
+  ASSERT_TRUE(t.Set("TearDown", "b").done());
+  t.Rest();
+  t.disk_fails.clear();
+  t.Set("Protected");
+  t.Rest(std::chrono::hours(1));
+  EXPECT_EQ(t.disk().actuators.size(), 1U);
+}
+
+TEST_F(FoundByTheNext, OneThatNoPolicyRestartsAndThatEndsBesideTheControllerIsNotStarted) {
+  MachineConfig config = Ours(3);
+  config.actuators[1].restart.policy = RestartPolicy::kNo;
+  Harness& t = In("Active", config);
+  t.Crash("b");
+  CrashController(t);
+  EXPECT_FALSE(t.IsAlive("b")) << "it is in " << t.StateOf("b");
+}
+
+TEST_F(FoundByTheNext, ATearDownListsOneThatEndedBesideTheControllerAndIsNotSetUpAgain) {
+  Harness& t = In("Active", Ours(3));
+  t.Crash("b");
+  t.On("b", "SetUp").code = 5012;
+  CrashController(t);
+  EXPECT_EQ(t.Set("TearDown").outcome, SwitchOutcome::kDoneDegraded);
+}
+
+// A person leads it out of Error by a self-check, and its hold ends with that.
+TEST_F(FoundByTheNext, HeldInErrorIsLedOutBySelfCheckAlsoAfterARestart) {
+  Harness& t = Held(State(kError));
+  CrashController(t);
+  ASSERT_EQ(t.StateOf("b"), "Error");
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Protected").done());
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
+TEST_F(FoundByTheNext, WhatAFullDiskHasNotStoredIsReportedOnceWhileItIsTriedAgain) {
+  Harness& t = In("Active", Ours(2));
+  t.disk_fails = "no space";
+  ASSERT_TRUE(t.Set("TearDown", "b").done());
+  t.RunFor(std::chrono::minutes(2));
+  EXPECT_TRUE(t.disk().actuators.empty());
+  const auto& unsaved = t.machine().saves.unsaved;
+  ASSERT_EQ(unsaved.size(), 1U);
+  EXPECT_EQ(unsaved.front().why, "no space");
+}
+
 TEST_F(FoundByOne, OneThatIsTakenByAnotherMachineIsNotStoredAsGivenUp) {
   config_.transport = TransportProfile::kLan;
   HostConfig& host = config_.hosts.emplace_back();
@@ -285,6 +358,32 @@ TEST_F(FoundByOne, AHeldRos2NodeIsNotRaisedWhereItsConnectionComesBack) {
   Come(1, "LowPower");
   EXPECT_TRUE(Of(1).held);
   for (const auto& sent : Did<action::SendSwitch>()) ADD_FAILURE() << sent.command.target;
+}
+
+TEST_F(FoundByOne, ATearDownListsAFoundProcessThatSaidNothingAndWasKilled) {
+  for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run", actuator.name};
+  machine_ = MakeMachine(config_);
+  PerActuator<bool> running(config_.actuators.size(), true);
+  PerActuator<std::int32_t> pids;
+  for (const ActuatorIndex i : running.Indices()) {
+    pids.push_back(static_cast<std::int32_t>(700 + i.value()));
+  }
+  event::Begin begin{false, 1, running, "here", {}, pids};
+  begin.restarted = begin.supervised = true;
+  Do(begin);
+  Come(1, kActive);
+  Pass(std::chrono::seconds(1));
+  ASSERT_EQ(machine_.state, kActive);
+  ASSERT_EQ(Of(0).presence, Presence::kAbsent);
+  Do(event::SetStateRequested{71, kTearDown, {}});
+  ObeyAll();
+  Do(event::ProcessEnded{0, 700, false, "killed by SIGKILL"});
+  Do(event::ProcessEnded{1, 701, true, "exit code 0"});
+  Pass(config_.shutdown_budget);
+  ASSERT_EQ(machine_.phase, Phase::kStopped);
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_FALSE(answers.empty());
+  EXPECT_EQ(answers.back().result.outcome, SwitchOutcome::kDoneDegraded);
 }
 
 }  // namespace musher::testing::next_controller_test
