@@ -16,6 +16,7 @@
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/actuator/callback_harness.hpp"
 #include "musher/actuator/capability_gate.hpp"
+#include "musher/actuator/exit_guard.hpp"
 #include "musher/actuator/state_callbacks.hpp"
 #include "musher/base/check.hpp"
 #include "musher/base/code.hpp"
@@ -293,6 +294,8 @@ class MachineActuator::Impl {
     hooks.run_callback = [this](const State& state) {
       shell_->checkpoints().OnWorker(gettid());
       degraded_.Take();
+      std::optional<ExitGuard> guard;
+      if (state == kTearDown) guard.emplace(name_);
       return callbacks_.Run(state);
     };
     hooks.take_degraded = [this] { return degraded_.Take(); };

@@ -117,7 +117,11 @@ Error UnknownActuator(std::string_view name, const MachineConfig& config) {
   std::vector<std::string> names;
   names.reserve(config.actuators.size());
   for (const ActuatorConfig& actuator : config.actuators) names.push_back(actuator.name);
-  return Refused<Refusal::kUnknownActuator>(name.substr(0, kLongestWord), KnownNames(name, names));
+  const std::string_view word = name.substr(0, kLongestWord);
+  // `musher set arm Active`
+  if (config.HasState(word))
+    return Refused<Refusal::kUnknownActuator>(word, ", but a state: `musher set STATE ACTUATOR`");
+  return Refused<Refusal::kUnknownActuator>(word, KnownNames(name, names));
 }
 
 }  // namespace musher

@@ -87,6 +87,8 @@ TEST_F(Set, ExitsWithTwoAndAReasonWhenTheMachineHasNoSuchStateOrActuator) {
   EXPECT_EQ(unknown.err,
             "musher: tail to Active is refused: there is no actuator 'tail'; there are legs, voice "
             "and eyes\n");
+  EXPECT_THAT(Musher({"set", "legs", "Active"}).err,
+              HasSubstr("there is no actuator 'Active', but a state: `musher set STATE ACTUATOR`"));
   EXPECT_THAT(Musher({"plan", "Active", "leg"}).err,
               HasSubstr("there is no actuator 'leg'; did you mean 'legs'? There are legs, voice "));
   EXPECT_EQ(Musher({"set", std::string(100'000, 'x')}).exit, 2);
