@@ -9,6 +9,7 @@ Checker::Checker(SimRobot& robot) : context_(robot), robot_(robot), config_(robo
   robot_.on_input = [this] { dirty_ = true; };
   robot_.on_send = [this](const Machine& machine, const action::SendSwitch& send) {
     commands_.OnSend(machine, send);
+    holds_.OnSend(machine, send);
   };
   robot_.on_start = [this](const SimulatedController& controller, const std::string& name) {
     ++checks_;
@@ -50,6 +51,7 @@ Checker::Checker(SimRobot& robot) : context_(robot), robot_(robot), config_(robo
     // A person has switched the host on, perhaps: a boot begins the machine, and undoes nothing.
     if (starter != Starter::kSupervisor) tear_down_.OnPersonsStart();
     if (starter == Starter::kPerson) tear_down_.OnBegunByPerson(controller);
+    holds_.OnBegin(controller, starter);
     release_.OnBegin(controller, starter != Starter::kPerson);
     authority_.NoteWord(controller, starter != Starter::kPerson);
   };
@@ -122,6 +124,7 @@ void Checker::CheckController(const SimulatedController& controller) {
   }
   CheckDeadline(controller);
   tear_down_.NoteReceived(controller);
+  holds_.NoteSwitch(controller);
   const Epoch epoch = authority_.CheckEpoch(controller);
   if (epoch != 0 && epoch != machine.epoch) {
     commands_.CarryCommandsOver(controller.serial(), epoch, machine.epoch);

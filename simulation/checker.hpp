@@ -15,6 +15,7 @@
 
 #include "musher/simulation/authority_checker.hpp"
 #include "musher/simulation/command_checker.hpp"
+#include "musher/simulation/hold_checker.hpp"
 #include "musher/simulation/invariant.hpp"
 #include "musher/simulation/policy_checker.hpp"
 #include "musher/simulation/policy_time_checker.hpp"
@@ -124,12 +125,13 @@ class Checker {
   ReleaseChecker release_{context_};
   CommandChecker commands_{context_, authority_, release_};
   TearDownChecker tear_down_{context_, processes_};
+  HoldChecker holds_{context_, processes_};
   StopChecker stops_{context_, processes_, tear_down_, release_};
   PolicyChecker policy_{context_};
   PolicyTimeChecker policy_time_{context_};
   RestChecker rest_{context_};
   UserRuleChecker user_rules_{context_};
-  SwitchChecker switches_{context_, commands_, tear_down_, policy_, rest_};
+  SwitchChecker switches_{context_, commands_, tear_down_, holds_, policy_, rest_};
 };
 
 }  // namespace musher::simulation

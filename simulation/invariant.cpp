@@ -42,6 +42,7 @@ constexpr std::array<Row, kInvariants> kTexts = {{
      "TearDown is \"done\" only when no actuator runs, or has ended, in a higher state"},
     {Invariant::kStaysDown,
      "an actuator that a person has torn down alone is started by a person only"},
+    {Invariant::kHoldStays, "an actuator that a person has set alone is raised by a person only"},
     {Invariant::kNoCommandDropped,
      "only a newer command or its timeout cancels an accepted command"},
     {Invariant::kOnlyLeaderReplies, "only the leading controller replies to clients"},

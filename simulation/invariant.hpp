@@ -31,6 +31,7 @@ enum class Invariant : std::uint8_t {
   kNoStartAfterTearDown,     // after an accepted TearDown only an operator starts the machine
   kTearDownIsComplete,  // TearDown is "done" when no actuator is or has ended in a higher state
   kStaysDown,           // what a person has torn down alone is started by a person only
+  kHoldStays,           // what a person has set alone is led elsewhere by a person only
   kNoCommandDropped,    // only a newer command or its timeout cancels an accepted command
   kOnlyLeaderReplies,   // only the leading controller replies to clients
   kClientGetsOutcome,   // a client gets an outcome, or that there is none, within a bound

@@ -133,6 +133,7 @@ void SwitchChecker::OnReply(std::uint64_t request, const SwitchResult& result) {
     if (replying == nullptr || replying->serial() != open.mapped().controller) continue;
     tear_down_.CheckTornDown(*replying, result);
     tear_down_.NoteTornDownAlone(*replying, result);
+    holds_.OnReply(*replying, result);
     controller = replying;
   }
   const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "musher/simulation/command_checker.hpp"
+#include "musher/simulation/hold_checker.hpp"
 #include "musher/simulation/policy_checker.hpp"
 #include "musher/simulation/rest_checker.hpp"
 #include "musher/simulation/tear_down_checker.hpp"
@@ -22,10 +23,11 @@ namespace musher::simulation {
 class SwitchChecker : public SubjectChecker {
  public:
   SwitchChecker(CheckerContext& context, const CommandChecker& commands, TearDownChecker& tear_down,
-                PolicyChecker& policy, RestChecker& rest)
+                HoldChecker& holds, PolicyChecker& policy, RestChecker& rest)
       : SubjectChecker(context),
         commands_(commands),
         tear_down_(tear_down),
+        holds_(holds),
         policy_(policy),
         rest_(rest) {}
 
@@ -75,6 +77,7 @@ class SwitchChecker : public SubjectChecker {
 
   const CommandChecker& commands_;
   TearDownChecker& tear_down_;
+  HoldChecker& holds_;
   PolicyChecker& policy_;
   RestChecker& rest_;
   std::map<std::uint64_t, Seen> seen_;              // by the serial of the controller

@@ -28,6 +28,13 @@ class PlantedFlaw : public ::testing::Test {
     for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
     return config;
   }
+  static MachineConfig Restarted(int actuators) {
+    MachineConfig config = Started(actuators);
+    for (ActuatorConfig& actuator : config.actuators) {
+      actuator.restart.policy = RestartPolicy::kOnFailure;
+    }
+    return config;
+  }
   // Each callback has 30 s.
   static MachineConfig WithLongTimes(MachineConfig config) {
     for (ActuatorConfig& actuator : config.actuators) {
@@ -239,7 +246,7 @@ TEST_F(PlantedFlaw, FindsHardwareThatACallbackSwitchesOnDuringAStop) {
 
 TEST_F(PlantedFlaw, FindsALostStopIntentThatBringsTheMachineUpAgain) {
   slow_ = State(kTearDown);
-  Make(Started(2));
+  Make(Restarted(2));
   BringUp();
   Request(State(kTearDown));
   RunFor(std::chrono::seconds(1));
@@ -332,6 +339,24 @@ TEST_F(PlantedFlaw, FindsAStartOfAnActuatorThatAPersonHasTornDownAlone) {
   robot_->LaunchController(0, true, {}, Starter::kSupervisor);
   RunFor(std::chrono::seconds(5));
   ExpectFound(Invariant::kStaysDown, "a controller starts b");
+}
+
+TEST_F(PlantedFlaw, FindsARiseOfAnActuatorThatAPersonHolds) {
+  for (const char* state : {"LowPower", "Error"}) {
+    Make(Restarted(2));
+    BringUp();
+    const std::uint64_t request = checker_->OnRequest(*robot_->leader(), State(state));
+    robot_->leader()->shell().SetState(
+        State(state), "b", [&](const SwitchResult& result) { checker_->OnReply(request, result); });
+    RunFor(std::chrono::seconds(2));
+    robot_->CrashController();
+    robot_->CrashActuator("b");
+    ASSERT_EQ(robot_->disk(0).actuators.size(), 1U);
+    robot_->disk(0).actuators.clear();
+    robot_->LaunchController(0, true, {}, Starter::kSupervisor);
+    RunFor(std::chrono::seconds(5));
+    ExpectFound(Invariant::kHoldStays, "b is led to Active, and a person holds it in");
+  }
 }
 
 TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneWithoutARemoteActuatorThatAnEarlierOneKnew) {
