@@ -191,6 +191,7 @@ class SmallDisk : public Disk {
   void CutPower() {
     KillChildren();
     up_.reset();
+    std::filesystem::remove(state_ + "/processes");  // of a boot that is over
     ASSERT_TRUE(Status().is_null());
   }
   // The machine has a state between SelfCheck and Protected.
