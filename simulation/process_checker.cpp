@@ -12,10 +12,11 @@ constexpr Duration kReactsFor = std::chrono::seconds(30);
 
 }  // namespace
 
-// A controller knows the exit code of its own children only.
+// A controller knows the exit code of its own children, and of units as soon as systemd says it.
 void ProcessChecker::OnWrongConfig(const std::string& name) {
   const SimulatedController* leader = robot_.leader();
   if (leader == nullptr) return;
+  if (config_.own_units && robot_.systemds()->IsSilent(leader->host())) return;
   const ActuatorIndex i = *config_.IndexOf(name);
   const RestartConfig& restart = config_.actuators[i].restart;
   const KnownActuator& known = leader->shell().machine().actuators[i];

@@ -71,8 +71,10 @@ SimRobot::SimRobot(std::unique_ptr<World> world, SimRobot* beside, MachineConfig
       }
     }
   };
-  const bool units = std::ranges::any_of(
-      config_.actuators, [](const ActuatorConfig& actuator) { return !actuator.host.empty(); });
+  const bool units = config_.own_units ||
+                     std::ranges::any_of(config_.actuators, [](const ActuatorConfig& actuator) {
+                       return !actuator.host.empty();
+                     });
   if (units) {
     systemds_ = std::make_unique<SimulatedSystemds>(network_, config_, hosts_, processes_);
   }
@@ -127,7 +129,9 @@ void SimRobot::Open(std::size_t which) {
   };
   if (systemds_) {
     hooks.connect = [this, which](transport::EventLoop& loop) {
-      return systemds_->From(layout_.controllers[which], loop);
+      return systemds_->From(layout_.controllers[which], loop, [this, which](const auto& name) {
+        if (on_start) on_start(*controllers_[which], name);
+      });
     };
   }
   controllers_[which] = std::make_unique<SimulatedController>(

@@ -754,6 +754,8 @@ void Scenario::ApplyToHosts(const Injection& injection) {
       return Reboot(from, injection.lasts);
     }
     robot_.systemds()->ShutDown(from);  // in an orderly way
+    // Whatever ends from now on has ended with its host.
+    for (const ActuatorConfig& actuator : config_.actuators) checker_.OnCrash(actuator.name);
     return Later(kShutsDownWithin, [this, from, lasts = injection.lasts] { Reboot(from, lasts); });
   }
   const auto set = [this, from, to,

@@ -44,12 +44,15 @@ SimulatedController::SimulatedController(transport::sim::Network& network,
   dependencies.processes = this;
   dependencies.process_probe = this;
   if (hooks_.connect) {
+    HostUnits::Options options;
+    options.since_boot = [this] { return network_.now().time_since_epoch(); };
+    if (config_.own_units) options.own = hooks_.connect(node_->loop());
     units_ = std::make_unique<HostUnits>(
         node_->loop(), config_, [this] { return shell_->machine_identity(); },
-        hooks_.connect(node_->loop()),
-        HostUnits::Options{.since_boot = [this] { return network_.now().time_since_epoch(); }});
+        hooks_.connect(node_->loop()), std::move(options));
   }
   dependencies.hosts = units_.get();
+  dependencies.own_units = config_.own_units;
   dependencies.journal = this;
   SetSaves(dependencies);
   dependencies.output = [](const std::string&) { return nullptr; };

@@ -37,8 +37,14 @@ std::string Variable(const ProcessSpec& spec, const char* name) {
 class SimulatedSystemds::Connection : public Systemd {
  public:
   Connection(SimulatedSystemds& systemds, std::size_t from, std::size_t to,
-             transport::EventLoop& loop, Hooks hooks)
-      : systemds_(systemds), from_(from), to_(to), loop_(loop), hooks_(std::move(hooks)) {}
+             transport::EventLoop& loop, Hooks hooks,
+             std::function<void(const std::string&)> on_start)
+      : systemds_(systemds),
+        from_(from),
+        to_(to),
+        loop_(loop),
+        hooks_(std::move(hooks)),
+        on_start_(std::move(on_start)) {}
   ~Connection() override { Connection::Close(); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -70,6 +76,7 @@ class SimulatedSystemds::Connection : public Systemd {
   void Start(const UnitStart& start,
              std::function<void(const std::optional<SystemdError>&, const std::string& job)> done)
       override {
+    if (from_ == to_) on_start_(start.process.name);
     Send([systemds = &systemds_, to = to_, start, done = std::move(done)](const BridgePtr& bridge) {
       const Machine& machine = systemds->machines_[to];
       std::optional<SystemdError> error;
@@ -174,6 +181,7 @@ class SimulatedSystemds::Connection : public Systemd {
   const std::size_t to_;
   transport::EventLoop& loop_;
   const Hooks hooks_;
+  const std::function<void(const std::string&)> on_start_;
   State state_ = State::kClosed;
   std::string host_id_;
   Time booted_{};
@@ -191,16 +199,25 @@ SimulatedSystemds::SimulatedSystemds(transport::sim::Network& network, const Mac
       processes_(processes),
       random_(network.random().Next()),
       node_(network.MakeNode("systemds")),
-      machines_(hosts.size()) {}
+      machines_(hosts.size()) {
+  if (!config.own_units) return;
+  for (Machine& host : machines_) {
+    host.silent_from = network.now() + random_.Between({}, Milliseconds(15'000));
+    const Duration silence = random_.Between(Milliseconds(500), Milliseconds(12'000));
+    host.silent_until = host.silent_from + (random_.Bernoulli(0.5) ? silence : Duration());
+  }
+}
 
 SimulatedSystemds::~SimulatedSystemds() = default;
 
-ConnectSystemd SimulatedSystemds::From(std::size_t from, transport::EventLoop& loop) {
-  return [this, from, &loop](const HostConfig& host, const std::vector<std::string>& /*units*/,
-                             Systemd::Hooks hooks) -> std::unique_ptr<Systemd> {
-    std::size_t to = 0;
-    while (hosts_.name(to) != host.name) ++to;
-    return std::make_unique<Connection>(*this, from, to, loop, std::move(hooks));
+ConnectSystemd SimulatedSystemds::From(std::size_t from, transport::EventLoop& loop,
+                                       std::function<void(const std::string&)> on_start) {
+  return [this, from, &loop, on_start = std::move(on_start)](
+             const HostConfig& host, const std::vector<std::string>& /*units*/,
+             Systemd::Hooks hooks) -> std::unique_ptr<Systemd> {
+    std::size_t to = host.name.empty() ? from : 0;
+    while (!host.name.empty() && hosts_.name(to) != host.name) ++to;
+    return std::make_unique<Connection>(*this, from, to, loop, std::move(hooks), on_start);
   };
 }
 
@@ -219,8 +236,21 @@ Duration SimulatedSystemds::Delay() {
   return random_.Between(kShortestDelay, kLongestDelay);
 }
 
+bool SimulatedSystemds::Reaches(std::size_t from, std::size_t to) const {
+  const Time now = network_.now();
+  const Machine& host = machines_[to];
+  if (from == to) return now < host.silent_from || now >= host.silent_until;
+  return hosts_.Reaches(from, to);
+}
+
+bool SimulatedSystemds::IsSilent(std::size_t host) const {
+  const Time now = network_.now();
+  return now + std::chrono::seconds(1) >= machines_[host].silent_from &&
+         now < machines_[host].silent_until;
+}
+
 bool SimulatedSystemds::IsReached(std::size_t from, std::size_t to) const {
-  return machines_[to].on && hosts_.Reaches(from, to) && hosts_.Reaches(to, from);
+  return machines_[to].on && Reaches(from, to) && Reaches(to, from);
 }
 
 SimulatedSystemds::BridgePtr SimulatedSystemds::MakeBridge(Connection& client, std::size_t from,
@@ -255,7 +285,7 @@ void SimulatedSystemds::Call(const BridgePtr& bridge, std::function<void()> what
 
 void SimulatedSystemds::CarryCalls(const BridgePtr& bridge) {
   if (!bridge->alive) return bridge->calls.clear();
-  if (!hosts_.Reaches(bridge->from, bridge->to)) {
+  if (!Reaches(bridge->from, bridge->to)) {
     bridge->stalled = true;
     return After(kLookEach, [this, bridge] { CarryCalls(bridge); });
   }
@@ -277,7 +307,7 @@ void SimulatedSystemds::Reply(const BridgePtr& bridge, std::function<void()> wha
 
 void SimulatedSystemds::CarryReplies(const BridgePtr& bridge) {
   if (!bridge->alive || bridge->client == nullptr) return bridge->replies.clear();
-  if (!hosts_.Reaches(bridge->to, bridge->from)) {
+  if (!Reaches(bridge->to, bridge->from)) {
     return After(kLookEach, [this, bridge] { CarryReplies(bridge); });
   }
   bridge->client->Post(bridge, std::move(bridge->replies.front()));

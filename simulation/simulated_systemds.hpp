@@ -1,13 +1,15 @@
 #pragma once
-// The systemds of a simulated robot's hosts, which run the actuators with a `host` as units, and
-// the connections of controllers to them. Their client is the real one (controller/process
-// host_units.hpp).
+// The systemds of a simulated robot's hosts, which run the actuators with a `host` as units, with
+// `units = "always"` also the others, and the connections of controllers to them. Their client is
+// the real one (controller/process host_units.hpp).
 //
 //   link cut    what is sent waits. After 6 s the controller's end gives the connection up; calls
 //               that it had sent may still arrive, seconds after the link is back, unless a newer
 //               connection of the same controller has ended this one there. What the host had sent
 //               is lost with the connection.
 //   power cut   all processes and units of the host are gone; its connections, within 6 s
+//   silence     the D-Bus of the controller's own host answers nothing for some seconds, as where
+//               systemd reloads; with `units = "always"`, in half of the hosts once
 //   shutdown    systemd ends its units by SIGTERM, on which they exit with code 0, and starts none
 //
 // Threads: the one of the network.
@@ -37,8 +39,10 @@ class SimulatedSystemds {
   SimulatedSystemds(const SimulatedSystemds&) = delete;
   SimulatedSystemds& operator=(const SimulatedSystemds&) = delete;
 
-  // For a controller on that host, with the loop of its process.
-  ConnectSystemd From(std::size_t host, transport::EventLoop& loop);
+  // For a controller on that host, with the loop of its process. `on_start`: before it requests the
+  // start of an actuator on its own host.
+  ConnectSystemd From(std::size_t host, transport::EventLoop& loop,
+                      std::function<void(const std::string& actuator)> on_start);
 
   // A signal has reached another process than the one that it was sent to. May be empty.
   std::function<void(const std::string& actuator)> on_wrong_process;
@@ -53,6 +57,9 @@ class SimulatedSystemds {
   void PowerOff(std::size_t host);
   void Boot(std::size_t host);
   bool IsOn(std::size_t host) const { return machines_[host].on; }
+  std::size_t UnitsOn(std::size_t host) const { return machines_[host].units.size(); }
+  // Whether a controller on the host learns nothing from its systemd now, or within a second.
+  bool IsSilent(std::size_t host) const;
 
  private:
   class Connection;
@@ -64,6 +71,8 @@ class SimulatedSystemds {
   struct Machine {  // a host
     bool on = true;
     bool stopping = false;
+    Time silent_from{};  // for a controller on it
+    Time silent_until{};
     std::map<std::string, Unit> units;  // those that are loaded, by name
   };
   // The host's end of a connection, and what is on the way. It may outlive the controller's.
@@ -82,6 +91,7 @@ class SimulatedSystemds {
 
   void After(Duration delay, std::function<void()> what);
   Duration Delay();
+  bool Reaches(std::size_t from, std::size_t to) const;
   bool IsReached(std::size_t from, std::size_t to) const;
   BridgePtr MakeBridge(Connection& client, std::size_t from, std::size_t to);
   void Watch(const BridgePtr& bridge);

@@ -37,6 +37,9 @@ class HostProcesses {
     std::function<void(bool reached, const std::string& message)> on_reach;
     // Whether a start that waited for its host is still wanted.
     std::function<bool(const std::string& actuator)> still_starts;
+    // Whether another process of the actuator is present: one that another party has started, or
+    // that was out of reach. A start that waited for its host is dropped then. May be empty.
+    std::function<bool(const std::string& actuator)> is_present = nullptr;
     // Whether a signal that waited for its host is still to be sent to this process.
     std::function<bool(const std::string& actuator, pid_t pid)> still_ends;
     // Whether the kernel has reported the exit of this process of this host, which systemd may not

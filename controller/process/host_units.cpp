@@ -428,6 +428,9 @@ void HostUnits::Conclude(Unit& unit) {
   if (!unit.wanted || !state.ended()) return;
   // Its host was reached too late.
   if (!hooks_.still_starts(unit.actuator)) return NotStarted(unit, "the machine is torn down");
+  if (hooks_.is_present && hooks_.is_present(unit.actuator)) {
+    return NotStarted(unit, "another process of it runs");
+  }
   StartUnit(unit);
 }
 
@@ -468,8 +471,7 @@ void HostUnits::Ended(Unit& unit) {
   // It may have been dropped while it was examined.
   const UnitState& state = unit.end && IsDropped(unit.state) ? *unit.end : unit.state;
   if (!unit.exit) unit.exit = ExitOf(state, unit.pid, unit.name, config_.actuators[i].limits);
-  const bool wanted = unit.signalled || !hooks_.still_starts(unit.actuator);
-  if (NeedsSystemState(*unit.exit, wanted)) return AskSystemState(unit);
+  if (NeedsSystemState(*unit.exit, unit.signalled)) return AskSystemState(unit);
   const ProcessExit exit = *std::exchange(unit.exit, std::nullopt);
   ReportEnd(unit, exit);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the end of a unit on another host means: its program ended by itself, or with its host.
+// What the end of a unit means: its program ended by itself, or with its host.
 //
 // At an orderly shutdown of a host its systemd ends all units by SIGTERM. A program that handles
 // SIGTERM exits with code 0, as if its work were done. Yet the process has to be started again once
@@ -16,10 +16,11 @@ namespace musher {
 // SystemState of a systemd that shuts its host down, from the request on: before it ends a unit.
 inline constexpr std::string_view kSystemStops = "stopping";
 
-// Whether EndOfUnit() needs the state of the host's systemd. `wanted`: the machine has ended the
-// process, or is torn down; then its host does not matter.
-inline bool NeedsSystemState(const ProcessExit& exit, bool wanted) {
-  return !wanted &&
+// Whether EndOfUnit() needs the state of the host's systemd. `signalled`: the machine has ended the
+// process; then its host does not matter. In a TearDown of the machine it does: exit code 0 would
+// count as the end of the actuator's own TearDown.
+inline bool NeedsSystemState(const ProcessExit& exit, bool signalled) {
+  return !signalled &&
          (exit.kind == ProcessExit::Kind::kExited || exit.kind == ProcessExit::Kind::kUnknown);
 }
 

@@ -123,6 +123,10 @@ HostProcesses::Hooks ActuatorProcesses::HookHosts() {
     const Phase phase = context_.machine.phase;
     return phase != Phase::kStopping && phase != Phase::kStopped;
   };
+  hooks.is_present = [this](const std::string& actuator) {
+    const ActuatorIndex i = *config_.IndexOf(actuator);
+    return context_.machine.actuators[i].presence == Presence::kPresent;
+  };
   hooks.still_ends = [this](const std::string& actuator, pid_t pid) {
     const ActuatorIndex i = *config_.IndexOf(actuator);
     return !IsOfOther(i, pid) && IsStillEnded(context_.machine, i, pid);

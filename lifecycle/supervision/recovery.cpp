@@ -248,6 +248,9 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
   if (Of(failed.actuator).presence == Presence::kPresent || announced) return;
   // On a host that is out of reach, the process that has published may run on.
   const ActuatorReport& report = Of(failed.actuator).report;
+  // Another one has appeared on another host, beyond a link that was cut.
+  const bool runs_elsewhere =
+      RunsElsewhere(failed.actuator) && report.incarnation != Of(failed.actuator).process.dead;
   const bool may_run = !ConfigOf(failed.actuator).host.empty() && report.incarnation != 0 &&
                        report.incarnation != Of(failed.actuator).process.dead;
   Of(failed.actuator).presence = may_run ? Presence::kLost : Presence::kAbsent;
@@ -255,7 +258,10 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
   const bool again = fault && fault->event == EventName::kProcessNotStarted;
   Degrade(failed.actuator, kCodeFailed, texts::ProcessNotStarted(failed.why),
           Of(failed.actuator).cause);
-  failed.waits ? AwaitHost(failed.actuator, again) : processes_.Recover(failed.actuator);
+  if (failed.waits) return AwaitHost(failed.actuator, again);
+  if (!runs_elsewhere) return processes_.Recover(failed.actuator);
+  Of(failed.actuator).presence = Presence::kLost;
+  FallBack(failed.actuator);
 }
 
 // Nothing was executed, so this does not count as a restart. The loss of the actuator takes the

@@ -110,6 +110,7 @@ class UnitOfAnotherHost : public ::testing::Test {
       clean_ = exit.clean();
     };
     hooks.still_starts = [this](const std::string&) { return still_starts_; };
+    hooks.is_present = [this](const std::string&) { return is_present_; };
     hooks.on_reach = [this](bool reached, const std::string& message) {
       (reached ? reached_ : troubles_).push_back(message);
     };
@@ -173,6 +174,7 @@ class UnitOfAnotherHost : public ::testing::Test {
   Duration suspended_{};  // the computer of the controller
   bool still_ends_ = true;
   bool still_starts_ = true;
+  bool is_present_ = false;
   std::vector<std::string> not_started_;
   std::vector<std::string> waits_;
   std::string exit_;
@@ -317,6 +319,16 @@ TEST_F(UnitOfAnotherHost, RunsOnWhenAnotherHostHasTakenTheAddress) {
 // Its systemd sends SIGTERM, on which a program may exit as one that has done its work.
 TEST_F(UnitOfAnotherHost, ThatEndsWhileItsHostShutsDownHasEndedWithThat) {
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("system", "stopping");
+  Exit(0);
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_, "its host went down");
+}
+
+// In a TearDown of the machine that exit code counted as its own end, and was "done".
+TEST_F(UnitOfAnotherHost, ThatEndsInATearDownWhileItsHostShutsDownHasEndedWithThat) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  still_starts_ = false;
   Write("system", "stopping");
   Exit(0);
   Await([this] { return !ended_.empty(); });
@@ -851,6 +863,22 @@ TEST_F(UnitOfThisHost, IsNotStartedByASystemdThatDoesNotAnswer) {
   EXPECT_THAT(
       not_started_.front(),
       HasSubstr("musher-robot-eyes.service's state cannot be read: systemd does not answer"));
+}
+
+// A process of it on another host, beyond a link that was cut, was known by then: both ran.
+TEST_F(UnitOfThisHost, IsNotStartedLateBesideAnotherProcessOfIt) {
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  SetUnit("inactive", 0);
+  Open();
+  EXPECT_THAT(Find().unreached, IsEmpty());
+  Write("ignore-GetAll", "");
+  Start();
+  is_present_ = true;
+  std::filesystem::remove(folder_ / "ignore-GetAll");
+  ASSERT_NO_FATAL_FAILURE(LoseConnection());
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_EQ(not_started_.front(), "another process of it runs");
+  EXPECT_THAT(Calls(), Not(HasSubstr("StartTransientUnit")));
 }
 
 TEST_F(UnitOfThisHost, RunsOnWhenItsDBusIsLostAndIsFoundAgain) {

@@ -177,6 +177,7 @@ MachineConfig SampleConfigWithUnits(std::uint64_t seed) {
     actuator.host = config.hosts[random.Next() % config.hosts.size()].name;
     actuator.times.front() += std::chrono::seconds(3);  // of SetUp: its host has to be reached
   }
+  config.own_units = random.Bernoulli(0.5);
   return config;
 }
 

@@ -10,7 +10,8 @@ namespace musher::testing {
 
 MachineConfig SampleConfig(std::uint64_t seed);
 
-// The same robot with two or three hosts, whose systemds run some of the actuators as units.
+// The same robot with two or three hosts, whose systemds run some of the actuators as units: in
+// half of the robots all that a controller starts.
 MachineConfig SampleConfigWithUnits(std::uint64_t seed);
 
 }  // namespace musher::testing

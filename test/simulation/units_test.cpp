@@ -110,7 +110,8 @@ class Units : public ::testing::Test {
     return layout;
   }
 
-  Units() : robot_(1, MakeConfig(), {}, MakeLayout()), checker_(robot_) {
+  explicit Units(MachineConfig config = MakeConfig())
+      : robot_(1, std::move(config), {}, MakeLayout()), checker_(robot_) {
     robot_.on_record = [this](const action::Record& record) { checker_.OnRecord(record); };
   }
   bool RunUntil(const std::function<bool()>& done, Duration limit = std::chrono::minutes(1)) {
@@ -233,6 +234,38 @@ TEST_F(Units, AreFoundByTheNextController) {
   ASSERT_NO_FATAL_FAILURE(BringUp());
   EXPECT_TRUE(RunUntil([this] { return Count("a runs on host dock already") == 1; }));
   EXPECT_EQ(robot_.processes().PidOf("a"), before);
+  ExpectNoViolation();
+}
+
+// "b" is a unit of the controller's own host.
+class OwnUnits : public Units {
+ protected:
+  static MachineConfig MakeOwn() {
+    MachineConfig config = MakeConfig();
+    config.own_units = true;
+    config.actuators[ActuatorIndex(1)].host.clear();
+    return config;
+  }
+  OwnUnits() : Units(MakeOwn()) {}
+};
+
+TEST_F(OwnUnits, AreStartedFoundByTheNextControllerRestartedAndEndedWithTheMachine) {
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  const std::int32_t first = robot_.processes().PidOf("b");
+  EXPECT_TRUE(robot_.processes().IsAlive("b", robot_.layout().controllers[0]));
+  EXPECT_EQ(robot_.systemds()->UnitsOn(robot_.layout().controllers[0]), 1U);
+  robot_.CrashController();
+  RunFor(std::chrono::seconds(1));
+  ASSERT_NO_FATAL_FAILURE(BringUp());
+  EXPECT_EQ(robot_.processes().PidOf("b"), first);
+  robot_.CrashActuator("b");
+  const auto is_restarted = [&] { return IsActive() && robot_.processes().PidOf("b") != first; };
+  ASSERT_TRUE(RunUntil(is_restarted)) << Journal();
+  EXPECT_EQ(robot_.processes().CountOf("b"), 1U);
+  robot_.Set(State(kTearDown));
+  ASSERT_TRUE(RunUntil([this] { return robot_.machine().phase == Phase::kStopped; }));
+  RunFor(std::chrono::seconds(1));
+  EXPECT_FALSE(robot_.IsAlive("b"));
   ExpectNoViolation();
 }
 

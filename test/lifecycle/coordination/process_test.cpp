@@ -562,6 +562,23 @@ TEST_F(Processes, ThatAnotherPartyStartsBeforeTheirRestartAreNotStartedTwice) {
   }
 }
 
+// With units of its own host a start may fail seconds later. It was repeated: both ran.
+TEST_F(Processes, WhoseStartFailsBesideAProcessThatAnotherControllerHasAreNotStartedAgain) {
+  config_.actuators[0].command = {"run", "a"};
+  config_.actuators[0].restart.policy = RestartPolicy::kOnFailure;
+  Begin();
+  Forget();
+  ActuatorReport there = Report(0, kActive);
+  there.host = "there";
+  Say(0, there);
+  machine_.actuators[0].control.again.reset();  // it obeys another controller
+  ASSERT_EQ(Of(0).presence, Presence::kStarting);
+  Do(event::ProcessNotStarted{0, "systemd of this host: it does not answer"});
+  Pass(std::chrono::minutes(1));
+  EXPECT_THAT(Did<action::StartProcess>(), IsEmpty());
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+}
+
 TEST_F(Processes, ThatVanishInTheirSetUpAreGivenUpAfterTheirTerminationAndKill) {
   Begin();
   Do(event::ProcessStarted{0, 700});
