@@ -105,6 +105,7 @@ std::vector<HealthEvent> HealthMonitor::OnSample(ActuatorIndex actuator, Incarna
 // An actuator that sends is alive; its work thread is evaluated separately.
 void HealthMonitor::Revive(ActuatorIndex actuator, MonitoredProcess& process, Time now,
                            std::vector<HealthEvent>& events) {
+  NoteBreak(process, now);
   process.last_received = now;
   process.probed = false;
   process.silent = false;
@@ -143,15 +144,21 @@ void HealthMonitor::EvaluateWork(ActuatorIndex actuator, MonitoredProcess& proce
          events);
 }
 
+// What waited behind the break may be received before the time is seen to have passed.
+void HealthMonitor::NoteBreak(const MonitoredProcess& process, Time now) {
+  if (process.look && now - *process.look > kOwnBreak) no_silence_until_ = now + kDiscoveredAgain;
+}
+
 std::vector<HealthEvent> HealthMonitor::TimePassed(Time now) {
   std::vector<HealthEvent> events;
   for (const ActuatorIndex i : monitored_.Indices()) {
     MonitoredProcess& process = monitored_[i];
     if (!process.look || *process.look > now) continue;
-    if (now - *process.look > kOwnBreak) {
+    NoteBreak(process, now);
+    if (now < no_silence_until_) {
       process.last_received = now;
       process.probed = false;
-      process.look = now + kDiscoveredAgain;
+      process.look = no_silence_until_;
       continue;
     }
     if (now - *process.look > kOwnDelay && !process.excused) {

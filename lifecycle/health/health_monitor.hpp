@@ -113,6 +113,7 @@ class HealthMonitor {
   static void SetLimit(MonitoredProcess& process, Duration period);
   void Revive(ActuatorIndex actuator, MonitoredProcess& process, Time now,
               std::vector<HealthEvent>& events);
+  void NoteBreak(const MonitoredProcess& process, Time now);
   void EvaluateWork(ActuatorIndex actuator, MonitoredProcess& process, const Heartbeat& heartbeat,
                     Time now, std::vector<HealthEvent>& events);
   void EvaluateRemote(ActuatorIndex actuator, MonitoredProcess& process, Time now,
@@ -123,6 +124,7 @@ class HealthMonitor {
 
   const MachineConfig* config_;
   PerActuator<MonitoredProcess> monitored_;
+  Time no_silence_until_{};  // counts, after a break of the controller's own
 };
 
 }  // namespace musher

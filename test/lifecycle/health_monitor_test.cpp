@@ -493,4 +493,23 @@ TEST_F(Monitor, CountsNoSilenceUntilActuatorsCanBeDiscoveredAgainAfterABreakOfIt
   }
 }
 
+// A heartbeat that had arrived meanwhile was read first, and ended the time for the discovery. The
+// other actuator was killed 1.5 s later.
+TEST_F(Monitor, CountsNoSilenceAfterABreakOfItsOwnBehindWhichSamplesWaited) {
+  for (const bool local : {true, false}) {
+    Watch(0, local);
+    Watch(1, local);
+    RunFor(Milliseconds(500));
+    found_.clear();
+    now_ += std::chrono::seconds(12);
+    HeartbeatAll();
+    heartbeats_ = PerActuator<bool>(3);
+    RunFor(Milliseconds(9900));
+    EXPECT_THAT(found_, IsEmpty());
+    RunFor(std::chrono::seconds(2));
+    EXPECT_THAT(found_, ::testing::Not(IsEmpty())) << "they are silent since";
+    for (const ActuatorIndex i : {ActuatorIndex(0), ActuatorIndex(1)}) monitor_.Forget(i);
+  }
+}
+
 }  // namespace musher::testing::health_monitor_test
