@@ -467,8 +467,10 @@ std::vector<StoredActuator> StateStore::ActuatorsIn(const std::string& dir,
 
 constexpr std::string_view kProtectedWord = "protected";
 constexpr std::string_view kLowPowerWord = "low_power";
+constexpr std::string_view kOffWord = "off";
+constexpr std::string_view kRebootWord = "reboot";
 
-// "low_power on", "lowered Active Protected 7", the last the epoch, "level protected".
+// "low_power on", "lowered Active Protected 7", the last the epoch, "level protected", "power off".
 Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
   std::string text;
   if (policy.low_power)
@@ -480,6 +482,10 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
   if (policy.level != BatteryLevel::kFree) {
     const bool is_protected = policy.level == BatteryLevel::kProtected;
     text += "level " + std::string(is_protected ? kProtectedWord : kLowPowerWord) + "\n";
+  }
+  if (policy.power != PowerAhead::kNone) {
+    text += "power " + std::string(policy.power == PowerAhead::kReboot ? kRebootWord : kOffWord) +
+            "\n";
   }
   return Replace(PolicyFile(), text);
 }
@@ -498,6 +504,9 @@ StoredPolicy StateStore::PolicyIn(const std::string& dir) {
     } else if (word == "level" && text >> word) {
       if (word == kProtectedWord) policy.level = BatteryLevel::kProtected;
       if (word == kLowPowerWord) policy.level = BatteryLevel::kLowPower;
+    } else if (word == "power" && text >> word) {
+      if (word == kOffWord) policy.power = PowerAhead::kOff;
+      if (word == kRebootWord) policy.power = PowerAhead::kReboot;
     } else if (word == "lowered" && text >> from >> to >> epoch) {
       policy.lowering = BatteryFallback{State(from), State(to), Epoch(epoch)};
     }

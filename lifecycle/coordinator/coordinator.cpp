@@ -47,7 +47,7 @@ class Coordinator : StepPart {
   Saver saver_{step_};
   EmergencyStops stops_{step_, saver_};
   PolicyMemory memory_{step_, saver_};
-  Power power_{step_};
+  Power power_{step_, saver_};
   Processes processes_{step_};
   Commands commands_{step_, stops_, processes_};
   Control control_{step_, saver_, memory_, processes_};
@@ -111,7 +111,7 @@ void Coordinator::Handle(const Event& event) {
 void Coordinator::On(const event::Begin& begin) {
   start_up_.Begin(begin);
   stops_.Begin(begin);
-  rules_.Begin(begin.policy);
+  rules_.Begin(begin);
 }
 
 void Coordinator::FinishStep(const Event& event) {

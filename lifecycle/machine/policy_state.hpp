@@ -55,10 +55,15 @@ struct BatteryFallback {
 };
 
 // What has to survive the controller.
+// A power-off that is accepted and not commanded yet: a controller that its supervisor restarts
+// goes on with it. A boot and a person's start end it.
+enum class PowerAhead { kNone, kOff, kReboot };
+
 struct StoredPolicy {
   std::optional<bool> low_power;  // the LowPower switch, once it was stored
   std::optional<BatteryFallback> lowering;
   BatteryLevel level = BatteryLevel::kFree;  // the last known, at most LowPower
+  PowerAhead power = PowerAhead::kNone;
 
   friend bool operator==(const StoredPolicy&, const StoredPolicy&) = default;
 };
@@ -147,6 +152,10 @@ Time PolicyNow(const MachineConfig& config, const PolicyState& policy, Time now)
 namespace musher::fields {
 
 template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<PowerAhead> = {"none", "off", "reboot"};
+static_assert(EndsWith(PowerAhead::kReboot));
+
+template <>
 inline constexpr std::array<std::string_view, 2> kValueNames<PolicyInput> = {"battery", "motion"};
 static_assert(EndsWith(PolicyInput::kMotion));
 
@@ -171,6 +180,7 @@ inline constexpr std::tuple kFields<StoredPolicy> = {
     Field{"low_power", &StoredPolicy::low_power},
     Field{"lowering", &StoredPolicy::lowering},
     Field{"level", &StoredPolicy::level},
+    Field{"power", &StoredPolicy::power},
 };
 
 template <>

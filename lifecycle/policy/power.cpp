@@ -13,11 +13,24 @@ void Power::Begin(bool reboot, Time tear_down_at, RecordId cause, const Requeste
   power.cause = RecordPolicy(kCodeOk, texts::PowerDownStarted(reboot), cause);
   power.by = by.name;
   machine_.policy.power = power;
+  Store(reboot ? PowerAhead::kReboot : PowerAhead::kOff);
+}
+
+void Power::Resume(bool restarted) {
+  const PowerAhead ahead = machine_.policy.stored.power;
+  if (ahead == PowerAhead::kNone) return;
+  if (!restarted) return Store(PowerAhead::kNone);
+  Begin(ahead == PowerAhead::kReboot, now_, 0, {kThePolicy});
+}
+
+void Power::Store(PowerAhead ahead) {
+  if (std::exchange(machine_.policy.stored.power, ahead) != ahead) saver_.Save(Stored::kPolicy);
 }
 
 void Power::Command(bool in_time) {
   PowerDown& power = *machine_.policy.power;
   if (std::exchange(power.commanded, true)) return;
+  Store(PowerAhead::kNone);
   const PowerPolicy& policy = config_.policy->power;
   const auto& command = power.reboot ? policy.reboot_command : policy.off_command;
   RecordPolicy(in_time ? kCodeOk : kCodeTimeout,

@@ -20,10 +20,12 @@ bool ReportsEmpty(const BatteryPolicy& policy, const BatterySource& source) {
 
 }  // namespace
 
-void PolicyRules::Begin(const StoredPolicy& stored) {
+void PolicyRules::Begin(const event::Begin& begin) {
   if (!config_.policy) return;
+  const StoredPolicy& stored = begin.policy;
   PolicyState& policy = machine_.policy;
   policy.stored = stored;
+  power_.Resume(begin.restarted && !begin.at_boot);
   memory_.ResumeLowering();
   const auto& rule = config_.policy->low_power;
   policy.low_power = rule && stored.low_power.value_or(rule->enabled);

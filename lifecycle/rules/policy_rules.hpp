@@ -21,7 +21,7 @@ class PolicyRules : StepPart {
         switches_(switches),
         tear_down_(tear_down) {}
 
-  void Begin(const StoredPolicy& stored);
+  void Begin(const event::Begin& begin);
   void On(const event::BatterySeen& seen);
   void On(const event::BatterySourceSilent& silent);
   void On(const event::MotionSeen& seen);

@@ -31,6 +31,40 @@ TEST_F(Power, OffIsAnsweredAtOnceThenTheMachineIsTornDownThenTheCommandComes) {
               Are(given, EventName::kPowerOffStarted, texts::PolicyRequested("power-off", {})));
 }
 
+// It was forgotten, and the robot stayed in Active, or torn down with its power on.
+TEST_F(Power, OffOutlastsTheControllerThatASupervisorRestarts) {
+  for (const Duration crash : {Milliseconds(1000), Milliseconds(2050)}) {
+    MachineConfig config = WithPolicy();
+    Robot("Active", config);
+    robot().On("a", "TearDown").takes = Milliseconds(90);
+    robot().power.clear();
+    RequestPolicy(PolicyRequest::kPowerOff);
+    robot().RunFor(crash);
+    robot().RestartController(false, true);
+    robot().RunFor(seconds(20));
+    EXPECT_TRUE(robot().stopped());
+    ASSERT_EQ(robot().power.size(), 1U) << ToMilliseconds(crash);
+    EXPECT_FALSE(robot().power[0].second);
+    EXPECT_EQ(robot().disk().policy.power, PowerAhead::kNone);
+  }
+}
+
+TEST_F(Power, OffIsEndedByAPersonsStartAndByABoot) {
+  for (const bool boots : {false, true}) {
+    Robot();
+    robot().power.clear();
+    RequestPolicy(PolicyRequest::kPowerOff);
+    robot().RunFor(seconds(1));
+    ASSERT_EQ(robot().disk().policy.power, PowerAhead::kOff);
+    Harness next(WithPolicy());
+    next.disk() = robot().disk();
+    next.BeginController(false, boots, boots, boots);
+    next.RunFor(seconds(30));
+    EXPECT_TRUE(next.power.empty());
+    EXPECT_EQ(next.disk().policy.power, PowerAhead::kNone);
+  }
+}
+
 TEST_F(Power, ARebootIsTheSameWithTheOtherCommand) {
   MachineConfig config = WithPolicy();
   config.policy->power.reboot_command = {"reboot", "now"};
