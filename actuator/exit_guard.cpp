@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cstdio>
 #include <cstdlib>
 
 #include "musher/base/log.hpp"
@@ -21,11 +20,9 @@ void EndAsFailed(int exit_code, void*) {
     WriteLog(LogLevel::kError, *actuator,
              "the process exits in the middle of its TearDown: the exit code is 1 instead of 0");
   }
-  std::fflush(nullptr);
-  _exit(EXIT_FAILURE);
+  std::exit(EXIT_FAILURE);  // glibc goes on with what the program does at its exit
 }
 
-// Before main(), so that it runs after what the program itself does at its exit.
 [[maybe_unused]] const int registered = on_exit(&EndAsFailed, nullptr);
 
 }  // namespace

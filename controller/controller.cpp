@@ -547,9 +547,16 @@ void Controller::Begin() {
   begin.policy = LoadPolicy();
   begin.stop_intent =
       store_ ? store_->LoadStopIntent() : StateStore::StopIntentIn(config_.state_dir);
-  begin.remote = StateStore::RemoteActuatorsIn(config_.state_dir, HostId());
-  begin.actuators = StateStore::ActuatorsIn(config_.state_dir, HostId());
+  // A takeover goes on from what the controller before it has stored.
+  const std::string& last = taken_from_.empty() ? config_.state_dir : taken_from_;
+  begin.remote = StateStore::RemoteActuatorsIn(last, HostId());
+  begin.actuators = StateStore::ActuatorsIn(last, HostId());
   shell_->Begin(std::move(begin), children);
+  // The next controller of that folder would take them for processes that have ended unseen.
+  if (!taken_from_.empty()) {
+    disk_.Do("list of processes of the folder before",
+             [folder = taken_from_] { return StateStore::ForgetChildren(folder); });
+  }
   if (store_ && store_->copied_from()) shell_->Remark(kCodeOk, CopiedText());
   if (!store_) return shell_->OnJournalWritten(NoFolder());
   check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });

@@ -49,6 +49,8 @@ void FakeRobot::BeginController(bool by_hand, bool restarted, bool supervised, b
   begin.supervised = supervised;
   begin.at_boot = at_boot;
   begin.ended = ended;
+  std::erase_if(controller_.disk.children,
+                [this](const auto& child) { return !Actuator(child.first).alive; });
   Feed(begin);
 }
 

@@ -17,8 +17,8 @@ void HoldChecker::OnBegin(const SimulatedController& controller, Starter starter
 bool HoldChecker::Ends(const Switch& s, ActuatorIndex i, const State& in) const {
   if (s.only) return *s.only == i;
   if (s.target == kTearDown) return true;
-  const bool raises = s.purpose == Purpose::kRequested && s.direction != Direction::kDown;
-  return raises || !Falls(config_, s.target, in);
+  if (s.purpose != Purpose::kRequested) return false;
+  return s.direction != Direction::kDown || !Falls(config_, s.target, in);
 }
 
 void HoldChecker::NoteSwitch(const SimulatedController& controller) {

@@ -175,7 +175,8 @@ void PolicyChecker::OnBattery(int percent, bool charging) {
 
 // By a request, or because the battery is empty.
 void PolicyChecker::CheckPowerOffStarted(const action::Record& record) {
-  if (record.cause == power_requested_ || most_empty_in_a_row_ > 1) return;
+  const bool resumed = record.cause == 0 && power_requested_ != 0;  // by the next controller
+  if (record.cause == power_requested_ || resumed || most_empty_in_a_row_ > 1) return;
   ReportViolation(Invariant::kNotOffByOneSample, "the robot is powered off after " +
                                                      std::to_string(most_empty_in_a_row_) +
                                                      " samples in a row of an empty battery");

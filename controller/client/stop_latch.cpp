@@ -57,6 +57,10 @@ bool IsOn(std::string_view state) {
   return !before && state != kTearDown && (!rank || *rank > *BuiltInRank(kDeActive));
 }
 
+std::string WhereEnded(const std::string& state) {
+  return state.empty() || state == kUnknownState ? kEndedAlone : kEndedOn + state;
+}
+
 // Whether the process of the actuator has exited while it was on, as far as its state says, and
 // none has taken its place: no stop reaches what it had switched on.
 bool EndedOn(const msg::ActuatorInfo& actuator) {
@@ -425,7 +429,7 @@ EstopReport StopLatch::Report(const std::optional<msg::MachineStatus>& controlle
       if (outdated) taken.stopped = taken.before = false;
       if (ended && !taken.stopped && EndedOn(actuator)) {
         taken.ended = !actuator.restarting;  // else its successor latches the stop
-        taken.trouble = kEndedOn + actuator.state;
+        taken.trouble = WhereEnded(actuator.state);
       }
       taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);
       if (taken.unsupported) {
@@ -580,7 +584,7 @@ void StopLatch::AddLost(EstopReport& report, const std::vector<StoredActuator>& 
     std::erase_if(report.actuators, [&one](const auto& other) { return other.name == one.name; });
     EstopReport::Actuator& actuator = report.actuators.emplace_back();
     actuator.name = one.name;
-    actuator.trouble = one.lost_in.empty() ? kEndedAlone : kEndedOn + one.lost_in;
+    actuator.trouble = WhereEnded(one.lost_in);
     actuator.ended = true;
   }
 }

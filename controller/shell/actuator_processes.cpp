@@ -61,6 +61,7 @@ void ActuatorProcesses::TakeOver(event::Begin& begin, const std::vector<ChildPro
       if (begin.ended.Has(i)) begin.ended[i] = true;
     }
   }
+  SaveChildren();  // else the next controller finds once more what has ended
 }
 
 std::vector<event::StartExamined> ActuatorProcesses::OverdueStarts(const Machine& machine,

@@ -567,6 +567,12 @@ Result<> StateStore::SaveChildren(const std::vector<ChildProcess>& children,
   return Replace(ProcessesFileIn(dir_), ToText(children, host));
 }
 
+Result<> StateStore::ForgetChildren(const std::string& dir) {
+  // Another user's folder stays as it is.
+  unlink(ProcessesFileIn(dir).c_str());
+  return Ok();
+}
+
 std::vector<ChildProcess> StateStore::LoadChildren(const std::string& dir,
                                                    const std::string& host) {
   const UniqueFd file = OpenRegular(ProcessesFileIn(dir));

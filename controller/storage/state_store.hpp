@@ -143,6 +143,8 @@ class StateStore {
   // The running processes that were started for actuators. LoadChildren() returns only the
   // processes of `host` (HostId()).
   Result<> SaveChildren(const std::vector<ChildProcess>& children, const std::string& host);
+  // Another controller of this host has taken them over, from a folder of its own.
+  static Result<> ForgetChildren(const std::string& dir);
   static std::vector<ChildProcess> LoadChildren(const std::string& dir, const std::string& host);
   // Those that run where no controller in this network namespace reaches them.
   static std::vector<ChildProcess> ChildrenInOtherNetworkIn(const std::string& dir,

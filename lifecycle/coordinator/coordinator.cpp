@@ -128,7 +128,6 @@ void Coordinator::FinishStep(const Event& event) {
   Advance();
   saver_.NoteHosts();
   saver_.NoteActuators();
-  saver_.SaveAgain();
 }
 
 // Each can make the next one possible; the loop ends when all of them wait for an event.
@@ -257,7 +256,6 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
   if (const auto& release = machine.emergency.release) {
     consider(std::min(release->again, release->until));
   }
-  for (const Unsaved& unsaved : machine.saves.unsaved) consider(unsaved.again);
   consider(NextPowerDeadline(machine));
   consider(NextConfirmation(config, machine));
   if (config.clock == ClockSource::kSteady) consider(NextPolicyDeadline(config, machine));

@@ -152,7 +152,8 @@ Time PolicyNow(const MachineConfig& config, const PolicyState& policy, Time now)
 namespace musher::fields {
 
 template <>
-inline constexpr std::array<std::string_view, 3> kValueNames<PowerAhead> = {"none", "off", "reboot"};
+inline constexpr std::array<std::string_view, 3> kValueNames<PowerAhead> = {"none", "off",
+                                                                            "reboot"};
 static_assert(EndsWith(PowerAhead::kReboot));
 
 template <>

@@ -104,10 +104,9 @@ std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
 // Data that was handed to the disk thread and is not known to be saved.
 struct Unsaved {
   Stored what = Stored::kEpoch;
-  SaveNumber save = 0;          // the number of the last save
-  Time since{};                 // of the first save that is not on disk
-  std::string why;              // of a failure; empty: not ended yet
-  std::optional<Time> again{};  // when it is saved once more, after a failure
+  SaveNumber save = 0;  // the number of the last save
+  Time since{};         // of the first save that is not on disk
+  std::string why;      // of a failure; empty: not ended yet
 
   friend bool operator==(const Unsaved&, const Unsaved&) = default;
 };
@@ -162,8 +161,10 @@ inline constexpr std::tuple kFields<StoredActuator> = {
 
 template <>
 inline constexpr std::tuple kFields<Unsaved> = {
-    Field{"what", &Unsaved::what}, Field{"save", &Unsaved::save},   Field{"since", &Unsaved::since},
-    Field{"why", &Unsaved::why},   Field{"again", &Unsaved::again},
+    Field{"what", &Unsaved::what},
+    Field{"save", &Unsaved::save},
+    Field{"since", &Unsaved::since},
+    Field{"why", &Unsaved::why},
 };
 
 }  // namespace musher::fields

@@ -3,22 +3,15 @@
 #include <algorithm>
 
 namespace musher {
-namespace {
-
-constexpr Duration kAgain = Milliseconds(5000);
-
-}  // namespace
-
 void Saver::Save(Stored what) {
   const SaveNumber save = ++machine_.saves.last;
   auto& unsaved = machine_.saves.unsaved;
   const auto found = std::find_if(unsaved.begin(), unsaved.end(),
                                   [what](const Unsaved& one) { return one.what == what; });
   if (found == unsaved.end()) {
-    unsaved.push_back({what, save, now_, {}, {}});
+    unsaved.push_back({what, save, now_, {}});
   } else {
     found->save = save;
-    found->again.reset();
   }
   switch (what) {
     case Stored::kEpoch:
@@ -77,9 +70,17 @@ void Saver::NoteHosts() {
   if (changed) Save(Stored::kRemoteActuators);
 }
 
+// Whether it is on its way to a state that a person has requested of it alone. This controller may
+// not see it arrive.
+bool Saver::IsLedAlone(ActuatorIndex i) const {
+  const KnownActuator& known = Of(i);
+  return known.command && known.command->detached && !known.restart.requested;
+}
+
 // Why this controller does not start the actuator again by itself.
 StaysDown Saver::WhyDown(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
+  if (IsLedAlone(i) && known.command->target == kTearDown) return StaysDown::kTornDown;
   if (ConfigOf(i).command.empty())  // another party starts it, or the process of another actuator
     return known.down_requested ? StaysDown::kTornDown : StaysDown::kNo;
   const bool down = known.state() == kTearDown && (known.held || known.report.detached);
@@ -113,13 +114,19 @@ std::vector<StoredActuator> Saver::StoredActuators() const {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const KnownActuator& known = Of(i);
     const StaysDown why = ends ? StaysDown::kNo : WhyDown(i);
-    const bool is_usual = why == StaysDown::kNo && known.lost_in.empty() && known.kept_in.empty();
+    const bool is_led = IsLedAlone(i) && IsPlace(known.command->target);
+    const State& kept_in = is_led ? known.command->target : known.kept_in;
+    const bool is_usual = why == StaysDown::kNo && known.lost_in.empty() && kept_in.empty();
     if (!ends && is_usual) continue;  // in each step of most machines
-    StoredActuator one{ConfigOf(i).name, why, {}, known.kept_in};
+    StoredActuator one{ConfigOf(i).name, why, {}, kept_in};
     if (ends) one = StoredOf(i);
     if (is_down && one.stays_down == StaysDown::kGivenUp) one.stays_down = StaysDown::kNo;
     one.lost_in = known.lost_in;
     if (one != StoredActuator{one.name}) stored.push_back(one);
+  }
+  // A person may have taken it out of the config, and may list it again.
+  for (const StoredActuator& one : machine_.saves.actuators) {
+    if (!config_.IndexOf(one.name)) stored.push_back(one);
   }
   return stored;
 }
@@ -137,7 +144,7 @@ void Saver::On(const event::SaveEnded& ended) {
     return one.what == ended.what && one.save == ended.save;
   });
   if (found == unsaved.end() && ended.what == Stored::kJournal && !ended.ok) {
-    found = unsaved.insert(found, Unsaved{ended.what, ended.save, now_, {}, {}});
+    found = unsaved.insert(found, Unsaved{ended.what, ended.save, now_, {}});
   }
   if (found == unsaved.end()) return;  // a newer save of the same counts
   const bool failed_before = !found->why.empty();
@@ -146,19 +153,11 @@ void Saver::On(const event::SaveEnded& ended) {
     if (failed_before) RecordMachine(kCodeOk, texts::SaveRecovered(StoredName(ended.what)));
   } else {
     found->why = ended.why.empty() ? "failed" : ended.why;
-    if (ended.what != Stored::kJournal) found->again = now_ + kAgain;  // its writer tries by itself
     if (!failed_before) {
       RecordMachine(kCodeFailed, texts::SaveFailed(StoredName(ended.what), found->why));
     }
   }
   if (ended.what == Stored::kStopIntent && machine_.stopping) machine_.stopping->intent_by.reset();
-}
-
-void Saver::SaveAgain() {
-  for (std::size_t one = 0; one < machine_.saves.unsaved.size(); ++one) {
-    const Unsaved& unsaved = machine_.saves.unsaved[one];
-    if (unsaved.again && *unsaved.again <= now_) Save(unsaved.what);
-  }
 }
 
 }  // namespace musher

@@ -18,13 +18,12 @@ class Saver : StepPart {
   // Saves what the next controller has to know of the actuators, when it has changed.
   void NoteActuators();
   void On(const event::SaveEnded& ended);
-  // Saves what has failed to be saved once more: a full disk may have space by then.
-  void SaveAgain();
 
  private:
   std::vector<RemoteActuator> RemoteActuators() const;
   bool IsElsewhere(ActuatorIndex i) const;
   std::vector<StoredActuator> StoredActuators() const;
+  bool IsLedAlone(ActuatorIndex i) const;
   StaysDown WhyDown(ActuatorIndex i) const;
   StoredActuator StoredOf(ActuatorIndex i) const;
 };

@@ -292,8 +292,8 @@ void Recovery::On(const event::ProcessEnded& ended) {
   if (second) known.other.reset();
   processes_.ForgetProcess(ended.actuator);
   // It ran before this controller, and has reported nothing: it may have been in any state.
-  const bool is_unknown =
-      known.process.launch == Launch::kFoundRunning && known.report.incarnation == 0;
+  const bool is_unknown = known.process.launch == Launch::kFoundRunning &&
+                          known.report.incarnation == 0 && !known.down_requested;
   if (is_unknown && !ended.clean && known.lost_in.empty()) known.lost_in = State(kUnknownState);
   // The host was reached again during TearDown.
   const bool had_no_answer = !ConfigOf(ended.actuator).host.empty() && known.fault &&

@@ -53,9 +53,11 @@ void StartUp::Begin(const event::Begin& begin) {
 }
 
 // What was stored, with what has ended since the controller that stored it. The config may forbid
-// that such an actuator is restarted: it would be, by the restart of the controller.
+// that such an actuator is restarted: it would be, by the restart of the controller. Where nothing
+// runs the machine starts from the beginning.
 std::vector<StoredActuator> StartUp::WithEnded(const event::Begin& begin) const {
   std::vector<StoredActuator> actuators = begin.actuators;
+  const bool any_runs = std::ranges::find(begin.running, true) != begin.running.end();
   for (const ActuatorIndex i : begin.ended.Indices()) {
     if (!begin.ended[i]) continue;
     const std::string& name = ConfigOf(i).name;
@@ -63,7 +65,7 @@ std::vector<StoredActuator> StartUp::WithEnded(const event::Begin& begin) const 
     if (found == actuators.end()) found = actuators.insert(found, StoredActuator{name});
     if (found->stays_down == StaysDown::kTornDown) continue;  // it has ended after its TearDown
     if (found->lost_in.empty()) found->lost_in = State(kUnknownState);
-    if (!MayRestart(i)) found->stays_down = StaysDown::kGivenUp;
+    if (any_runs && !MayRestart(i)) found->stays_down = StaysDown::kGivenUp;
   }
   return actuators;
 }

@@ -132,6 +132,10 @@ void Control::Attach(ActuatorIndex i) {
       ConfigOf(i).protocol != Protocol::kMusher && in_place && known.kept_in == known.state();
   known.held = known.report.detached || is_kept || known.down_requested;
   if (known.held || in_place) known.kept_in = known.held && in_place ? known.state() : State();
+  // A person has led it on alone, and the controller before this one may not have stored that.
+  const bool is_led = known.report.busy() && known.report.detached;
+  if (is_led && known.report.target == kTearDown) known.down_requested = true;
+  if (is_led && IsPlace(known.report.target)) known.kept_in = known.report.target;
   known.suspended = false;
   known.health = Health::kWell;
   known.due = late && known.checked && !known.held;
@@ -153,7 +157,7 @@ void Control::Attach(ActuatorIndex i) {
   }
   if (known.state() == kTearDown && known.held)
     Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), known.cause);
-  else if (known.down_requested)
+  else if (known.down_requested && other)
     Degrade(i, kCodeStateInvalid, texts::StartedBeside(ConfigOf(*other).name), known.cause);
   processes_.EvaluateArrival(i);
 }

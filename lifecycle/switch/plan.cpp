@@ -243,6 +243,13 @@ class Planner {
       step.part = PlanStep::Part::kUnsupported;
       step.note = "has no state '" + plan_.target + "'";
       if (up) RefuseWith(Refused<Refusal::kStateMissing>(actuator.name, plan_.target));
+    } else if (StaysHeld(known)) {
+      step.part = PlanStep::Part::kStaysHeld;
+      step.note = known.state() == known.kept_in
+                      ? "stays in " + known.kept_in + ", where it is held"
+                      : "stays in " + known.state() + ": a person holds it in " + known.kept_in;
+    } else if (checking && StartsByItself() && known.held && known.kept_in == kError) {
+      leave_out("is held in Error");
     } else if (checking && StartsByItself() && FailedSetUp(i)) {
       leave_out("could not be configured");
     } else if (!checking && plan_.target != kTearDown && !known.checked && (up || !AtRest(known)) &&
@@ -251,9 +258,6 @@ class Planner {
       if (blocks) RefuseWith(Refused<Refusal::kCriticalUnchecked>(actuator.name));
     } else if (!checking && known.suspended && Rises(config_, known.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up");
-    } else if (StaysHeld(known)) {
-      step.part = PlanStep::Part::kStaysHeld;
-      step.note = "stays in " + known.kept_in + ", where it is held";
     } else if (by_ == By::kSafety && known.found_below && !known.set_again &&
                Rises(config_, known.state(), plan_.target)) {
       leave_out("was found less active, and no fallback raises it");
@@ -277,8 +281,12 @@ class Planner {
     // It may have gone up since, or be on its way.
     const bool above = Falls(config_, known.state(), plan_.target) ||
                        Falls(config_, BusyWith(known), plan_.target);
-    return !raises && !above && !known.kept_in.empty() &&
-           Falls(config_, plan_.target, known.kept_in);
+    // A fallback to another state that is as active may be what the robot needs.
+    const bool apart =
+        plan_.direction == Direction::kDown
+            ? Falls(config_, plan_.target, known.kept_in)
+            : known.kept_in != plan_.target && !Rises(config_, plan_.target, known.kept_in);
+    return !raises && !above && !known.kept_in.empty() && apart;
   }
 
   // A late actuator in its first self-check is left out, unless the machine is ended. A switch up

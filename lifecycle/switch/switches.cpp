@@ -429,10 +429,13 @@ void Switches::Apply(const Switch& s, bool undone) {
   for (const Leg& leg : s.legs) {
     KnownActuator& known = Of(leg.actuator);
     if (leg.outcome == ActuatorOutcome::kDone) {
-      if (!undone && !check) Hold(leg.actuator, s.only.has_value() ? leg.target : State());
-      // A person leads it out of Error by a self-check.
-      const bool leads_out = check && s.purpose == Purpose::kRequested;
-      if (leads_out && known.kept_in == kError) known.kept_in = {};
+      if (!undone && !check) Hold(s, leg);
+      // A person leads it out of Error by a self-check of the machine.
+      const bool leads_out = check && !s.only && s.purpose == Purpose::kRequested;
+      if (leads_out && known.kept_in == kError) {
+        known.kept_in = {};
+        known.held = false;
+      }
       // An actuator that has passed late is driven to the state of the machine. Before the machine
       // is usable, an actuator after a failed rollback is driven back: the check clears its fault.
       const bool passed = check && known.checked;  // by the present process
@@ -457,6 +460,7 @@ void Switches::Apply(const Switch& s, bool undone) {
   for (const ActuatorResult& other : s.others) {
     const ActuatorIndex i = *config_.IndexOf(other.name);
     if (IsKeptBelow(i) && !raises) continue;
+    if (!EndsHolds(s) && !Of(i).kept_in.empty()) continue;
     Of(i).kept_in = {};
     const bool was_held = std::exchange(Of(i).held, false);
     const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;
@@ -468,11 +472,19 @@ void Switches::Apply(const Switch& s, bool undone) {
   }
 }
 
-// `state`: in which it was set alone; "": with the machine.
-void Switches::Hold(ActuatorIndex i, const State& state) {
-  KnownActuator& known = Of(i);
-  known.held = !state.empty() && state != machine_.state;
-  known.kept_in = known.held && IsPlace(state) ? state : State();
+// What a person holds is led down with the machine by the policy and a fallback, and up by no
+// switch of theirs: its hold lasts.
+bool Switches::EndsHolds(const Switch& s) {
+  return s.purpose != Purpose::kPolicy && s.purpose != Purpose::kFallback;
+}
+
+// It has reached the state of the leg, alone or with the machine.
+void Switches::Hold(const Switch& s, const Leg& leg) {
+  KnownActuator& known = Of(leg.actuator);
+  known.held = s.only && leg.target != machine_.state;
+  if (known.held || EndsHolds(s)) {
+    known.kept_in = known.held && IsPlace(leg.target) ? leg.target : State();
+  }
 }
 
 // Checks again each actuator that a switch up has left out because its self-check had failed.

@@ -68,7 +68,8 @@ class Switches : StepPart {
   State WayBack(const Leg& leg) const;
   void StandStill(const Switch& s);
   void Apply(const Switch& s, bool undone);
-  void Hold(ActuatorIndex i, const State& state);
+  static bool EndsHolds(const Switch& s);
+  void Hold(const Switch& s, const Leg& leg);
   void CheckAgain();
   void DriveTheRest(const Switch& s);
   void NoteRolledBack(const Switch& s);

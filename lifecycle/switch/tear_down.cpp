@@ -250,11 +250,24 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
     const bool counts = result.outcome == SwitchOutcome::kDone && LeftBehind(i);
     if (!left && (counts || IsOutOfReach(i))) left = i;
   }
-  if (!left) return result;
+  if (!left) return WithUnlisted(std::move(result));
   const Error why = *LeftBehind(*left);
   result.outcome = SwitchOutcome::kDoneDegraded;
   result.code = why.code;
   result.reason = ConfigOf(*left).name + ": " + why.message;
+  return result;
+}
+
+// An actuator that the config does not list any more has ended in use, too.
+SwitchResult TearDown::WithUnlisted(SwitchResult result) const {
+  for (const StoredActuator& one : machine_.saves.actuators) {
+    if (config_.IndexOf(one.name) || one.lost_in.empty()) continue;
+    if (result.outcome != SwitchOutcome::kDone) break;
+    result.outcome = SwitchOutcome::kDoneDegraded;
+    result.code = kCodeStatusError;
+    result.reason = one.name + ", which the config does not list: " +
+                    texts::LostWithoutTearDown(one.lost_in).message;
+  }
   return result;
 }
 

@@ -88,6 +88,7 @@ class TearDown : StepPart {
   void Search();
   void NameSilentHosts();
   bool IsOutOfReach(ActuatorIndex i) const;
+  SwitchResult WithUnlisted(SwitchResult result) const;
   std::optional<Error> LeftBehind(ActuatorIndex i) const;
   void ForgetElsewhere(ActuatorIndex i);
   void SignalProcesses(bool kill);

@@ -16,8 +16,10 @@ class ExitsInTearDown : public MachineByCli {
         << "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nnamespace = \"" << name_space_
         << "\"\nstate_dir = \"state\"\n[actuator.arm]\nstates = " << states
         << "\ntimes = [10000, 5000, 5000, 5000, 5000]\ncommand = [\"" << BinDir()
-        << "/cli_exits_in_tear_down\"]\n";
+        << "/cli_exits_in_tear_down\", \"" << motor_ << "\"]\n";
   }
+
+  const std::string motor_ = folder_ / "motor";
 };
 
 // Its exit code 0 counted as the end of its TearDown: \"done\", with the motors on.
@@ -27,6 +29,14 @@ TEST_F(ExitsInTearDown, IsNotTornDown) {
   const Ended down = Musher({"down"});
   EXPECT_EQ(down.exit, 1) << down.out;
   EXPECT_THAT(up.LineWith("arm's process"), HasSubstr("ended: exit code 1"));
+}
+
+// The guard ended the process at once, and the motor stayed on.
+TEST_F(ExitsInTearDown, DoesWhatTheProgramDoesAtItsExit) {
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("the machine is Active"), "");
+  EXPECT_EQ(Musher({"down"}).exit, 1);
+  EXPECT_EQ(ReadFile(motor_), "off");
 }
 
 // Likewise by itself.

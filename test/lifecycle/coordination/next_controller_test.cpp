@@ -264,17 +264,6 @@ TEST_F(FoundByTheNext, HeldInErrorIsNotRaisedByARestart) {
   EXPECT_NE(t.StateOf("b"), "Active");
 }
 
-TEST_F(FoundByTheNext, WhatAFullDiskHasNotStoredIsStoredAgain) {
-  Harness& t = In("Active", Ours(2));
-  t.disk_fails = "no space";
-  ASSERT_TRUE(t.Set("TearDown", "b").done());
-  t.Rest();
-  t.disk_fails.clear();
-  t.Set("Protected");
-  t.Rest(std::chrono::hours(1));
-  EXPECT_EQ(t.disk().actuators.size(), 1U);
-}
-
 TEST_F(FoundByTheNext, OneThatNoPolicyRestartsAndThatEndsBesideTheControllerIsNotStarted) {
   MachineConfig config = Ours(3);
   config.actuators[1].restart.policy = RestartPolicy::kNo;
@@ -302,15 +291,24 @@ TEST_F(FoundByTheNext, HeldInErrorIsLedOutBySelfCheckAlsoAfterARestart) {
   EXPECT_EQ(t.StateOf("b"), "Protected");
 }
 
-TEST_F(FoundByTheNext, WhatAFullDiskHasNotStoredIsReportedOnceWhileItIsTriedAgain) {
-  Harness& t = In("Active", Ours(2));
-  t.disk_fails = "no space";
-  ASSERT_TRUE(t.Set("TearDown", "b").done());
-  t.RunFor(std::chrono::minutes(2));
-  EXPECT_TRUE(t.disk().actuators.empty());
-  const auto& unsaved = t.machine().saves.unsaved;
-  ASSERT_EQ(unsaved.size(), 1U);
-  EXPECT_EQ(unsaved.front().why, "no space");
+// It crashed with its motor on, a person took it out of the config, and "down" was done.
+TEST_F(FoundByTheNext, OneThatIsTakenOutOfTheConfigIsNamedByATearDownAndKnownWhenItIsListedAgain) {
+  Harness& t = In("Active", Ours(3));
+  ASSERT_TRUE(t.Set("TearDown", "c").done());
+  t.On("b", "SetUp").code = 5012;
+  t.Crash("b");
+  t.Rest();
+  ASSERT_EQ(t.disk().actuators.size(), 2U);
+  Harness next(Ours(1));  // a alone
+  next.disk() = t.disk();
+  next.BeginController(false, true, true);
+  next.Rest();
+  EXPECT_EQ(next.disk().actuators.size(), 2U);
+  const SwitchResult down = next.Set("TearDown");
+  EXPECT_EQ(down.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(down.reason,
+            "b, which the config does not list: its process has ended in Active without "
+            "its TearDown; what it had switched on may be on");
 }
 
 TEST_F(FoundByOne, OneThatIsTakenByAnotherMachineIsNotStoredAsGivenUp) {
