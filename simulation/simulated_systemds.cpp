@@ -76,7 +76,7 @@ class SimulatedSystemds::Connection : public Systemd {
   void Start(const UnitStart& start,
              std::function<void(const std::optional<SystemdError>&, const std::string& job)> done)
       override {
-    if (from_ == to_) on_start_(start.process.name);
+    if (from_ == to_ && on_start_) on_start_(start.process.name);
     Send([systemds = &systemds_, to = to_, start, done = std::move(done)](const BridgePtr& bridge) {
       const Machine& machine = systemds->machines_[to];
       std::optional<SystemdError> error;

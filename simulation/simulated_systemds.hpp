@@ -42,7 +42,7 @@ class SimulatedSystemds {
   // For a controller on that host, with the loop of its process. `on_start`: before it requests the
   // start of an actuator on its own host.
   ConnectSystemd From(std::size_t host, transport::EventLoop& loop,
-                      std::function<void(const std::string& actuator)> on_start);
+                      std::function<void(const std::string& actuator)> on_start = nullptr);
 
   // A signal has reached another process than the one that it was sent to. May be empty.
   std::function<void(const std::string& actuator)> on_wrong_process;
