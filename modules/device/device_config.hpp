@@ -16,7 +16,6 @@
 #include "musher/modules/device/host_lights.hpp"
 #include "musher/modules/device/i2c_registers.hpp"
 #include "musher/modules/device/input_device.hpp"
-#include "musher/modules/device/input_key.hpp"
 #include "musher/modules/device/measurement_devices.hpp"
 #include "musher/modules/device/power_supply.hpp"
 
@@ -37,6 +36,8 @@ struct BatteryConfig {
 };
 
 enum class KeySource : std::uint8_t { kNone, kWorld, kInput, kGpio };
+
+inline constexpr std::uint16_t kPowerKeyCode = 116;  // KEY_POWER of linux/input-event-codes.h
 
 struct PowerKeyConfig {
   KeySource source = KeySource::kNone;

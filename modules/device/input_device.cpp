@@ -86,6 +86,7 @@ void InputDevice::Open() {
   readable_ = loop_.WhenReadable(fd_.get(), [this] { Read(); });
   if (!fault_.empty()) events_.log(name() + " is available");
   fault_.clear();
+  events_.on_open();
   Ask();
 }
 
@@ -116,7 +117,7 @@ void InputDevice::Read() {
 
 void InputDevice::Ask() {
   Keys pressed{};
-  if (ioctl(fd_.get(), EVIOCGKEY(sizeof(pressed)), pressed.data()) < 0) return;  // a pipe
+  ioctl(fd_.get(), EVIOCGKEY(sizeof(pressed)), pressed.data());  // a pipe leaves them released
   for (const std::uint16_t code : codes_) events_.on_key(code, Has(pressed, code));
 }
 

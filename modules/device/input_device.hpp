@@ -35,6 +35,9 @@ class InputDevice {
     // what is known of each key; those of a lost device are released.
     std::function<void()> on_gap;
     std::function<void(const std::string&)> log;
+    // The device is opened, for the first time or again. on_key follows with the state of each key;
+    // that of a pipe is not known: released.
+    std::function<void()> on_open = [] {};
   };
 
   // Reads the keys `codes` (linux/input-event-codes.h). It opens the device at once. The loop

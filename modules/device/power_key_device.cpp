@@ -2,6 +2,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace musher::device {
 
@@ -20,53 +21,60 @@ Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Dependencies&
 Result<> PowerKeyDevice::Connect() {
   power_off_ = endpoints_.OpenClient<msg::Trigger>("poweroff");
   if (power_off_ == nullptr) return endpoints_.opened();  // disabled: no key is received
-  if (config_.source == KeySource::kInput) {
-    input_ = std::make_unique<InputKey>(
-        dependencies_.node.loop(), config_.device, config_.code,
-        [this](bool pressed) { OnKey(pressed); }, dependencies_.log);
-    return endpoints_.opened();
-  }
-  if (config_.source == KeySource::kGpio) {
-    OpenLine();
-    return endpoints_.opened();
-  }
+  if (config_.source == KeySource::kInput) OpenInput();
+  if (config_.source == KeySource::kGpio) OpenLine();
+  if (config_.source != KeySource::kWorld) return endpoints_.opened();
+  static_cast<void>(key_.OnState(false));  // its topic has presses and releases only
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::EndpointId) {
-    pressed_ = false;
-  };  // the next press counts
+    static_cast<void>(key_.OnState(false));  // the next press counts
+  };
   endpoints_.Subscribe<msg::Bool>(
-      "world/power_key", [this](const msg::Bool& pressed) { OnKey(pressed.data); },
+      "world/power_key", [this](const msg::Bool& pressed) { Follow(key_.OnState(pressed.data)); },
       transport::kDefaultQos, std::move(events));
   return endpoints_.opened();
 }
 
+void PowerKeyDevice::OpenInput() {
+  InputDevice::Events events;
+  events.on_key = [this](std::uint16_t, bool pressed) { Follow(key_.OnState(pressed)); };
+  events.on_gap = [this] { OnGap(key_.OnGap()); };
+  events.log = [this](const std::string& line) { dependencies_.log("power key: " + line); };
+  events.on_open = [this] { Follow(key_.OnUnseen()); };
+  input_ =
+      std::make_unique<InputDevice>(dependencies_.node.loop(), InputSource{config_.device, ""},
+                                    std::vector<std::uint16_t>{config_.code}, std::move(events));
+}
+
 void PowerKeyDevice::OpenLine() {
   GpioInput::Events events;
-  events.on_level = [this](bool pressed) { OnLine(pressed); };
-  events.on_gap = [this] {
-    was_released_ = false;
-    OnKey(false);  // it may not have been held all the time
-  };
+  events.on_level = [this](bool pressed) { Follow(key_.OnState(pressed)); };
+  events.on_gap = [this] { OnGap(key_.OnUnseen()); };
   events.on_lost = [] {};
   events.log = [this](const std::string& line) { dependencies_.log("power key: " + line); };
   line_ = std::make_unique<GpioInput>(dependencies_.node.loop(), dependencies_.open_gpio,
                                       config_.line, std::move(events));
 }
 
-// One that is pressed from the start, or after a gap, may be none: its line has a short circuit, or
-// is active at the other voltage.
-void PowerKeyDevice::OnLine(bool pressed) {
-  if (!pressed) was_released_ = true;
-  if (was_released_) return OnKey(pressed);
-  dependencies_.log(
-      "power key: pressed at the start: it counts once it was released; if it is not pressed, "
-      "change active_low, or look at its line");
+void PowerKeyDevice::OnGap(PowerKey::Effect effect) {
+  if (effect == PowerKey::Effect::kEnds) {
+    dependencies_.log(
+        "power key: events are missing while it is pressed: the time so far does not count");
+  }
+  Follow(effect);
 }
 
-void PowerKeyDevice::OnKey(bool pressed) {
-  if (std::exchange(pressed_, pressed) == pressed) return;
+void PowerKeyDevice::Follow(PowerKey::Effect effect) {
+  if (effect == PowerKey::Effect::kNone) return;
+  if (effect == PowerKey::Effect::kIgnored) {
+    return dependencies_.log(
+        std::string("power key: pressed at the start: it counts once it was released; if it is not "
+                    "pressed, ") +
+        (config_.source == KeySource::kGpio ? "change active_low, or look at its line"
+                                            : "it is stuck, or another key is meant"));
+  }
   held_ = nullptr;
-  if (!pressed) return;
+  if (effect == PowerKey::Effect::kEnds) return;
   transport::EventLoop& loop = dependencies_.node.loop();
   const Time due = loop.Now() + config_.hold;
   held_ = loop.At(due, [this, due] { OnHeld(due); });

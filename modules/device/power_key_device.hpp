@@ -1,8 +1,8 @@
 #pragma once
 // The power key: held for its time (CyberDog: 3 s), it requests `poweroff` from the machine's
 // manager, once until it is released. A driver that exits while the key is pressed does not cancel
-// the request; an input device that is unplugged does, and so
-// does a line that is lost.
+// the request; an input device that is unplugged does, and so does a line that is lost. A key that
+// is pressed already when its device or its line is opened counts once it was released.
 //
 // Threads: the loop's.
 
@@ -13,6 +13,8 @@
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/gpio_input.hpp"
+#include "musher/modules/device/input_device.hpp"
+#include "musher/modules/device/power_key.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::device {
@@ -33,17 +35,17 @@ class PowerKeyDevice {
         config_(config),
         endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect();
+  void OpenInput();
   void OpenLine();
-  void OnLine(bool pressed);
-  void OnKey(bool pressed);
+  void OnGap(PowerKey::Effect effect);
+  void Follow(PowerKey::Effect effect);
   void OnHeld(Time due);
   void PowerOff();
 
   const Dependencies dependencies_;
   const PowerKeyConfig config_;
-  bool pressed_ = false;
-  bool was_released_ = false;  // its line, since the last gap
-  std::unique_ptr<InputKey> input_;
+  PowerKey key_;
+  std::unique_ptr<InputDevice> input_;
   std::unique_ptr<GpioInput> line_;
   transport::LoopHandlePtr held_;  // by the steady clock: it powers off the real robot
   transport::Client<msg::Trigger>* power_off_ = nullptr;

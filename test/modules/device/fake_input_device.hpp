@@ -64,4 +64,16 @@ inline void MakeDeviceWithKey(const UniqueFd& uinput, const std::string& name, s
   ASSERT_EQ(ioctl(uinput.get(), UI_DEV_CREATE), 0);
 }
 
+// The file of that device; "": there is none, as without udev and devtmpfs.
+inline std::string EventFileOf(const UniqueFd& uinput) {
+  char name[64] = {};
+  if (ioctl(uinput.get(), UI_GET_SYSNAME(sizeof(name)), name) < 0) return "";
+  for (const auto& entry :
+       std::filesystem::directory_iterator("/sys/devices/virtual/input/" + std::string(name))) {
+    const std::string file = "/dev/input/" + entry.path().filename().string();
+    if (std::filesystem::exists(file)) return file;
+  }
+  return "";
+}
+
 }  // namespace musher::device

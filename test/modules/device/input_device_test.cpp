@@ -1,7 +1,7 @@
 // A key of an input device: events as the kernel has them, by a pipe, and by a device of uinput
 // where this kernel has it.
 
-#include "musher/modules/device/input_key.hpp"
+#include "musher/modules/device/input_device.hpp"
 
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@
 #include "musher/test/modules/device/fake_input_device.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::device::input_key_test {
+namespace musher::device::input_device_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -24,10 +24,11 @@ using ::testing::SizeIs;
 
 class Key : public ::testing::Test {
  protected:
-  std::unique_ptr<InputKey> Start(const std::string& device) {
-    return std::make_unique<InputKey>(
-        loop_, device, kPowerKeyCode, [this](bool pressed) { keys_.push_back(pressed); },
-        [this](const std::string& line) { log_.push_back(line); });
+  std::unique_ptr<InputDevice> Start(const std::string& device, std::uint16_t code = KEY_POWER) {
+    InputDevice::Events events{[this](std::uint16_t, bool pressed) { keys_.push_back(pressed); },
+                               [] {}, [this](const std::string& line) { log_.push_back(line); }};
+    return std::make_unique<InputDevice>(loop_, InputSource{device, ""},
+                                         std::vector<std::uint16_t>{code}, std::move(events));
   }
   bool Await(std::size_t keys) {
     return loop_.RunUntil([&] { return keys_.size() >= keys; },
@@ -46,8 +47,9 @@ TEST_F(Key, IsPressedAndReleased) {
   device_.Send({InputEvent(EV_KEY, KEY_A, 1), InputEvent(EV_KEY, KEY_POWER, 1),
                 InputEvent(EV_SYN, SYN_REPORT, 0), InputEvent(EV_KEY, KEY_POWER, 2),
                 InputEvent(EV_REL, KEY_POWER, 1), InputEvent(EV_KEY, KEY_POWER, 0)});
-  ASSERT_TRUE(Await(2));
-  EXPECT_THAT(keys_, ElementsAre(true, false)) << "neither another key nor a repetition counts";
+  ASSERT_TRUE(Await(3));
+  EXPECT_THAT(keys_, ElementsAre(false, true, false))
+      << "neither another key nor a repetition counts";
   EXPECT_THAT(log_, IsEmpty());
 }
 
@@ -56,17 +58,17 @@ TEST_F(Key, IsReleasedWhenItsDeviceIsLostAndWorksAgainOnceItIsBack) {
   device_.Plug();
   const auto key = Start(device_.file());
   device_.Send({InputEvent(EV_KEY, KEY_POWER, 1)});
-  ASSERT_TRUE(Await(1));
-  device_.Unplug();
   ASSERT_TRUE(Await(2));
-  EXPECT_THAT(keys_, ElementsAre(true, false));
+  device_.Unplug();
+  ASSERT_TRUE(Await(3));
+  EXPECT_THAT(keys_, ElementsAre(false, true, false));
   EXPECT_THAT(log_, ElementsAre(HasSubstr("it was closed; it is opened again every second")));
   device_.Plug();
   ASSERT_TRUE(
       loop_.RunUntil([&] { return log_.size() == 2; }, loop_.Now() + std::chrono::seconds(120)));
   EXPECT_THAT(log_.back(), HasSubstr("is available"));
   device_.Send({InputEvent(EV_KEY, KEY_POWER, 1)});
-  ASSERT_TRUE(Await(3));
+  ASSERT_TRUE(Await(5));
   EXPECT_TRUE(keys_.back());
 }
 
@@ -98,26 +100,17 @@ TEST_F(Key, OfADeviceOfTheKernelIsKnownWhenItIsPressedAlready) {
   const UniqueFd uinput(open("/dev/uinput", O_WRONLY | O_NONBLOCK | O_CLOEXEC));
   if (!uinput.valid()) GTEST_SKIP() << "/dev/uinput: " << std::strerror(errno);
   ASSERT_NO_FATAL_FAILURE(MakeDeviceWithKey(uinput, "musher test key", KEY_POWER));
-  char name[64] = {};
-  ASSERT_GE(ioctl(uinput.get(), UI_GET_SYSNAME(sizeof(name)), name), 0);
-  std::string device;
-  for (const auto& entry :
-       std::filesystem::directory_iterator("/sys/devices/virtual/input/" + std::string(name))) {
-    const std::string file = entry.path().filename();
-    if (file.starts_with("event")) device = "/dev/input/" + file;
-  }
-  if (!std::filesystem::exists(device)) GTEST_SKIP() << "no udev makes " << device;
+  const std::string device = EventFileOf(uinput);
+  if (device.empty()) GTEST_SKIP() << "no udev makes a file of it";
   ASSERT_NO_FATAL_FAILURE(
       WriteEvents(uinput, {InputEvent(EV_KEY, KEY_POWER, 1), InputEvent(EV_SYN, SYN_REPORT, 0)}));
   const auto key = Start(device);
   EXPECT_THAT(keys_, ElementsAre(true));
-  std::string why;
-  const InputKey other(
-      loop_, device, KEY_A, [](bool) {}, [&](const std::string& line) { why = line; });
-  EXPECT_THAT(why, HasSubstr("it has no key 30"));
+  EXPECT_THAT(Start(device, KEY_A)->fault(), HasSubstr("it has no key 30"));
+  keys_.clear();
   ioctl(uinput.get(), UI_DEV_DESTROY);
-  ASSERT_TRUE(Await(2));
+  ASSERT_TRUE(Await(1));
   EXPECT_FALSE(keys_.back());
 }
 
-}  // namespace musher::device::input_key_test
+}  // namespace musher::device::input_device_test
