@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/test/modules/device/devices_fixture.hpp"
 #include "musher/test/modules/device/fake_gpio.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::device::gpio_devices_test {
 
@@ -116,6 +118,43 @@ TEST_F(GpioContact, SaysWhyItsLineCannotBeOpened) {
   Run(Milliseconds(5000));
   EXPECT_THAT(log_, ElementsAre(HasSubstr("is in use by 'gpio-keys'"))) << "once";
   EXPECT_THAT(received_, IsEmpty());
+}
+
+// A program of a user, as its page shows it.
+class Follower {
+ public:
+  explicit Follower(transport::Node& node) : endpoints_(node, "dog1") {
+    // [contact]
+    transport::SubscriptionEvents events;
+    events.on_writer_lost = [this](transport::EndpointId) { bumper_.reset(); };  // not known
+    endpoints_.Subscribe<msg::Bool>(
+        "contact/bumper", [this](const msg::Bool& contact) { bumper_ = contact.data; },
+        transport::kLatchedQos, std::move(events));
+    // [contact end]
+  }
+
+  std::optional<bool> bumper() const { return bumper_; }
+
+ private:
+  std::optional<bool> bumper_;
+  transport::Endpoints endpoints_;
+};
+
+TEST_F(GpioContact, IsFollowedByAProgramThatForgetsItWhileItCannotBeRead) {
+  Start();
+  const Follower follower(*desk_);
+  Run(Milliseconds(500));
+  EXPECT_EQ(follower.bumper(), false) << "it has started later";
+  gpio_.Put("BUMPER", true);
+  Run(Milliseconds(200));
+  EXPECT_EQ(follower.bumper(), true);
+  gpio_.GoAway("gpiochip0:5 'BUMPER': No such device");
+  Run(Milliseconds(500));
+  EXPECT_EQ(follower.bumper(), std::nullopt);
+  gpio_.active["BUMPER"] = false;
+  gpio_.fault = "";
+  Run(Milliseconds(1500));
+  EXPECT_EQ(follower.bumper(), false);
 }
 
 // --- the touch pad and the power key ---
