@@ -24,7 +24,6 @@ constexpr std::array kNodeModels = {
               kErrors},
     NodeModel{"Action", "CancelAssistedTeleop", kServer, ""},
     NodeModel{"Action", "CancelBackUp", kServer, ""},
-    NodeModel{"Action", "CancelComputeAndTrackRoute", kServer, ""},
     NodeModel{"Action", "CancelDriveOnHeading", kServer, ""},
     NodeModel{"Action", "CancelFollowObject", kServer, ""},
     NodeModel{"Action", "CancelSpin", kServer, ""},

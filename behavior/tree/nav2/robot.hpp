@@ -168,6 +168,9 @@ class Robot {
   virtual std::unique_ptr<Task> ComputeRoute(const RouteRequest& /*request*/) { return nullptr; }
   // The same, and how far the robot is along it, until it is at its end. It moves nothing.
   virtual std::unique_ptr<Task> TrackRoute(const RouteRequest& /*request*/) { return nullptr; }
+  // Has the route server cancel the routes that it tracks now, for any client. False: there is no
+  // route server.
+  virtual bool CancelRoutes() { return false; }
   // A path without sharp corners. With `check` it fails where the robot sees something on it.
   virtual std::unique_ptr<Task> SmoothPath(const Path& /*path*/, const std::string& /*smoother*/,
                                            bool /*check*/) {

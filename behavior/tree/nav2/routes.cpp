@@ -119,6 +119,21 @@ class ComputeAndTrackRoute : public RouteNode {
   std::uint64_t seen_ = 0;  // reports
 };
 
+class CancelComputeAndTrackRoute : public Action {
+ public:
+  CancelComputeAndTrackRoute(Setup& setup, Robot& robot) : robot_(robot) {
+    static_cast<void>(setup.OptionalInput<std::string>("server_name", "ignored"));
+    static_cast<void>(setup.OptionalInput<double>("server_timeout", "ignored: ms"));
+  }
+
+ private:
+  Status Do(const Tick&) override {
+    return robot_.CancelRoutes() ? Status::kSuccess : Status::kFailure;
+  }
+
+  Robot& robot_;
+};
+
 // Places to travel through, that look to the next one; the last one looks as the one before.
 class ExtractRouteNodesAsGoals : public Action {
  public:
@@ -190,6 +205,10 @@ void AddRouteNodes(Factory& factory, Robot& robot) {
                                 "Has the route server find a route, and watch the robot along it; "
                                 "SUCCESS at its end. Another node moves the robot.",
                                 robot);
+  AddNode<CancelComputeAndTrackRoute>(factory, "CancelComputeAndTrackRoute", kKind, false,
+                                      "Has the route server cancel each route that it tracks, also "
+                                      "those of other clients. It stops no motion.",
+                                      robot);
   AddNode<ExtractRouteNodesAsGoals>(factory, "ExtractRouteNodesAsGoals", kKind, false,
                                     "Makes goals of the nodes of a route, which look along it; "
                                     "FAILURE where it has none.");

@@ -139,6 +139,12 @@ std::unique_ptr<tree::nav2::Task> RoutedRobot::TrackRoute(const tree::nav2::Rout
                                                      : nullptr);
 }
 
+bool RoutedRobot::CancelRoutes() {
+  if (!routes_.Ready()) return false;
+  routes_.CancelTracked();
+  return true;
+}
+
 std::unique_ptr<tree::nav2::Task> RoutedRobot::SmoothPath(const tree::nav2::Path& path,
                                                           const std::string& /*smoother*/,
                                                           bool check) {

@@ -26,6 +26,7 @@ class RoutedRobot : public TreeRobot {
 
   std::unique_ptr<tree::nav2::Task> ComputeRoute(const tree::nav2::RouteRequest& request) override;
   std::unique_ptr<tree::nav2::Task> TrackRoute(const tree::nav2::RouteRequest& request) override;
+  bool CancelRoutes() override;
   std::unique_ptr<tree::nav2::Task> SmoothPath(const tree::nav2::Path& path,
                                                const std::string& smoother, bool check) override;
 

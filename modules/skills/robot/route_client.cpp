@@ -171,7 +171,17 @@ std::unique_ptr<TrackedRoute> RouteClient::TrackRoute(const RouteGoal& goal) {
   };
   tracked->id = (*tracks_)->SendGoal(ToMessage<msg::ComputeAndTrackRoute::Goal>(goal),
                                      kRouteAnswerTime, std::move(events));
+  std::erase_if(tracked_, [](const auto& route) { return route.expired(); });
+  tracked_.push_back(tracked);
   return std::make_unique<GoalRoute>(tracked);
+}
+
+void RouteClient::CancelTracked() {
+  if (*tracks_ == nullptr) return;
+  (*tracks_)->CancelAll(kRouteCancelTime, [](const auto&) {});
+  for (const auto& route : tracked_) {
+    if (const auto goal = route.lock()) goal->dropped = goal->dropped || !goal->accepted;
+  }
 }
 
 }  // namespace musher::skills

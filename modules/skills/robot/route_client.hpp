@@ -83,6 +83,9 @@ class RouteClient {
   bool Ready() const { return computes_ != nullptr && computes_->Ready(); }
   skill::Future<PlannedRoute> ComputeRoute(const RouteGoal& goal);
   std::unique_ptr<TrackedRoute> TrackRoute(const RouteGoal& goal);
+  // Cancels all routes that the server tracks now, for every client, and the own ones that wait for
+  // it. Once: a request that is lost is not repeated.
+  void CancelTracked();
 
  private:
   using Computes = transport::ActionClient<msg::ComputeRoute>;
@@ -96,6 +99,7 @@ class RouteClient {
   const std::function<msg::Stamp()> stamp_;
   Computes* const computes_;               // null: not opened
   const std::shared_ptr<Tracks*> tracks_;  // for routes that outlive this object; null then
+  std::vector<std::weak_ptr<TrackGoal>> tracked_;
 };
 
 }  // namespace musher::skills

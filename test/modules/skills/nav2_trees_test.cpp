@@ -563,6 +563,38 @@ TEST_F(Nav2OnAGraph, TracksNoMoreWhereTheTreeIsHalted) {
   EXPECT_EQ(statuses.back(), msg::GoalStatus::kStatusCanceled);
 }
 
+TEST_F(Nav2OnAGraph, TracksNoMoreWhereTheTreeCancelsItsRoute) {
+  Begin(
+      "<Parallel success_count=\"2\" failure_count=\"2\">"
+      "<ComputeAndTrackRoute start_id=\"1\" goal_id=\"3\" next_node_id=\"{next}\" "
+      "error_code_id=\"{track_code}\" error_msg=\"{why}\"/>"
+      "<Sequence><Delay delay_msec=\"1000\"><AlwaysSuccess/></Delay>"
+      "<CancelComputeAndTrackRoute/><Wait wait_duration=\"1\"/><AlwaysFailure/></Sequence>"
+      "</Parallel>");
+  Run(0.8);
+  EXPECT_EQ(Code("next"), "1");
+  EXPECT_EQ(RunToTheEnd(5), 'F');
+  EXPECT_EQ(Code("track_code"), "400");
+  EXPECT_EQ(tree_->board().Get<std::string>("why").value(), "the route was cancelled");
+}
+
+// Its server has not accepted the goal when all are cancelled.
+TEST_F(Nav2OnAGraph, TracksNoMoreWhereItsRouteIsCancelledInTheTickInWhichItBegins) {
+  Begin(
+      "<Parallel success_count=\"2\" failure_count=\"1\">"
+      "<ComputeAndTrackRoute start_id=\"1\" goal_id=\"3\" error_code_id=\"{track_code}\" "
+      "error_msg=\"{why}\"/>"
+      "<CancelComputeAndTrackRoute/></Parallel>");
+  EXPECT_EQ(RunToTheEnd(5), 'F');
+  EXPECT_EQ(Code("track_code"), "400");
+  EXPECT_EQ(tree_->board().Get<std::string>("why").value(), "the route was cancelled");
+}
+
+TEST_F(Nav2OnARobot, CancelsNoRouteWithoutARouteServer) {
+  Begin("<CancelComputeAndTrackRoute/>");
+  EXPECT_EQ(RunToTheEnd(5), 'F');
+}
+
 TEST_F(Nav2OnARobot, FailsARouteWithoutARouteServer) {
   Begin(
       "<ComputeRoute goal=\"5;3;0\" use_poses=\"true\" error_code_id=\"{code}\" "

@@ -47,6 +47,10 @@ class FakeRobot : public Robot {
     if (has_tasks) log += "cancel drives; ";
     return has_tasks;
   }
+  bool CancelRoutes() override {
+    if (has_tasks) log += "cancel routes; ";
+    return has_tasks;
+  }
   std::string Selected(std::string_view topic) const override {
     const auto found = selected.find(topic);
     return found == selected.end() ? "" : found->second;

@@ -86,6 +86,24 @@ TEST_F(AComputeAndTrackRoute, SaysWhereTheRobotIsUntilItsEnd) {
   EXPECT_THAT(seen(), ElementsAre(0, 0, 0)) << "it is over";
 }
 
+using ACancelComputeAndTrackRoute = Nav2Tree;
+TEST_F(ACancelComputeAndTrackRoute, FailsWhereThereIsNoRouteServer) {
+  Make("<CancelComputeAndTrackRoute server_name=\"compute_and_track_route\"/>");
+  EXPECT_EQ(Next(), "S ");
+  EXPECT_EQ(robot.Take(), "cancel routes; ");
+  robot.has_tasks = false;
+  EXPECT_EQ(Next(), "F ");
+}
+TEST_F(ACancelComputeAndTrackRoute, OnARobotWithoutRoutesFails) {
+  struct : FakeRobot {
+    bool CancelRoutes() override { return Robot::CancelRoutes(); }
+  } plain;
+  Factory nodes;
+  AddNodes(nodes, plain);
+  const auto alone = MakeTree(Main("<CancelComputeAndTrackRoute/>"), nodes);
+  EXPECT_EQ(Letter(alone->TickOnce(At(0))), 'F');
+}
+
 using RouteGoals = Nav2Tree;
 TEST_F(RouteGoals, LookAlongTheRoute) {
   Make("<ExtractRouteNodesAsGoals route=\"{route}\" goals=\"{goals}\"/>");
