@@ -27,6 +27,14 @@ bool IsSubtree(std::string_view name) {
   return name == "SubTree" || name == "SubTreePlus";
 }
 
+// Whether the class of this name is the program's, not the library's.
+bool IsOwn(std::string_view id, const Factory::Registered* registered) {
+  static const Factory library;
+  const Factory::Registered* known = library.Find(id);
+  return registered != nullptr &&
+         (known == nullptr || known->make.target_type() != registered->make.target_type());
+}
+
 std::size_t CountElements(const Element& element) {
   std::size_t count = 1;
   for (const Element& child : element.children) count += CountElements(child);
@@ -254,8 +262,11 @@ Node* Builder::MakeNode(const Element& element, const Around& around) {
     at = attribute->value_at;
   }
   const auto [known, is_new] = classes_.try_emplace(id);
-  if (is_new) known->second = factory_.Find(id);
-  const Factory::Registered* const registered = known->second;
+  if (is_new) {
+    known->second.registered = factory_.Find(id);
+    known->second.is_own = IsOwn(id, known->second.registered);
+  }
+  const auto [registered, is_own] = known->second;
   if (registered == nullptr) {
     UnknownNode(at, id);
     for (const Element& child : element.children) MakeNode(child, around);
@@ -270,7 +281,9 @@ Node* Builder::MakeNode(const Element& element, const Around& around) {
            "node " + Quoted(id) + " is registered as " + std::string(Name(registered->kind)) +
                ", not as " + element.name);
   }
-  return MakeRegistered(element, id, *registered, around);
+  Node* const node = MakeRegistered(element, id, *registered, around);
+  if (node != nullptr && is_own) node->special_ = true;  // it may leave its children running
+  return node;
 }
 
 void Builder::UnknownNode(Place place, std::string_view id) {

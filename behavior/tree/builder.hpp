@@ -104,8 +104,12 @@ class Builder {
   const Document& document_;
   const Factory& factory_;
   std::unique_ptr<Tree> tree_;
-  // What the factory has by each name of the document so far; null: nothing.
-  std::unordered_map<std::string_view, const Factory::Registered*> classes_;
+  // What the factory has by each name of the document so far; of null: nothing.
+  struct Class {
+    const Factory::Registered* registered = nullptr;
+    bool is_own = false;  // of the program, not of the library
+  };
+  std::unordered_map<std::string_view, Class> classes_;
   std::vector<const std::type_info*> no_observers_;  // types of nodes that are no RunObserver
   std::vector<const Element*> elements_;             // by node
   // By node: the class of its name; null: a subtree whose name is no class.

@@ -61,6 +61,7 @@ Status Node::ExecuteSpecially(Tick& tick) {
     }
   }
   const Status status = Run(tick);
+  if (status != Status::kRunning) HaltBelow(tick);
   return tick.hooks != nullptr ? EndByHook(status, tick) : End(status, tick);
 }
 
@@ -120,7 +121,18 @@ void Node::CallOnHalt(Tick& tick) {
   } catch (...) {
     NoteFault("an unknown exception", tick);
   }
+  HaltBelow(tick);
   tick.hooks = hooks;
+}
+
+// The children that a node has left running. Those of the library leave none.
+void Node::HaltBelow(Tick& tick) {
+  const auto halt = [&tick](Node& child) {
+    if (child.running()) child.Reset(tick);
+  };
+  if (shape_ == Shape::kDecorator) halt(static_cast<Decorator*>(this)->child());
+  if (shape_ != Shape::kControl) return;
+  for (Node* child : static_cast<Control*>(this)->children()) halt(*child);
 }
 
 Status Action::OnTick(Tick& tick) {

@@ -11,7 +11,9 @@
 // and makes its ports in its constructor (setup.hpp). A call returns at once and reads no clock:
 // the time is in the tick. What it throws ends the tick: the tree is halted, and the tick fails
 // with the path of the node. A node that was RUNNING when it threw is halted, too; one that throws
-// in its first tick (OnStart) undoes by itself what it has begun.
+// in its first tick (OnStart) undoes by itself what it has begun. Below a node that does not run no
+// node runs: a child that a Decorator or Control leaves running, when it completes or is halted, is
+// halted behind it.
 //
 //   IDLE ── tick ──→ RUNNING ── tick ──→ SUCCESS | FAILURE ── reset by the parent ──→ IDLE
 //                       └── Halt(): OnHalt() once ──→ IDLE
@@ -135,6 +137,7 @@ class Node {
   Status End(Status status, Tick& tick);
   void Halt(Tick& tick);
   void CallOnHalt(Tick& tick);
+  void HaltBelow(Tick& tick);
   void NoteFault(const char* what, Tick& tick) const;
 
   Status status_ = Status::kIdle;
@@ -188,7 +191,7 @@ class Decorator : public Node {
     if (IsCompleted(status)) child_->Reset(tick);
     return status;
   }
-  // An override halts the child, too: by this. Where it throws before, the tree halts the child.
+  // An override halts the child where that matters to it: else the tree does so behind it.
   void OnHalt(Tick& tick) override { child_->Reset(tick); }
 
  private:
@@ -209,7 +212,7 @@ class Control : public Node {
     shape_ = Shape::kControl;
   }
   void OnHalt(Tick& tick) override { ResetChildren(tick); }
-  // Each control does this when it completes.
+  // Each control does this when it completes. What it leaves running is halted behind it.
   void ResetChildren(Tick& tick) {
     for (Node* child : children_) child->Reset(tick);
   }

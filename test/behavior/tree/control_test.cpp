@@ -292,6 +292,17 @@ class ByName : public tree::Control {
   InPort<std::string> which_;
 };
 
+// Its commands would go on behind a control that has moved on.
+TEST_F(Control, AChildThatAProgramsControlLeavesRunningIsHalted) {
+  ASSERT_TRUE(factory.Add<ByName>("ByName"));
+  tree = MakeTree(Main("<ByName which=\"{which}\">" + A("R") + B("S") + "</ByName>"), factory);
+  ASSERT_TRUE(tree->board().Set("which", std::string("a")));
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  ASSERT_TRUE(tree->board().Set("which", std::string("b")));
+  EXPECT_EQ(Ticks(*tree, 1, 1), "S");
+  EXPECT_EQ(Take(), "a^ b^ a! ");
+}
+
 TEST_F(Control, KnowsTheNamesOfItsChildren) {
   ASSERT_TRUE(factory.Add<ByName>("ByName"));
   EXPECT_EQ(Run(In("ByName which=\"b\"", A("S") + B("S")), 1), "S: b^ ");

@@ -216,6 +216,68 @@ struct BelowADecoratorThatThrowsInItsHalt : testing::Test, Logged {
   }
 };
 
+// Ends after its second tick, whatever its child does; forgets it in a halt.
+class EndsFirst : public tree::Decorator {
+ public:
+  explicit EndsFirst(Setup& setup) : ends_(setup.Input<std::string>("ends")) {}
+
+ private:
+  Status OnTick(Tick& tick) override {
+    static_cast<void>(TickChild(tick));
+    if (!std::exchange(second_, !second_)) return Status::kRunning;
+    return ends_.Get() == "S" ? Status::kSuccess
+                              : (ends_.Get() == "F" ? Status::kFailure : Status::kSkipped);
+  }
+  void OnHalt(Tick&) override { second_ = false; }
+
+  InPort<std::string> ends_;
+  bool second_ = false;
+};
+
+struct BelowADecoratorThatForgetsItsChild : testing::Test, Logged {
+  BelowADecoratorThatForgetsItsChild() { EXPECT_TRUE(factory.Add<EndsFirst>("EndsFirst")); }
+  static std::string Ending(const std::string& how, const std::string& child) {
+    return "<EndsFirst ends=\"" + how + "\">" + child + "</EndsFirst>";
+  }
+};
+
+TEST_F(BelowADecoratorThatForgetsItsChild, NothingRunsOnAfterItHasEnded) {
+  for (const std::string how : {"S", "F", "-"}) {
+    SCOPED_TRACE(how);
+    const auto tree = MakeTree(
+        Main("<Sequence>" + Ending(how, Leaf("a", "R")) + Leaf("b", "R") + "</Sequence>"), factory);
+    EXPECT_EQ(Ticks(*tree, 2), how == "F" ? "RF" : "RR");
+    EXPECT_EQ(Take(), how == "F" ? "a^ a a! " : "a^ a a! b^ ");
+    EXPECT_FALSE(tree->status(2) == Status::kRunning);
+  }
+}
+
+TEST_F(BelowADecoratorThatForgetsItsChild, NothingRunsOnAfterAHalt) {
+  const auto tree =
+      MakeTree(Main(Ending("S", "<Sequence>" + Leaf("a", "R") + "</Sequence>")), factory);
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  ASSERT_TRUE(tree->Halt(At(10)));
+  EXPECT_EQ(Take(), "a^ a! ");
+  EXPECT_EQ(Ticks(*tree, 1, 2), "R");
+  EXPECT_EQ(Take(), "a^ ") << "it begins again";
+}
+
+TEST_F(BelowADecoratorThatForgetsItsChild, NothingRunsOnAfterItsParentHasHaltedIt) {
+  const auto tree = MakeTree(Main("<Sequence><Timeout msec=\"5\">" + Ending("S", Leaf("a", "R")) +
+                                  "</Timeout><AlwaysSuccess/></Sequence>"),
+                             factory);
+  EXPECT_EQ(Ticks(*tree, 2), "RF");
+  EXPECT_EQ(Take(), "a^ a! ");
+}
+
+TEST_F(BelowADecoratorThatForgetsItsChild, AChildThatIsHaltedWithItIsHaltedOnce) {
+  const auto tree = MakeTree(
+      Main(Ending("S", Ending("S", "<Inverter>" + Leaf("a", "R") + "</Inverter>"))), factory);
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  ASSERT_TRUE(tree->Halt(At(10)));
+  EXPECT_EQ(Take(), "a^ a! ");
+}
+
 constexpr const char* kCareless = "<Careless><Say name=\"a\" does=\"R\"/></Careless>";
 
 TEST_F(BelowADecoratorThatThrowsInItsHalt, NothingRunsOnAfterAHalt) {
