@@ -132,7 +132,9 @@ VirtualCamera FindVirtualCamera() {
     if (!fd.valid() || ioctl(fd.get(), VIDIOC_QUERYCAP, &is) < 0) continue;
     const std::string driver = reinterpret_cast<const char*>(is.driver);
     if (driver == "v4l2 loopback") return {file, true};
-    if (driver == "vivid" && (is.device_caps & V4L2_CAP_VIDEO_CAPTURE) != 0) return {file, false};
+    constexpr __u32 kOfACamera = V4L2_CAP_VIDEO_CAPTURE;  // its touch pad captures, too
+    const bool is_camera = (is.device_caps & (kOfACamera | V4L2_CAP_TOUCH)) == kOfACamera;
+    if (driver == "vivid" && is_camera) return {file, false};
   }
   return {};
 }
