@@ -115,7 +115,7 @@ void Builder::WarnOfShared(NodeId id, const std::vector<NodeId>& children,
   const NodeInfo& info = tree_->infos_[id];
   if (info.kind != NodeKind::kControl) return;
   const bool parallel = info.id == "Parallel"sv || info.id == "ParallelAll"sv;
-  if (!parallel && info.id != "PipelineSequence"sv) return;
+  if (!parallel && info.id != "PipelineSequence"sv && info.id != "NonblockingSequence"sv) return;
   std::map<std::string, NodeId> first;  // child that uses the part
   for (const NodeId child : children) {
     for (const std::string& part : uses[child]) {

@@ -1,5 +1,7 @@
-// RecoveryNode, PipelineSequence, RoundRobin.
+// RecoveryNode, PipelineSequence, NonblockingSequence, PersistentSequence, RoundRobin.
 
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "musher/behavior/tree/nav2/register.hpp"
@@ -79,6 +81,71 @@ class PipelineSequence : public Control {
   std::size_t at_ = 0;  // the farthest child that was reached
 };
 
+// Ticks all children in each tick, also those that have succeeded before.
+class NonblockingSequence : public Control {
+ private:
+  Status OnTick(Tick& tick) override {
+    std::size_t run = 0;
+    std::size_t skipped = 0;
+    for (Node* child : children()) {
+      const Status status = child->Execute(tick);
+      if (status == Status::kFailure) {
+        ResetChildren(tick);
+        return status;
+      }
+      if (status == Status::kRunning) ++run;
+      if (status == Status::kSkipped) ++skipped;
+    }
+    if (run > 0) return Status::kRunning;
+    ResetChildren(tick);
+    return skipped == children().size() ? Status::kSkipped : Status::kSuccess;
+  }
+};
+
+// A Sequence whose place is an entry: a halt, a failure and the end of a run of the tree keep it,
+// and another node may set it.
+class PersistentSequence : public Control {
+ public:
+  explicit PersistentSequence(Setup& setup)
+      : place_(setup.InOut<int>("current_child_idx", FromEntry{"current_child_idx"},
+                                "which child is the present one, from 0")) {}
+
+ private:
+  Status OnTick(Tick& tick) override {
+    const std::vector<Node*>& nodes = children();
+    const std::size_t begin = Place();
+    if (!running()) skipped_ = 0;
+    if (running() && begin != at_) nodes[at_]->Reset(tick);  // another node has set its place
+    for (at_ = begin; at_ < nodes.size();) {
+      const Status status = nodes[at_]->Execute(tick);
+      if (status == Status::kRunning) return status;
+      if (status == Status::kFailure) {
+        ResetChildren(tick);
+        return status;
+      }
+      if (status == Status::kSkipped) ++skipped_;
+      ++at_;
+      place_.Set(at_ == nodes.size() ? 0 : static_cast<int>(at_));
+    }
+    ResetChildren(tick);
+    return skipped_ == nodes.size() ? Status::kSkipped : Status::kSuccess;
+  }
+
+  std::size_t Place() const {
+    const int place = place_.Or(0);
+    if (place < 0 || static_cast<std::size_t>(place) >= children().size()) {
+      throw std::runtime_error("port 'current_child_idx': there is no child " +
+                               std::to_string(place) + "; expected 0 to " +
+                               std::to_string(children().size() - 1));
+    }
+    return static_cast<std::size_t>(place);
+  }
+
+  InOutPort<int> place_;
+  std::size_t at_ = 0;       // of the last tick
+  std::size_t skipped_ = 0;  // children, since its begin
+};
+
 // Goes on behind the child that has succeeded last in this run of the tree.
 class RoundRobin : public Control {
  public:
@@ -131,6 +198,12 @@ void AddControlNodes(Factory& factory) {
   AddNode<PipelineSequence>(factory, "PipelineSequence", NodeKind::kControl, false,
                             "A Sequence that ticks all children up to the present one in each "
                             "tick.");
+  AddNode<NonblockingSequence>(factory, "NonblockingSequence", NodeKind::kControl, false,
+                               "Ticks all its children in each tick, until all succeed in one. "
+                               "Fails with any of them.");
+  AddNode<PersistentSequence>(factory, "PersistentSequence", NodeKind::kControl, false,
+                              "A Sequence that keeps its place in an entry: it goes on there after "
+                              "a halt or a failure.");
   AddNode<RoundRobin>(
       factory, "RoundRobin", NodeKind::kControl, false,
       "Ticks its children in order until one succeeds; the next time in this run of the "

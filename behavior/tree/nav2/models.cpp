@@ -60,9 +60,7 @@ constexpr std::array kNodeModels = {
     NodeModel{"Condition", "IsStopped", "velocity_threshold duration_stopped", ""},
     NodeModel{"Condition", "IsStuck", "", ""},
     NodeModel{"Condition", "TransformAvailable", "child parent", ""},
-    NodeModel{"Control", "NonblockingSequence", "", ""},
     NodeModel{"Control", "PauseResumeController", "pause_service_name resume_service_name", ""},
-    NodeModel{"Control", "PersistentSequence", "current_child_idx", ""},
 };
 
 Element ElementOf(std::string_view name, std::string_view attribute, std::string value) {

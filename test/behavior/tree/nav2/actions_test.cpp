@@ -204,6 +204,8 @@ TEST_F(Motions, AreWarnedOfWhereTwoMayRunTogether) {
   EXPECT_THAT(Findings(Main("<PipelineSequence>" + two + "</PipelineSequence>"), factory),
               HasSubstr("warning: 'BackUp' and 'Inverter' both use the base, which only one of "
                         "them can have at a time, and PipelineSequence may run them together"));
+  EXPECT_THAT(Findings(Main("<NonblockingSequence>" + two + "</NonblockingSequence>"), factory),
+              HasSubstr("and NonblockingSequence may run them together"));
   EXPECT_EQ(Findings(Main("<Sequence>" + two + "<Parallel><DriveOnHeading/><Wait/></Parallel>" +
                           "<Fallback><Spin/><Spin/></Fallback></Sequence>"),
                      factory),

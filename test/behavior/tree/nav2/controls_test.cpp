@@ -1,4 +1,4 @@
-// RecoveryNode, PipelineSequence and RoundRobin, tick by tick, as nav2 documents them.
+// The controls, tick by tick, as nav2 documents them.
 // "a^" is a's first tick, "a" a further one, "a!" its halt.
 
 #include "musher/test/behavior/tree/nav2/fake_robot.hpp"
@@ -89,6 +89,70 @@ TEST_F(ARecoveryNode, IsSkippedWithItsFirstChildAndFailsWhereTheRecoveryIsSkippe
 TEST_F(ARecoveryNode, NeedsTwoChildren) {
   EXPECT_THAT(Findings(Main("<RecoveryNode><AlwaysSuccess/></RecoveryNode>"), factory),
               testing::HasSubstr("node 'RecoveryNode' has 1 child; expected 2"));
+}
+
+using ANonblockingSequence = Nav2Tree;
+TEST_F(ANonblockingSequence, TicksAllItsChildrenUntilAllSucceedInOneTick) {
+  Make(Control("NonblockingSequence", "RS", "S", "RRS"));
+  EXPECT_EQ(NextTicks(3),
+            "R a^ b^ c^ \n"
+            "R a b^ c \n"
+            "R a^ b^ c \n");
+  EXPECT_EQ(Next(), "R a b^ c^ ");
+  Make(Control("NonblockingSequence", "RS", "RS"));
+  EXPECT_EQ(NextTicks(3), "R a^ b^ \nS a b \nR a^ b^ \n");
+}
+TEST_F(ANonblockingSequence, FailsWithAnyChildAndHaltsTheOthers) {
+  Make(Control("NonblockingSequence", "R", "RF", "R"));
+  EXPECT_EQ(NextTicks(2), "R a^ b^ c^ \nF a b a! c! \n");
+}
+TEST_F(ANonblockingSequence, IsSkippedWhereAllAreAndHaltsWhatRuns) {
+  Make(Control("NonblockingSequence", "-", "-"));
+  EXPECT_EQ(Next(), "- a^ b^ ");
+  Make(Control("NonblockingSequence", "-", "S"));
+  EXPECT_EQ(Next(), "S a^ b^ ");
+  Make(Control("NonblockingSequence", "R", "S", "R"));
+  EXPECT_EQ(Next(), "R a^ b^ c^ ");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(Take(), "a! c! ");
+}
+
+struct APersistentSequence : Nav2Tree {
+  int Place() { return tree->board().Get<int>("current_child_idx").value(); }
+};
+TEST_F(APersistentSequence, IsASequenceThatCountsInItsEntry) {
+  Make(Control("PersistentSequence", "S", "RS", "S"));
+  EXPECT_EQ(Next(), "R a^ b^ ");
+  EXPECT_EQ(Place(), 1);
+  EXPECT_EQ(Next(), "S b c^ ");
+  EXPECT_EQ(Place(), 0) << "it begins with its first child again";
+  Make(Control("PersistentSequence", "-", "-"));
+  EXPECT_EQ(Next(), "- a^ b^ ");
+}
+TEST_F(APersistentSequence, GoesOnWhereItWasAfterAHaltAndAfterAFailure) {
+  Make(Control("PersistentSequence", "S", "RFS", "S"));
+  EXPECT_EQ(Next(), "R a^ b^ ");
+  ASSERT_TRUE(tree->Halt(At(now_ms)));
+  EXPECT_EQ(Take(), "b! ");
+  EXPECT_EQ(Next(), "F b^ ");
+  EXPECT_EQ(Place(), 1);
+  EXPECT_EQ(Next(), "S b^ c^ ");
+}
+TEST_F(APersistentSequence, GoesToTheChildThatAnotherNodeSets) {
+  Make(Control("PersistentSequence current_child_idx=\"{at}\"", "R", "S", "R"));
+  Put("at", 2);
+  EXPECT_EQ(Next(), "R c^ ");
+  Put("at", 0);
+  EXPECT_EQ(Next(), "R c! a^ ");
+}
+TEST_F(APersistentSequence, WithoutSuchAChildIsAFaultOfTheTree) {
+  for (const int place : {-1, 2}) {
+    Make(Control("PersistentSequence current_child_idx=\"{at}\"", "S", "S"));
+    Put("at", place);
+    EXPECT_EQ(Next(), "! ");
+    EXPECT_THAT(fault, testing::HasSubstr("there is no child " + std::to_string(place) +
+                                          "; expected 0 to 1"));
+  }
 }
 
 using ARoundRobin = Nav2Tree;
