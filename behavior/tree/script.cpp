@@ -81,7 +81,26 @@ void Script::Run() const {
 }
 
 bool Script::True() const {
+  if (one_.is_known) {
+    const double* left = one_.left.Find();
+    const double* right = one_.right.Find();
+    if (left != nullptr && right != nullptr) return Holds(*left, *right, one_.comparison);
+  }
   return TruthOf(Evaluate());
+}
+
+void Script::NoteOneComparison() {
+  if (statements_.size() != 1) return;
+  const Operation& only = operations_[statements_.front()];
+  if (only.code != Code::kCompare || only.c != 0) return;
+  const auto side_of = [](const Operation& operand) { return Side{operand.entry, operand.number}; };
+  const auto is_side = [](const Operation& operand) {
+    return operand.code == Code::kNumber || operand.code == Code::kEntry;
+  };
+  const Operation& left = operations_[only.a];
+  const Operation& right = operations_[only.b];
+  if (!is_side(left) || !is_side(right)) return;
+  one_ = {true, static_cast<Comparison>(only.kind), side_of(left), side_of(right)};
 }
 
 Operand Script::Evaluate(std::uint32_t at) const {

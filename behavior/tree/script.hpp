@@ -126,6 +126,23 @@ class Script {
     mutable std::string text{};  // of a literal; else what the operation has made
   };
 
+  // A script that is one comparison of entries or numbers, as most conditions are: evaluated
+  // without a look at its operations, which are elsewhere in memory.
+  struct Side {
+    const Entry* entry = nullptr;
+    double number = 0;  // without an entry
+
+    // Null: the entry has no number.
+    const double* Find() const { return entry != nullptr ? entry->value.As<double>() : &number; }
+  };
+  struct OneComparison {
+    bool is_known = false;
+    Comparison comparison = Comparison::kEqual;
+    Side left;
+    Side right;
+  };
+  void NoteOneComparison();
+
   Operand Evaluate(std::uint32_t at) const;
   // The same, without a call for a number.
   Operand EvaluateOperand(std::uint32_t at) const {
@@ -149,6 +166,7 @@ class Script {
   static std::optional<double> NumberIn(std::string_view text, const Enums& enums);
   Operand Assign(const Operation& operation) const;
 
+  OneComparison one_;
   std::vector<Operation> operations_;
   std::vector<std::uint32_t> statements_;
   const Enums* enums_ = nullptr;

@@ -25,6 +25,7 @@ class ScriptParser {
       if (at_ < text_.size() && !Take(";")) Fail("expected an operator or ';'");
     }
     if (!failed_ && script_.statements_.empty()) Fail("the script is empty");
+    if (!failed_) script_.NoteOneComparison();
     return std::move(script_);
   }
 

@@ -26,6 +26,30 @@ TEST_F(Scripts, Compare) {
   EXPECT_EQ(Run("0.1 + 0.2 == 0.3"), "1");
   EXPECT_EQ(Run("RED + BLUE"), "3");
 }
+// A condition that compares two numbers is evaluated in a shorter way.
+TEST_F(Scripts, AreTrueWhereTheirValueIsNot0) {
+  board.At("n").type = TypeOf<int>();
+  ASSERT_EQ(Run("x := 2.0; t := '2'; n := 2"), "2");
+  const std::vector<std::string> operands = {"x", "n", "t", "2", "3", "RED", "2.00000001", "-x"};
+  for (const std::string sign : {"==", "!=", "<", ">", "<=", ">="}) {
+    for (const std::string& left : operands) {
+      for (const std::string& right : operands) {
+        const std::string text = left + " " + sign + " " + right;
+        const Script script = Script::Parse(text, board, enums, true, findings);
+        EXPECT_EQ(script.True(), script.Evaluate().number() != 0) << text;
+      }
+    }
+  }
+  EXPECT_TRUE(findings.empty());
+}
+TEST_F(Scripts, AConditionFollowsItsEntry) {
+  const Script script = Script::Parse("0 < x", board, enums, true, findings);
+  EXPECT_THROW(static_cast<void>(script.True()), ScriptError) << "it has no value";
+  Run("x := 1");
+  EXPECT_TRUE(script.True());
+  Run("x := 0");
+  EXPECT_FALSE(script.True());
+}
 TEST_F(Scripts, Choose) {
   EXPECT_EQ(Run("2 > 1 ? 'yes' : 'no'"), "'yes'");
   EXPECT_EQ(Run("false ? 1 : true ? 2 : 3"), "2");
