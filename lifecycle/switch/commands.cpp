@@ -204,11 +204,11 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
     const bool configured =
         ConfigOf(i).protocol == Protocol::kRos2Lifecycle && config_.RankOf(command.target);
     if (command.target == kSelfCheck || configured) Of(i).checked = true;
-    if (command.target == kError && ConfigOf(i).Lists(kSelfCheck)) Of(i).checked = false;
     // A failed check stays recorded until one passes, a hang until it ends; a TearDown clears every
     // fault.
     const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
     if (well || command.target == kTearDown) Of(i).fault.reset();
+    if (command.target == kError && ConfigOf(i).Lists(kSelfCheck)) Of(i).checked = false;
     if (config_.RankOf(command.target)) Of(i).lost_in = {};
   }
   if (command.target == kSelfCheck) NoteCheck(i, end);

@@ -174,11 +174,11 @@ TEST_F(TreeFileCommand, KnowsTheNodesOfNav2OnRequest) {
                                  "<root BTCPP_format=\"4\"><BehaviorTree ID=\"A\">"
                                  "<PipelineSequence><RateController hz=\"1\">"
                                  "<ComputePathToPose goal=\"{goal}\" path=\"{path}\"/>"
-                                 "</RateController><CancelComputeAndTrackRoute/>"
+                                 "</RateController><DockRobot/>"
                                  "</PipelineSequence></BehaviorTree></root>");
   const Ran ran = RunProgram({"tree", "check", tree, "--nav2"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
-  EXPECT_EQ(ran.out, "ok: tree A, 4 nodes in 1 tree; from models: CancelComputeAndTrackRoute\n");
+  EXPECT_EQ(ran.out, "ok: tree A, 4 nodes in 1 tree; from models: DockRobot\n");
   EXPECT_THAT(RunProgram({"tree", "check", tree}).out,
               AllOf(HasSubstr("there is no node 'PipelineSequence'"), HasSubstr("--nav2")));
   const Ran models = RunProgram({"tree", "models", "--nav2"});
