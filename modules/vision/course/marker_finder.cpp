@@ -8,6 +8,7 @@
 
 #include "musher/modules/vision/course/floor_color.hpp"
 #include "musher/modules/vision/course/lamp_glow.hpp"
+#include "musher/modules/vision/course/thing_surface.hpp"
 
 namespace musher::vision {
 namespace {
@@ -82,7 +83,8 @@ std::optional<Marker> ShapeOf(const Contour& outline, const MarkerParameters& pa
                                    : (fill - kLeastSquare) / (1 - kLeastSquare);
   const double aspect_margin =
       (shorter / longer - parameters.least_aspect) / std::max(0.01, 1 - parameters.least_aspect);
-  return Marker{cv::boundingRect(outline), longer, round, std::min(fill_margin, aspect_margin)};
+  return Marker{cv::boundingRect(outline), longer, round, std::min(fill_margin, aspect_margin),
+                outline};
 }
 
 // Of what the outline encloses, where it is as the parameters say.
@@ -106,8 +108,55 @@ std::optional<Marker> MarkerOf(const Contour& outline, const cv::Size& picture,
   return marker;
 }
 
+Contour OutlineOf(const Marker& marker) {
+  return marker.outline.empty() ? EllipseIn(marker.box) : marker.outline;
+}
+
+// Of one paint, up to a sharp edge; unlike leaves, petals and fur. And more saturated than white
+// paper is in the light of the warmest lamps.
+bool IsPainted(const cv::Mat& bgr, const Marker& marker) {
+  constexpr double kLeastEdge = 0.85, kLeastEnd = 0.3, kMostHue = 2, kMostSaturation = 10;
+  constexpr double kWarmestPaper = 110;
+  const Surface surface = SurfaceOf(bgr, OutlineOf(marker));
+  return surface.edge_share >= kLeastEdge && surface.end_share >= kLeastEnd &&
+         surface.hue_spread <= kMostHue && surface.saturation_spread <= kMostSaturation &&
+         surface.saturation >= kWarmestPaper;
+}
+
+// Of what shines by its colours: which of it are lamps, as large as they are.
+class Lamps {
+ public:
+  explicit Lamps(const cv::Mat& bgr) : bgr_(bgr) {}
+
+  // Alike in every direction, and nowhere brighter than in its middle; unlike flowers and eyes. One
+  // whose middle is white from brightness has shown that it shines.
+  std::optional<Marker> LampOf(const Marker& marker) {
+    constexpr double kWhite = 100, kLeastEdge = 0.85, kMostUnlike = 0.5;
+    const auto box = UpToItsEdge(bgr_, marker.box);
+    Marker lamp = marker;
+    if (box && *box != marker.box) {
+      lamp.size_px *= double(box->width) / marker.box.width;
+      lamp.box = *box;
+      lamp.outline.clear();
+    }
+    const Surface surface = SurfaceOf(bgr_, OutlineOf(lamp));
+    if (surface.saturation < kWhite) return lamp;
+    const bool is_alike = surface.edge_share >= kLeastEdge && surface.ring_share <= kMostUnlike &&
+                          !surface.is_darker_inside;
+    if (box && is_alike) return lamp;
+    if (!refused_ || refused_->size_px < lamp.size_px) refused_ = lamp;
+    return std::nullopt;
+  }
+  // The largest that is none by what it looks like.
+  const std::optional<Marker>& refused() const { return refused_; }
+
+ private:
+  const cv::Mat& bgr_;
+  std::optional<Marker> refused_;
+};
+
 std::optional<Marker> Largest(const std::vector<cv::Rect>& boxes, const cv::Size& picture,
-                              const MarkerParameters& parameters) {
+                              const MarkerParameters& parameters, Lamps* lamps = nullptr) {
   const cv::Rect region = RectOf(parameters.region, picture);
   std::optional<Marker> largest;
   for (const cv::Rect& box : boxes) {
@@ -118,7 +167,10 @@ std::optional<Marker> Largest(const std::vector<cv::Rect>& boxes, const cv::Size
                       area_px2 <= parameters.most_area_px2 &&
                       region.contains((box.tl() + box.br()) / 2);
     const double size_px = std::max(box.width, box.height);
-    if (fits && (!largest || size_px > largest->size_px)) largest = Marker{box, size_px, true};
+    if (!fits || (largest && size_px <= largest->size_px)) continue;
+    const Marker marker{box, size_px, true, 0, {}};
+    const auto lamp = lamps == nullptr ? marker : lamps->LampOf(marker);
+    if (lamp) largest = lamp;
   }
   return largest;
 }
@@ -126,6 +178,8 @@ std::optional<Marker> Largest(const std::vector<cv::Rect>& boxes, const cv::Size
 std::string Percent(double share) {
   return std::to_string(std::lround(100 * share)) + " %";
 }
+
+constexpr double kNear = 0.13;  // of the picture's width: about as far as the robot stops
 
 struct WarmLook {
   MarkerLook look;
@@ -149,12 +203,12 @@ bool IsBefore(const cv::Mat& mask, const cv::Rect& box) {
 }
 
 // In a picture of which `coverage` has the colour of lamps.
-WarmLook LookInWarmLight(const cv::Mat& bgr, double coverage, const MarkerParameters& parameters) {
+WarmLook LookInWarmLight(const cv::Mat& bgr, double coverage, const MarkerParameters& parameters,
+                         Lamps& alike) {
   constexpr double kMostTooBright = 0.05;
-  constexpr double kNear = 0.13;  // of the picture's width: about as far as the robot stops
   const LampsInWarmLight lamps = FindLampsInWarmLight(bgr, parameters.yellow, parameters.region);
   WarmLook warm;
-  warm.look.marker = Largest(lamps.shining, bgr.size(), parameters);
+  warm.look.marker = Largest(lamps.shining, bgr.size(), parameters, &alike);
   const auto round = Largest(lamps.round, bgr.size(), parameters);
   if (round && round->size_px > kNear * bgr.cols) {
     warm.doubtful = round;
@@ -199,8 +253,8 @@ cv::Mat SaturationOfHue(const cv::Mat& hsv, const HsvRange& color) {
 // A sign where much of the picture has its colour, as a wall in warm light: the largest shape of
 // what is above a level of saturation, where the next level has the same shape, and which is
 // clearly more saturated than what is around it.
-std::optional<Marker> FindMoreSaturated(const cv::Mat& saturation, const cv::Mat& mask,
-                                        const MarkerParameters& parameters) {
+std::optional<Marker> FindMoreSaturated(const cv::Mat& bgr, const cv::Mat& saturation,
+                                        const cv::Mat& mask, const MarkerParameters& parameters) {
   constexpr int kFrom = 70, kStep = 10, kTo = 250;
   constexpr double kSame = 0.8;  // of the area of both
   std::optional<Marker> largest;
@@ -217,11 +271,87 @@ std::optional<Marker> FindMoreSaturated(const cv::Mat& saturation, const cv::Mat
         return (marker->box & other).area() > kSame * (marker->box | other).area();
       });
       if (!is_sharp || (largest && marker->size_px <= largest->size_px)) continue;
-      if (MoreSaturated(saturation, marker->box) >= kLeastOffPaper) largest = marker;
+      if (MoreSaturated(saturation, marker->box) < kLeastOffPaper) continue;
+      if (IsPainted(bgr, *marker)) largest = marker;
     }
     last = std::move(boxes);
   }
   return largest;
+}
+
+constexpr double kMostCoverage = 0.25;  // of a lamp that is so near that the robot stops
+
+MarkerLook LookForSign(const cv::Mat& bgr, const MarkerParameters& parameters) {
+  MarkerLook look;
+  cv::Mat hsv;
+  cv::cvtColor(bgr, hsv, cv::COLOR_BGR2HSV);
+  cv::Mat mask = MaskOfHsv(hsv, parameters.yellow);
+  const cv::Mat saturation = SaturationOfHue(hsv, parameters.yellow);
+  if (cv::countNonZero(mask) > kMostCoverage * double(mask.total())) {
+    look.marker = FindMoreSaturated(bgr, saturation, mask, parameters);
+  }
+  CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
+  for (const Contour& outline : OutlinesOf(mask)) {
+    const auto marker = MarkerOf(outline, bgr.size(), parameters);
+    if (!marker || (look.marker && marker->size_px <= look.marker->size_px)) continue;
+    if (MoreSaturated(saturation, marker->box) < kLeastOffPaper) continue;
+    if (IsPainted(bgr, *marker)) look.marker = marker;
+  }
+  return look;
+}
+
+// The largest that shines by its outline, or by its white core.
+std::optional<Marker> LargestLamp(const cv::Mat& hsv, const cv::Mat& mask,
+                                  const MarkerParameters& parameters, std::optional<Marker> largest,
+                                  Lamps& lamps) {
+  for (const Contour& outline : OutlinesOf(mask)) {
+    const auto marker = MarkerOf(outline, hsv.size(), parameters);
+    if (!marker || (largest && marker->size_px <= largest->size_px)) continue;
+    if (!Shines(hsv, marker->box)) continue;
+    if (const auto lamp = lamps.LampOf(*marker)) largest = lamp;
+  }
+  // Also beside an outline: a farther lamp has one, the white core of a near one has none.
+  const auto core = Largest(FindWhiteCores(hsv, parameters.yellow), hsv.size(), parameters, &lamps);
+  return core && (!largest || core->size_px > largest->size_px) ? core : largest;
+}
+
+MarkerLook LookForLight(const cv::Mat& bgr, const MarkerParameters& parameters) {
+  constexpr double kSome = 0.03;  // a wall of the colour, with which a lamp merges
+  MarkerLook look;
+  cv::Mat hsv;
+  cv::cvtColor(bgr, hsv, cv::COLOR_BGR2HSV);
+  cv::Mat mask = MaskOfHsv(hsv, parameters.yellow);
+  const double coverage = cv::countNonZero(mask) / double(mask.total());
+  std::optional<Marker> doubtful, merged;
+  Lamps lamps(bgr);
+  if (coverage > kSome) {
+    WarmLook warm = LookInWarmLight(bgr, coverage, parameters, lamps);
+    if (coverage > kMostCoverage) {
+      look = std::move(warm.look);
+      doubtful = warm.doubtful;
+      // What is clearly more saturated than the rest, too.
+      mask = MaskOfLines(bgr, parameters.yellow, kMostCoverage).mask;
+    } else {
+      const auto& lamp = warm.look.marker;
+      if (lamp && IsBefore(mask, lamp->box) && Shines(hsv, lamp->box)) merged = lamp;
+      if (warm.doubtful && IsBefore(mask, warm.doubtful->box)) {
+        doubtful = warm.doubtful;
+        look.doubt = std::move(warm.look.doubt);
+      }
+    }
+  }
+  CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
+  look.marker = LargestLamp(hsv, mask, parameters, look.marker, lamps);
+  // An outline of its own is more precise.
+  if (merged && (!look.marker || !Explains(*look.marker, *merged))) look.marker = merged;
+  const auto& refused = lamps.refused();
+  const bool is_near = refused && refused->size_px > kNear * bgr.cols;
+  if (is_near && (!doubtful || doubtful->size_px < refused->size_px)) {
+    doubtful = refused;
+    look.doubt = "a near round thing that may shine is not alike all around";
+  }
+  if (look.marker && (!doubtful || Explains(*look.marker, *doubtful))) look.doubt.clear();
+  return look;
 }
 
 }  // namespace
@@ -239,53 +369,7 @@ MarkerParameters LightParameters() {
 
 MarkerLook LookForMarker(const cv::Mat& bgr, const MarkerParameters& parameters) {
   CheckCoursePicture(bgr);
-  MarkerLook look;
-  cv::Mat hsv;
-  cv::cvtColor(bgr, hsv, cv::COLOR_BGR2HSV);
-  cv::Mat mask = MaskOfHsv(hsv, parameters.yellow);
-  constexpr double kMostCoverage = 0.25;  // of a lamp that is so near that the robot stops
-  constexpr double kSome = 0.03;          // a wall of the colour, with which a lamp merges
-  const double coverage = cv::countNonZero(mask) / double(mask.total());
-  std::optional<Marker> doubtful, merged;
-  if (parameters.shines && coverage > kSome) {
-    WarmLook warm = LookInWarmLight(bgr, coverage, parameters);
-    if (coverage > kMostCoverage) {
-      look = std::move(warm.look);
-      doubtful = warm.doubtful;
-      // What is clearly more saturated than the rest, too.
-      mask = MaskOfLines(bgr, parameters.yellow, kMostCoverage).mask;
-    } else {
-      const auto& lamp = warm.look.marker;
-      if (lamp && IsBefore(mask, lamp->box) && Shines(hsv, lamp->box)) merged = lamp;
-      if (warm.doubtful && IsBefore(mask, warm.doubtful->box)) {
-        doubtful = warm.doubtful;
-        look.doubt = std::move(warm.look.doubt);
-      }
-    }
-  }
-  const cv::Mat saturation =
-      parameters.shines ? cv::Mat() : SaturationOfHue(hsv, parameters.yellow);
-  if (!parameters.shines && coverage > kMostCoverage) {
-    look.marker = FindMoreSaturated(saturation, mask, parameters);
-  }
-  CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
-  for (const Contour& outline : OutlinesOf(mask)) {
-    const auto marker = MarkerOf(outline, bgr.size(), parameters);
-    if (!marker || (look.marker && marker->size_px <= look.marker->size_px)) continue;
-    const bool is_it = parameters.shines ? Shines(hsv, marker->box)
-                                         : MoreSaturated(saturation, marker->box) >= kLeastOffPaper;
-    if (is_it) look.marker = marker;
-  }
-  if (parameters.shines) {
-    // Also beside an outline: a farther lamp has one, the white core of a near one has none.
-    const auto core = Largest(FindWhiteCores(hsv, parameters.yellow), hsv.size(), parameters);
-    const bool is_nearer = core && (!look.marker || core->size_px > look.marker->size_px);
-    if (is_nearer) look.marker = core;
-  }
-  // An outline of its own is more precise.
-  if (merged && (!look.marker || !Explains(*look.marker, *merged))) look.marker = merged;
-  if (look.marker && (!doubtful || Explains(*look.marker, *doubtful))) look.doubt.clear();
-  return look;
+  return parameters.shines ? LookForLight(bgr, parameters) : LookForSign(bgr, parameters);
 }
 
 std::optional<Marker> FindMarker(const cv::Mat& bgr, const MarkerParameters& parameters) {

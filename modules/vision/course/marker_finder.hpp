@@ -11,12 +11,17 @@
 // not. Where much of the picture has the colour, as a wall in that light, what has an outline by
 // its saturation alone counts, too.
 //
+// What has the colour of signs by chance is none: a sign is of one paint up to a sharp edge, and
+// more saturated than white paper in warm light (thing_surface.hpp). A leaf, a petal or fur is not.
+//
 // A light has to shine as well (lamp_glow.hpp): it may be amber, and so bright that its middle is
 // white in the picture. Where much of the picture has its colour, under warm lamps, it has a sharp
 // edge and more green light than what is around it, or is clearly more saturated than the rest
 // (floor_color.hpp). A light may be there or not, and that is a doubt, where a round thing that is
 // only more saturated, or white from brightness, is nearer than any light that is found, or where
-// much of the region is so bright that no lamp could be brighter.
+// much of the region is so bright that no lamp could be brighter. A light is alike in every
+// direction and not darker in its middle: what shines, but not so, is none, and near to the robot a
+// doubt. Its box reaches up to its edge, also where only its middle stands out from the rest.
 //
 // The region limits the centre only, so that what is near may be larger than the region. Circles
 // are not searched in edges (Hough): the outline decides, which needs a tenth of the time and finds
@@ -62,6 +67,7 @@ struct Marker {
   // Of its outline's shape: 0 at the limits, and of a lamp that is known by its glow; 1 for an
   // ideal circle or square.
   double margin = 0;
+  Contour outline{};  // empty: an ellipse in the box
 };
 
 struct MarkerLook {

@@ -67,6 +67,31 @@ TEST(Marker, IsNotWhitePaperInWarmLight) {
   EXPECT_FALSE(FindMarker(bgr, {}));
 }
 
+// A leaf, fruit or fur of the hue of signs, as round as one: found as a sign in photographs.
+TEST(Marker, IsOfOnePaint) {
+  cv::RNG random(3);
+  cv::Mat blotches(12, 16, CV_8UC3), bgr(480, 640, CV_8UC3);
+  for (int i = 0; i < int(blotches.total()); ++i) {
+    blotches.at<cv::Vec3b>(i) =
+        cv::Vec3b(std::uint8_t(random.uniform(19, 31)), std::uint8_t(random.uniform(90, 250)), 220);
+  }
+  cv::resize(blotches, bgr, bgr.size(), 0, 0, cv::INTER_CUBIC);
+  cv::cvtColor(bgr, bgr, cv::COLOR_HSV2BGR);
+  cv::Mat disc = cv::Mat::zeros(bgr.size(), CV_8U);
+  cv::circle(disc, {300, 100}, 40, 255, cv::FILLED);
+  cv::Mat leaf = GreyPicture();
+  bgr.copyTo(leaf, disc);
+  EXPECT_FALSE(FindMarker(leaf, {}));
+  EXPECT_TRUE(FindMarker(WithDisc({300, 100}, 40), {}));
+}
+
+// White paper in the light of warm lamps before what is dark was found as a sign.
+TEST(Marker, IsMoreSaturatedThanPaperInTheWarmestLight) {
+  cv::Mat bgr = GreyPicture();
+  cv::circle(bgr, {300, 100}, 30, cv::Scalar(164, 229, 254), cv::FILLED, cv::LINE_AA);
+  EXPECT_FALSE(FindMarker(bgr, {}));
+}
+
 TEST(Yellow, ThatIsALineOrATriangleOrAnArrowIsNoMarker) {
   cv::Mat line = GreyPicture();
   line(cv::Rect(100, 100, 200, 30)).setTo(kYellow);
@@ -123,6 +148,44 @@ TEST(Light, IsNoYellowDiscThatDoesNotShine) {
   bgr.setTo(cv::Scalar(225, 235, 235));  // a poster
   cv::circle(bgr, {300, 200}, 40, kYellow, cv::FILLED, cv::LINE_AA);
   EXPECT_FALSE(FindMarker(bgr, LightParameters()));
+}
+
+// A flower is as round and as bright, and brighter towards its rim: it was seen as a light.
+TEST(Light, IsNotDarkerInItsMiddle) {
+  constexpr int kRadius = 34;
+  const auto with = [](bool is_flower) {
+    cv::Mat bgr = GreyPicture();
+    for (int radius = kRadius; radius > 0; --radius) {
+      const double bright = is_flower ? 0.5 + 0.5 * radius / kRadius : 1;
+      cv::circle(bgr, {320, 200}, radius, kYellow * bright, cv::FILLED);
+    }
+    return bgr;
+  };
+  EXPECT_TRUE(LookForMarker(with(false), LightParameters()).marker);
+  EXPECT_FALSE(LookForMarker(with(true), LightParameters()).marker);
+}
+
+// The eye of an animal, and a leaf in the sun: brighter on one side.
+TEST(Light, IsAlikeInEveryDirection) {
+  const auto with = [](double brighter_aside, int radius) {
+    cv::Mat bgr = GreyPicture();
+    for (int y = -radius; y <= radius; ++y) {
+      for (int x = -radius; x <= radius; ++x) {
+        if (std::hypot(x, y) > radius) continue;
+        const double bright = 1 - brighter_aside * (0.5 + 0.5 * x / double(radius));
+        const cv::Scalar color = kYellow * bright;
+        bgr.at<cv::Vec3b>(200 + y, 320 + x) =
+            cv::Vec3b(std::uint8_t(color[0]), std::uint8_t(color[1]), std::uint8_t(color[2]));
+      }
+    }
+    return bgr;
+  };
+  EXPECT_TRUE(LookForMarker(with(0, 20), LightParameters()).marker);
+  EXPECT_FALSE(LookForMarker(with(0.45, 20), LightParameters()).marker);
+  // Near to the robot it is a doubt, and no way that is clear.
+  const MarkerLook near = LookForMarker(with(0.45, 60), LightParameters());
+  EXPECT_FALSE(near.marker);
+  EXPECT_THAT(near.doubt, ::testing::HasSubstr("not alike all around"));
 }
 
 TEST(Light, IsTheNearOneWithAWhiteCoreBesideAFarOne) {
