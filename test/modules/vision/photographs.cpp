@@ -53,12 +53,50 @@ const std::vector<Package>& Packages() {
        "/usr/share/backgrounds/mate/nature",
        Named({"Blinds.jpg", "Dune.jpg", "FreshFlower.jpg", "Garden.jpg", "GreenMeadow.jpg",
               "LadyBird.jpg", "RainDrops.jpg", "Storm.jpg", "YellowFlower.jpg"}),
-       {{"Wood.jpg", {0, 0.3, 1, 0.6}, 0.6}, {"GreenMeadow.jpg", {0, 0.1, 1, 0.7}, 1}}}};
+       {{"Wood.jpg", {0, 0.3, 1, 0.6}, 0.6}, {"GreenMeadow.jpg", {0, 0.1, 1, 0.7}, 1}}},
+      {"lomiri-wallpapers-16.04",
+       "/usr/share/backgrounds",
+       Named({"Bridge_by_Sander_Klootwijk.jpg", "Dragonfly_by_Bolly.jpg",
+              "Picture_0B_by_freespace.jpg", "Picture_1A_by_freespace.jpg",
+              "Wine_by_Jakkub_Mede.jpg", "aitzgorri_by_Aitzol_Berasategi.jpg",
+              "analogpattern_by_Peter_Nerlich.jpg", "free_by_Peter_Nerlich.jpg",
+              "friends_by_Aitzol_Berasategi.jpg", "greentock_by_Peter_Nerlich.jpg",
+              "life_by_Aitzol_Berasategi.jpg", "picosdeeuropa_by_Aitzol_Berasategi.jpg",
+              "seeding_by_Clements_Engelhardt.jpg", "sunset_by_Aitzol_Berasategi.jpg",
+              "umang_by_Abhishek_Mudgal.jpg"}),
+       {},
+       true},
+      {"ukui-wallpapers",
+       "/usr/share/backgrounds",
+       Named({"2004default.jpg", "calla.png", "city.png", "desert.png", "firstgeneration.jpg",
+              "fluent-color.png", "focal-ubuntukylin.png", "goldfish.png", "rhythm.jpg",
+              "rollpaper.png", "string.jpg", "the-mouse.jpg"}),
+       {},
+       true}};
   return packages;
 }
 
+// Two packages have one folder.
 bool IsInstalled(const Package& package) {
-  return std::filesystem::is_directory(PathOf(package));
+  const std::vector<Photograph>& some = package.scenes.empty() ? package.floors : package.scenes;
+  return std::filesystem::exists(PathOf(package) + "/" + some.front().name);
+}
+
+Half HalfOf(const Package& package, std::size_t scene) {
+  constexpr std::size_t kLights = 4;  // in which the scenes are taken in turn
+  return package.is_held || (scene / kLights) % 2 == 1 ? Half::kHeld : Half::kLookedAt;
+}
+
+std::vector<Photograph> PartsOf(const Photograph& scene) {
+  constexpr double kPart = 0.6;
+  std::vector<Photograph> parts;
+  for (const double left : {0.0, 1 - kPart}) {
+    for (const double top : {0.0, 1 - kPart}) {
+      parts.push_back(scene);
+      parts.back().part = {left, top, kPart, kPart};
+    }
+  }
+  return parts;
 }
 
 cv::Mat LinearOf(const Package& package, const Photograph& photograph) {
