@@ -133,7 +133,11 @@ struct CheckRules {
   Duration silent = Milliseconds(10'000);  // a wanted detector without a sample has failed
   int most_given_up = 0;                   // of a run; one more is a fault. 0: no limit
   int agreeing = 2;                        // pictures in a row with the same word, until it counts
-  std::optional<StepBack> step_back;       // nothing: a check is given up where it stands
+  // So far odometry may be off where a check corrects the place, beside a share of the way since it
+  // was right: a correction that is larger is not believed. 0: not checked.
+  double most_off_m = 0;
+  double most_off_share = 0.12;
+  std::optional<StepBack> step_back;  // nothing: a check is given up where it stands
 };
 
 // Walks by the distance that odometry shows, and not by their time alone.

@@ -173,6 +173,8 @@ class CourseReader {
         row::Time("silent_ms", rules.silent),
         row::Integer("most_given_up", rules.most_given_up, 0, 1000),
         row::Integer("agreeing_pictures", rules.agreeing, 1, 100),
+        row::Number("most_off_m", rules.most_off_m, 0, 10),
+        row::Number("most_off_share", rules.most_off_share, 0, 1),
         [this](TableReader& table) { ReadStepBack(table); },
     };
   }

@@ -98,6 +98,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   SeesAgain();
   unseen_since_.reset();
   if (!by_decision) {  // by a command that knows where it is
+    ahead_since_ = aside_since_ = {};
     checks_pose_from_.reset();
     moved_.clear();
     place_checked_ = true;
@@ -124,6 +125,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     return;
   }
   if (begins) {
+    ahead_since_ = aside_since_ = {};
     memory_.BeginRun();
     locomotion_.ForgetSlip();
     reason_.clear();
@@ -430,6 +432,7 @@ Runner::Outcome Runner::AdvanceLane(const LaneWalk& walk, Duration now, Time tim
 Runner::Outcome Runner::EndLane(const LaneWalk& walk, Time time) {
   const std::optional<double> way_m = lane_walker_.WayM(time);
   lane_walker_.Stop();
+  ahead_since_ = aside_since_ = {};  // its way is none of straight walks
   const bool checks = walk.least_m > 0 && !by_command_ && course_.odometry.used();
   if (!checks || (way_m && *way_m >= walk.least_m)) return Outcome::kDone;
   if (way_m) {
@@ -598,6 +601,7 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
   }
   Steer(step.keep, now, time);
   const Outcome outcome = Advance(now, time);
+  if (walks && outcome == Outcome::kDone) CountWay(locomotion_.ended_walk());
   // Also in its last tick: a detector that is closed for a tick has to start once more.
   if (walks && (outcome == Outcome::kDone || WalkEndsSoon())) WantNext();
   return outcome;
@@ -729,8 +733,13 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) 
                               (doubt.empty() ? "" : ": " + doubt),
                           now);
   }
-  if (*word == LineWord::kCenter) return EndCheck(check, after_turn, "", now);
   const Corrections& corrections = after_turn ? check.after_turn : check.usual;
+  if (*word == LineWord::kCenter) {
+    for (const auto& each : corrections) {
+      if (each) PlaceIsRight(course_.movements[each->movement].twist);
+    }
+    return EndCheck(check, after_turn, "", now);
+  }
   const auto index = static_cast<std::size_t>(*word);
   if (check.accepted.at(index)) return EndCheck(check, after_turn, "", now);
   const auto& correction = corrections.at(index);
@@ -742,11 +751,78 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now) 
   if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
     return give_up(" after " + std::to_string(at_.tries) + " corrections");
   }
+  if (const std::string against = AgainstOdometry(*correction); !against.empty()) {
+    return TakeBack(check, after_turn, found + against, now);
+  }
   ++at_.tries;
+  if (!at_.correction) at_.correction = course_.movements[correction->movement].twist;
+  at_.corrected_m += MetresAlong(*correction);
   Log(found + ", correction " + std::to_string(at_.tries) + ": " +
       course_.movements[correction->movement].name + " " + std::to_string(correction->count));
   locomotion_.Walk(*correction);
   Phase(kCorrect, now);
+  return Outcome::kRunning;
+}
+
+void Runner::CountWay(const WalkProgress& walk) {
+  const Movement& movement = course_.movements[walk.movement];
+  const Twist& twist = movement.twist;
+  if (twist.turns()) {  // what was ahead of it is aside of it then
+    const WaySince all{std::max(ahead_since_.m, aside_since_.m),
+                       ahead_since_.known && aside_since_.known};
+    ahead_since_ = aside_since_ = all;
+    return;
+  }
+  const double way_m = std::hypot(twist.forward_m_s, twist.left_m_s) * movement.odometry_share *
+                       std::abs(ToSeconds(walk.measured));
+  ahead_since_.m += way_m;
+  aside_since_.m += way_m;
+}
+
+void Runner::PlaceIsRight(const Twist& twist) {
+  if (twist.forward_m_s != 0) ahead_since_ = {0, true};
+  if (twist.left_m_s != 0) aside_since_ = {0, true};
+}
+
+double Runner::MetresAlong(const Stretch& correction) const {
+  const Movement& movement = course_.movements[correction.movement];
+  const Twist& twist = movement.twist;
+  const Twist first = at_.correction.value_or(twist);
+  const double along = twist.forward_m_s * first.forward_m_s + twist.left_m_s * first.left_m_s;
+  const double way_m = std::hypot(twist.forward_m_s, twist.left_m_s) * movement.odometry_share *
+                       ToSeconds(correction.count * course_.step);
+  return along > 0 ? way_m : along < 0 ? -way_m : 0;
+}
+
+std::string Runner::AgainstOdometry(const Stretch& correction) const {
+  const CheckRules& rules = course_.check;
+  const Twist& twist = course_.movements[correction.movement].twist;
+  if (rules.most_off_m == 0 || twist.turns()) return {};
+  const WaySince& since = twist.forward_m_s != 0 ? ahead_since_ : aside_since_;
+  const bool believed = course_.odometry.used() && locomotion_.doubt().empty() && !by_time_;
+  if (!since.known || !believed) return {};
+  const double off_m = std::abs(at_.corrected_m + MetresAlong(correction));
+  const double most_m = rules.most_off_m + rules.most_off_share * since.m;
+  if (off_m <= most_m) return {};
+  return ", but corrections by " + MetresText(off_m) + " are more than odometry can be off after " +
+         MetresText(since.m) + " (" + MetresText(most_m) + "): it may be another line";
+}
+
+Runner::Outcome Runner::TakeBack(const Check& check, bool after_turn, const std::string& why,
+                                 Duration now) {
+  const Corrections& corrections = after_turn ? check.after_turn : check.usual;
+  const auto leads_back = [&](const auto& each) {
+    return each && MetresAlong(*each) * at_.corrected_m < 0;
+  };
+  const auto back = std::ranges::find_if(corrections, leads_back);
+  if (at_.corrected_m == 0 || at_.is_behind || back == corrections.end())
+    return EndCheck(check, after_turn, why, now);
+  Log(why + "; it takes its corrections back");
+  const Stretch step{(*back)->movement, 1};
+  const double steps = std::abs(at_.corrected_m / MetresAlong(step));
+  locomotion_.Walk({step.movement, std::max(1, static_cast<int>(std::lround(steps)))});
+  at_.given_up = why;
+  Phase(kReturn, now);
   return Outcome::kRunning;
 }
 
@@ -893,8 +969,9 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   const bool of_walk = perception_.SightingSince(until.detector, at_.after) != nullptr;
   if (sighting != nullptr && of_walk && Ends(until, *sighting)) {
     memory_.SetMissed(step.until, false);
-    Log(until.name + " after " + store(locomotion_.Halt(time)) +
-        ConfidenceText(sighting->confidence));
+    const WalkProgress walk = locomotion_.Halt(time);
+    CountWay(walk);
+    Log(until.name + " after " + store(walk) + ConfidenceText(sighting->confidence));
     return Outcome::kDone;
   }
   if (WaitsForSight(until, sighting, now)) {
@@ -905,6 +982,7 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   }
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
+  CountWay(locomotion_.ended_walk());
   memory_.SetMissed(step.until, true);
   return GiveUp(until.otherwise, "no " + until.name + " within " + store(locomotion_.ended_walk()));
 }

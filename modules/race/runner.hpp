@@ -87,7 +87,9 @@ class Runner {
     bool stepped_back = false;
     bool is_behind = false;
     std::string given_up{};
-    std::string contradiction{};  // of two cameras
+    std::string contradiction{};        // of two cameras
+    double corrected_m = 0;             // of a check: along its first correction
+    std::optional<Twist> correction{};  // the way of the first one
     Agreement agreed{};
     std::optional<Duration> sampled_since{};  // of a look: the first picture that counts
     // Of a walk until a sight: there is no new picture, or the thing is hidden, since then.
@@ -189,6 +191,17 @@ class Runner {
   // Whether its corrections lead ahead or back: then it needs no way back to its place.
   bool CorrectsTheWay(const Check& check, bool after_turn) const;
   Outcome GiveUpCheck(const Check& check, const std::string& why);
+  // Adds a walk to the way since the place was right.
+  void CountWay(const WalkProgress& walk);
+  // Along the way of the twist.
+  void PlaceIsRight(const Twist& twist);
+  // Of the correction along the first one of this check, or against it.
+  double MetresAlong(const Stretch& correction) const;
+  // Why odometry is against the correction: with it the place would differ by more than odometry
+  // can be off; empty: it is not.
+  std::string AgainstOdometry(const Stretch& correction) const;
+  // Back to where the check began, and then it is given up.
+  Outcome TakeBack(const Check& check, bool after_turn, const std::string& why, Duration now);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
   Outcome GiveUp(const Otherwise& otherwise, const std::string& what);
   // Whether the step is left out, as the sight was not found.
@@ -241,6 +254,12 @@ class Runner {
   bool unsure_ = false;
   bool unsure_before_ = false;  // one of the state before
   bool by_command_ = false;     // this state was entered by a command, wherever the robot was
+  // How far it has walked since its place was known, ahead of it and aside; nothing: it was not.
+  struct WaySince {
+    double m = 0;
+    bool known = false;
+  };
+  WaySince ahead_since_, aside_since_;
   Index target_ = 0;
   std::optional<Time> paused_at_;
   bool place_checked_ = true;                  // since the pause before

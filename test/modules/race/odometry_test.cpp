@@ -102,6 +102,50 @@ TEST(WalkByOdometry, ShowsTheSlipAtTheEndOfARun) {
 }
 
 // By pictures that stood still it was turned by 0.2 rad/s for 17 s.
+// On the way into bay A1 the check after the walk aside sees the line of another lane, `times`
+// times.
+struct AnotherLine : Ahead {
+  explicit AnotherLine(int times) {
+    script.lines = [this, left = times](const std::string& detector) mutable {
+      if (detector != "left_lane") return Lines{2, LineWord::kCenter, LineWord::kCenter};
+      const auto walks = static_cast<int>(field.ends);
+      if (walks != seen_after && seen_after >= 0) --left;
+      seen_after = walks;
+      return Lines{2, left > 0 ? LineWord::kLeft : LineWord::kCenter, LineWord::kCenter};
+    };
+  }
+  int seen_after = -1;
+};
+
+TEST(CorrectionAgainstOdometry, IsTakenBackAndNamed) {
+  AnotherLine rig(100);
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.Logged("check left_ycy: left, correction 1"); }));
+  const double before_m = rig.pose.at.x_m;
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.reserved() > 0; })) << "it believes each correction";
+  EXPECT_NEAR(rig.pose.at.x_m, before_m, 0.03) << "it is not where the other line has led it";
+  EXPECT_TRUE(rig.field.Logged("check left_ycy: left, correction 2"));
+  EXPECT_FALSE(rig.field.Logged("check left_ycy: left, correction 3"));
+  EXPECT_TRUE(rig.field.Logged("are more than odometry can be off after"));
+  EXPECT_TRUE(rig.field.Logged("it may be another line"));
+}
+
+TEST(CorrectionAgainstOdometry, IsBelievedAsFarAsOdometryMayBeOff) {
+  AnotherLine rig(2);
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_TRUE(rig.field.Logged("check left_ycy: left, correction 2"));
+  EXPECT_EQ(rig.reserved(), 0U);
+}
+
+// Nothing says how far it may be off: the place is only known by the check.
+TEST(CorrectionAgainstOdometry, IsBelievedWithoutOdometry) {
+  AnotherLine rig(100);
+  rig.script.odometry = nullptr;
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.Logged("left after 3 corrections"); }));
+}
+
 TEST(WalkByOdometry, OfAStraightWalkThatTurnsIsAFault) {
   Ahead rig;
   rig.script.odometry = [](OdometrySample truth) -> std::optional<OdometrySample> {
