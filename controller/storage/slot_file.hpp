@@ -4,6 +4,9 @@
 // two slots of fixed size, each a line with its number and checksum and then the text. A write goes
 // to the older slot, so an interrupted write leaves the newer slot whole.
 //
+// The state store has five: emergency_stop, and what else decides which actuators move after a
+// restart of the controller: epoch, policy, actuators and processes.
+//
 // Threads: any, one at a time; Write() and Reserve() wait for the disk.
 
 #include <optional>
@@ -17,6 +20,7 @@ namespace musher {
 class SlotFile {
  public:
   static constexpr std::size_t kSlotSize = 64 << 10;  // bytes, with the line
+  static constexpr std::size_t kShortSlot = 4 << 10;  // a block of most disks
 
   struct Content {
     std::string text;      // of the newest whole slot; empty: none was written
@@ -25,9 +29,15 @@ class SlotFile {
     int error = 0;         // why it cannot be read, as errno; it is damaged then
   };
 
-  explicit SlotFile(std::string path) : path_(std::move(path)) {}
+  explicit SlotFile(std::string path, std::size_t slot_size = kSlotSize)
+      : path_(std::move(path)), slot_size_(slot_size) {}
 
-  // Makes the file with its blocks. A file without slots is replaced by one with `text`.
+  // Whether a slot has room for it.
+  bool Fits(std::string_view text) const;
+  // What a file without slots holds never has this size, by which they are told apart.
+  std::size_t size() const;
+  // Makes the file with its blocks. A file without slots is replaced by one with `text`. One that
+  // has its blocks is not touched.
   Result<> Reserve(std::string_view text) const;
   // Overwrites the older slot. Makes the file first where it is missing.
   Result<> Write(std::string_view text) const;
@@ -36,6 +46,7 @@ class SlotFile {
 
  private:
   std::string path_;
+  std::size_t slot_size_;
 };
 
 }  // namespace musher

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -172,6 +173,38 @@ std::string ProcessesFileIn(const std::string& dir) {
   return dir + "/processes";
 }
 
+// What decides which actuators move after a restart, besides emergency_stop. A full disk takes its
+// saves, too.
+constexpr std::array<std::string_view, 2> kShortSlotFiles = {"epoch", "policy"};
+constexpr std::array<std::string_view, 2> kLongSlotFiles = {"actuators", "processes"};
+
+// nullopt: the file has no slots.
+std::optional<SlotFile> SlotsOf(const std::string& path) {
+  const std::string name = fs::path(path).filename();
+  if (std::ranges::count(kShortSlotFiles, name) != 0) return SlotFile(path, SlotFile::kShortSlot);
+  if (std::ranges::count(kLongSlotFiles, name) != 0) return SlotFile(path);
+  return std::nullopt;
+}
+
+// Of a torn save the older text; empty where none is known.
+std::string SavedText(const std::string& path) {
+  const auto content = SlotsOf(path)->Read();
+  return content ? content->text : "";
+}
+
+// What an earlier version has written is converted. On a full disk without the files it fails, and
+// again at each save.
+void ReserveSmallFiles(const std::string& dir) {
+  const auto reserve = [&dir](std::string_view name) {
+    const auto slots = SlotsOf(dir + "/" + std::string(name));
+    const auto content = slots->Read();
+    if (content && content->error != 0) return;  // it stays unreadable until it is saved
+    static_cast<void>(slots->Reserve(content && content->plain ? content->text : ""));
+  };
+  std::ranges::for_each(kShortSlotFiles, reserve);
+  std::ranges::for_each(kLongSlotFiles, reserve);
+}
+
 // What a person has released at the other computer, which the folder was copied from, was not
 // released here: a panel that stops both may still publish it. What is engaged there holds here,
 // too, which is the safe side.
@@ -238,6 +271,7 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   if (recorded != kept) static_cast<void>(SaveOrigin(dir, kept, recorded.has_value()));
   NameOwner(lock.get(), machine);
   Touch(dir);
+  ReserveSmallFiles(dir);
   StateStore store(dir, std::move(kept), std::move(lock));
   store.copied_from_ = std::move(copied_from);
   store.ReserveEmergencyStops();
@@ -278,7 +312,9 @@ Result<std::vector<std::string>> StateStore::SaveRemoved() {
   const std::map<std::string, Kept> files = kept_;
   for (const auto& [path, kept] : files) {
     if (IsAt(path, kept.device, kept.inode)) continue;
-    if (auto written = Replace(path, kept.content); !written) return written.error();
+    auto written = ReplaceFile(path, kept.content, {.mode = 0600});  // with its slots
+    if (!written) return written.error();
+    Remember(path, kept.content);
     saved.push_back(fs::path(path).filename());
   }
   return saved;
@@ -299,12 +335,11 @@ Result<bool> StateStore::TakeLockAgain() {
 }
 
 Result<Epoch> StateStore::EpochIn(const std::string& dir) {
-  const UniqueFd file = OpenRegular(EpochFileIn(dir));
-  if (!file.valid()) {
-    if (errno == ENOENT || errno == ENOTDIR) return Epoch();
-    return SystemError("can't read " + EpochFileIn(dir));
-  }
-  const std::string text = ReadSmall(file.get());
+  const auto content = SlotsOf(EpochFileIn(dir))->Read();
+  if (!content) return Epoch();
+  if (content->error != 0) return SystemError("can't read " + EpochFileIn(dir), content->error);
+  const std::string& text = content->text;
+  if (text.empty() && !content->plain && !content->damaged) return Epoch();  // none was saved
   std::uint64_t epoch = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), epoch);
   if (error != std::errc() || std::string_view(end, text.data() + text.size()) != "\n") {
@@ -318,8 +353,17 @@ Result<> StateStore::SaveEpoch(Epoch epoch) {
 }
 
 Result<> StateStore::Replace(const std::string& path, const std::string& content) {
-  auto written = ReplaceFile(path, content, {.mode = 0600});
-  if (written) Remember(path, content);
+  std::string text = content;
+  if (const auto slots = SlotsOf(path)) {
+    if (slots->Fits(text) && slots->Write(text)) {
+      RememberFile(path);
+      return Ok();
+    }
+    // A full disk that had no room for the slots may have some for the text.
+    if (text.size() == slots->size()) text += "\n";  // it is not taken for slots
+  }
+  auto written = ReplaceFile(path, text, {.mode = 0600});
+  if (written) Remember(path, text);
   return written;
 }
 
@@ -441,8 +485,7 @@ Result<> StateStore::SaveActuators(const std::vector<StoredActuator>& actuators,
 
 std::vector<StoredActuator> StateStore::ActuatorsIn(const std::string& dir,
                                                     const std::string& host) {
-  const UniqueFd file = OpenRegular(ActuatorsFileIn(dir));
-  std::istringstream lines(file.valid() ? ReadSmall(file.get()) : "");
+  std::istringstream lines(SavedText(ActuatorsFileIn(dir)));
   std::vector<StoredActuator> actuators;
   bool of_this_boot = false;
   for (std::string line; std::getline(lines, line);) {
@@ -492,9 +535,10 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
 
 StoredPolicy StateStore::PolicyIn(const std::string& dir) {
   StoredPolicy policy;
-  const UniqueFd file = OpenRegular(PolicyFileIn(dir));
-  if (!file.valid() && errno != ENOENT && errno != ENOTDIR) policy.level = BatteryLevel::kLowPower;
-  std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
+  const auto content = SlotsOf(PolicyFileIn(dir))->Read();
+  const bool unknown = content && content->damaged && content->text.empty();
+  if (unknown) policy.level = BatteryLevel::kLowPower;
+  std::istringstream text(content ? content->text : "");
   for (std::string word; text >> word;) {
     std::string from;
     std::string to;
@@ -575,8 +619,7 @@ Result<> StateStore::ForgetChildren(const std::string& dir) {
 
 std::vector<ChildProcess> StateStore::LoadChildren(const std::string& dir,
                                                    const std::string& host) {
-  const UniqueFd file = OpenRegular(ProcessesFileIn(dir));
-  return ChildrenFrom(file.valid() ? ReadSmall(file.get()) : "", host);
+  return ChildrenFrom(SavedText(ProcessesFileIn(dir)), host);
 }
 
 pid_t StateStore::OwnerOf(const std::string& dir) {
@@ -593,8 +636,7 @@ bool StateStore::IsOwner(const std::string& dir, pid_t pid) {
 
 std::vector<ChildProcess> StateStore::ChildrenInOtherNetworkIn(const std::string& dir,
                                                                const std::string& host) {
-  const UniqueFd file = OpenRegular(ProcessesFileIn(dir));
-  return ChildrenInOtherNetwork(file.valid() ? ReadSmall(file.get()) : "", host);
+  return ChildrenInOtherNetwork(SavedText(ProcessesFileIn(dir)), host);
 }
 
 std::string StateStore::LogFile(std::string_view actuator) const {

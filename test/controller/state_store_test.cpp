@@ -1,5 +1,6 @@
 #include "musher/controller/storage/state_store.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -30,6 +31,17 @@ class Store : public ::testing::Test {
     auto store = StateStore::Open(dir_, robot_);
     if (!store) throw std::runtime_error(store.error().message);
     return std::move(store).value();
+  }
+
+  // The power fails while the slot is written.
+  void Tear(const std::string& name, const std::string& slot) const {
+    std::fstream file(dir_ + "/" + name, std::ios::in | std::ios::out | std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+    const std::size_t at = bytes.find(slot);
+    ASSERT_NE(at, std::string::npos) << name;
+    file.clear();
+    file.seekp(static_cast<std::streamoff>(at + slot.size()));
+    file.write("\0\0\0", 3).flush();
   }
 
   TempFolder folder_;
@@ -188,6 +200,120 @@ TEST_F(Store, SavesEmergencyStopsInPlaceInReservedBlocks) {
   EXPECT_EQ(after.st_ino, before.st_ino);
   EXPECT_EQ(after.st_size, before.st_size);
   EXPECT_EQ(after.st_blocks, before.st_blocks);
+}
+
+// As on a full disk: no draft of another file can be written. What had ended came on at the next
+// start of the controller.
+TEST_F(Store, SavesWhatDecidesWhichActuatorsMoveWhereThereIsNoRoomForAnotherFile) {
+  StateStore store = MustOpen();
+  for (const char* file : {"actuators", "policy", "epoch", "processes"}) {
+    struct stat info {};
+    ASSERT_EQ(stat((dir_ + "/" + file).c_str(), &info), 0) << file;
+    EXPECT_GE(info.st_blocks * 512, info.st_size) << "the blocks are taken before: " << file;
+    fs::create_directory(dir_ + "/" + file + ".new");
+  }
+  for (const Epoch epoch : {Epoch(41), Epoch(42), Epoch(43)}) {
+    const std::string name = "arm_" + ToString(epoch);
+    const std::vector<StoredActuator> down = {{name, StaysDown::kTornDown, {}}};
+    ASSERT_TRUE(store.SaveActuators(down, "boot-1/10"));
+    EXPECT_EQ(StateStore::ActuatorsIn(dir_, "boot-1/10"), down);
+    const StoredPolicy lowered{true, BatteryFallback{"Active", "Protected", epoch},
+                               BatteryLevel::kProtected};
+    ASSERT_TRUE(store.SavePolicy(lowered));
+    EXPECT_EQ(store.LoadPolicy(), lowered);
+    ASSERT_TRUE(store.SaveEpoch(epoch));
+    EXPECT_EQ(store.LoadEpoch().value(), epoch);
+    ASSERT_TRUE(store.SaveChildren({{name, 4711, 1}}, "boot-1/10"));
+    ASSERT_EQ(StateStore::LoadChildren(dir_, "boot-1/10").size(), 1U);
+    EXPECT_EQ(StateStore::LoadChildren(dir_, "boot-1/10")[0].actuator, name);
+  }
+}
+
+// Another folder's battery level is taken over again when its file has changed.
+TEST_F(Store, ThatIsOpenedAgainLeavesItsPolicyAsItIs) {
+  const std::string file = dir_ + "/policy";
+  {
+    StateStore store = MustOpen();
+    ASSERT_TRUE(store.SavePolicy({{}, {}, BatteryLevel::kProtected}));
+  }
+  const timespec long_ago[2] = {{1, 0}, {1, 0}};
+  ASSERT_EQ(utimensat(AT_FDCWD, file.c_str(), long_ago, 0), 0);
+  const StateStore store = MustOpen();
+  struct stat info {};
+  ASSERT_EQ(stat(file.c_str(), &info), 0);
+  EXPECT_EQ(info.st_mtim.tv_sec, 1);
+  EXPECT_EQ(store.LoadPolicy().level, BatteryLevel::kProtected);
+}
+
+// A power cut in the middle of a save.
+TEST_F(Store, OfATornSaveTheOlderOneCounts) {
+  StateStore store = MustOpen();
+  const std::vector<StoredActuator> arm = {{"arm", StaysDown::kTornDown, {}}};
+  const StoredPolicy lowered{{}, {}, BatteryLevel::kProtected};
+  ASSERT_TRUE(store.SaveActuators(arm, "boot-1/10"));
+  ASSERT_TRUE(store.SaveActuators({}, "boot-1/10"));
+  ASSERT_TRUE(store.SavePolicy(lowered));
+  ASSERT_TRUE(store.SavePolicy({true, {}, BatteryLevel::kLowPower}));
+  ASSERT_TRUE(store.SaveEpoch(41));
+  ASSERT_TRUE(store.SaveEpoch(42));
+  Tear("actuators", "slot 2");
+  Tear("policy", "slot 2");
+  Tear("epoch", "slot 2");
+  EXPECT_EQ(StateStore::ActuatorsIn(dir_, "boot-1/10"), arm);
+  EXPECT_EQ(store.LoadPolicy(), lowered);
+  EXPECT_EQ(store.LoadEpoch().value(), Epoch(41));
+  Tear("policy", "slot 1");
+  Tear("epoch", "slot 1");
+  EXPECT_EQ(store.LoadPolicy().level, BatteryLevel::kLowPower) << "it cannot be read";
+  EXPECT_THAT(store.LoadEpoch().error().message, HasSubstr("damaged"));
+  ASSERT_TRUE(store.SavePolicy(lowered));
+  ASSERT_TRUE(store.SaveEpoch(43));
+  EXPECT_EQ(store.LoadPolicy(), lowered);
+  EXPECT_EQ(store.LoadEpoch().value(), Epoch(43));
+}
+
+TEST_F(Store, TakesOverTheSmallFilesOfAnEarlierVersion) {
+  { const StateStore store = MustOpen(); }
+  std::ofstream(dir_ + "/actuators") << "host boot-1/10\ntorn_down arm\n";
+  std::ofstream(dir_ + "/policy") << "low_power on\nlevel protected\n";
+  std::ofstream(dir_ + "/epoch") << "41\n";
+  const std::vector<StoredActuator> arm = {{"arm", StaysDown::kTornDown, {}}};
+  const StoredPolicy policy{true, {}, BatteryLevel::kProtected};
+  const auto expect_all = [&](const char* when) {
+    EXPECT_EQ(StateStore::ActuatorsIn(dir_, "boot-1/10"), arm) << when;
+    EXPECT_EQ(StateStore::PolicyIn(dir_), policy) << when;
+    EXPECT_EQ(StateStore::EpochIn(dir_).value(), Epoch(41)) << when;
+  };
+  expect_all("before");
+  const StateStore store = MustOpen();
+  expect_all("converted");
+  EXPECT_EQ(fs::file_size(dir_ + "/actuators"), 2U * 65536U);
+  EXPECT_EQ(fs::file_size(dir_ + "/policy"), 2U * 4096U);
+  EXPECT_EQ(fs::file_size(dir_ + "/epoch"), 2U * 4096U);
+}
+
+// With the size that the file has with slots, too.
+TEST_F(Store, SavesAListOfActuatorsThatIsLongerThanASlot) {
+  StateStore store = MustOpen();
+  const std::string host = "boot-1/10";
+  std::vector<StoredActuator> many;
+  const auto fill = [&](std::size_t bytes) {
+    many.clear();
+    std::size_t left = bytes - std::string("host " + host + "\n").size();
+    while (left > 0) {
+      const std::size_t line = left > 200 ? 100 : left;
+      std::string name = std::to_string(many.size()) + "_";
+      name.resize(line - std::string("torn_down \n").size(), 'x');
+      many.push_back({name, StaysDown::kTornDown, {}});
+      left -= line;
+    }
+  };
+  for (const std::size_t bytes : {65'000U, 70'000U, 131'072U, 131'073U, 200'000U, 1'000U}) {
+    fill(bytes);
+    ASSERT_TRUE(store.SaveActuators(many, host)) << bytes;
+    EXPECT_EQ(StateStore::ActuatorsIn(dir_, host), many) << bytes;
+  }
+  EXPECT_EQ(fs::file_size(dir_ + "/actuators"), 2U * 65536U) << "it has slots again";
 }
 
 // A power cut in the middle of a save.
@@ -443,9 +569,9 @@ TEST_F(Store, SavesFilesAgainThatWereRemoved) {
   ASSERT_TRUE(store.SaveStopIntent(false));
   EXPECT_THAT(store.SaveRemoved().value(), IsEmpty());
   fs::rename(dir_, dir_ + ".before");  // as another volume is mounted there
-  EXPECT_THAT(
-      store.SaveRemoved().value(),
-      UnorderedElementsAre("controller.lock", "machine", "config", "epoch", "emergency_stop"));
+  EXPECT_THAT(store.SaveRemoved().value(),
+              UnorderedElementsAre("controller.lock", "machine", "config", "epoch",
+                                   "emergency_stop", "policy", "actuators", "processes"));
   EXPECT_EQ(store.LoadEpoch().value(), Epoch(7));
   EXPECT_EQ(store.LoadEmergencyStops(), stops);
   EXPECT_EQ(store.LoadConfigHash(), "hash of before");

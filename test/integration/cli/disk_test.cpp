@@ -248,6 +248,31 @@ TEST_F(SmallDisk, ThatIsFullKeepsAnEmergencyStopOverALossOfPower) {
   EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
 }
 
+// What a person had torn down alone, or held, came on by itself.
+TEST_F(SmallDisk, ThatIsFullKeepsWhatHasEndedAndWhatIsHeldOverARestartOfTheController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_NO_FATAL_FAILURE(Fill());
+  for (const auto& [state, actuator] : {std::pair("TearDown", "eyes"), {"LowPower", "voice"}}) {
+    const Ended set = Musher({"set", state, actuator});
+    EXPECT_EQ(set.exit, 0) << set.err;
+    EXPECT_THAT(set.err, Not(HasSubstr("not on disk")));
+  }
+  const auto before = Status();
+  const pid_t voice = before["actuators"]["voice"]["pid"];
+  kill(before["pid"].get<pid_t>(), SIGKILL);
+  kill(voice, SIGKILL);
+  up_->Wait();
+  Process again(Command({"up", config_, "--restarted"}));
+  const auto after = AwaitStatus([&](const auto& now) {
+    const auto& held = now["actuators"]["voice"];
+    const bool is_new = held["pid"].is_number() && held["pid"] != voice;
+    return is_new && (held["state"] == "LowPower" || held["state"] == "Active");
+  });
+  EXPECT_EQ(after["actuators"]["voice"]["state"], "LowPower");
+  EXPECT_EQ(after["actuators"]["legs"]["state"], "Active");
+  EXPECT_TRUE(after["actuators"]["eyes"]["pid"].is_null()) << "it stays down";
+}
+
 // What its actuators have received before is lost with them: it may not know of a stop.
 TEST_F(SmallDisk, ThatIsReadOnlyAfterALossOfPowerKeepsTheMachineInDeActive) {
   GiveDeActive();
