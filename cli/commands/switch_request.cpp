@@ -16,6 +16,7 @@
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
 #include "musher/controller/client/switch_client.hpp"
+#include "musher/lifecycle/machine/stored.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
@@ -29,7 +30,9 @@ constexpr Duration kControllerEnd = std::chrono::seconds(7);
 constexpr Duration kSuccessor = std::chrono::seconds(6);
 constexpr Duration kSecuredSuccessor = std::chrono::seconds(12);
 constexpr Duration kLastStatus = Milliseconds(200);  // of a controller that has exited
-// Between two looks at the names that processes of this host hold.
+// A save takes less on a disk that works.
+constexpr Duration kSavedWithin = Milliseconds(1000);
+// Between two looks at the names that processes of this host hold, or at what is saved.
 constexpr Duration kLookAgain = Milliseconds(20);
 
 // A switch continues when the client stops waiting: adds to the message which switch that is.
@@ -259,6 +262,7 @@ class SwitchCommand {
     }
     console_.Print(console_.mode().json ? SwitchJson(result)
                                         : SwitchText(result, console_.mode().colour));
+    if (!actuator_.empty() && result.outcome != "refused") NameUnsaved();
     // With --machine what runs on this host may be of another machine.
     const bool of_this_host = global_.machine.empty() || (leader && leader->host == HostId());
     const bool left = down && IsAnyLeftBehind(of_this_host);
@@ -266,6 +270,38 @@ class SwitchCommand {
     if (result.outcome == "done") return left || leads_on ? ExitCode::kNotDone : ExitCode::kDone;
     console_.PrintError(SwitchError(result));
     return ExitCodeOfRefusal(result.outcome == "refused" ? result.code : kCodeFailed);
+  }
+
+  // The controller begins to save before it replies.
+  void NameUnsaved() {
+    std::string unsaved = UnsavedNow();
+    const Time end = link_->loop().Now() + kSavedWithin;
+    const auto has_failed = [&unsaved] { return unsaved.find(": ") != std::string::npos; };
+    while (!unsaved.empty() && !has_failed() && link_->loop().Now() < end) {
+      link_->RunUntil([] { return false; }, kLookAgain);
+      if (link_->interrupted()) break;
+      unsaved = UnsavedNow();
+    }
+    if (unsaved.empty()) return;
+    console_.PrintError(
+        fmt::format("not on disk: {}; a controller that is started again does not know what was "
+                    "set, and may start {} or raise it",
+                    unsaved, actuator_));
+  }
+
+  // What of the actuators the controller has not saved; empty: it has saved all.
+  std::string UnsavedNow() {
+    std::optional<msg::MachineStatus> status = link_->last_leader();
+    const auto here =
+        link_->CallHere<msg::GetStatus>("get_status", {}, kSavedWithin, ExitCode::kNoController);
+    if (here && std::holds_alternative<msg::GetStatus::Response>(*here)) {
+      status = std::get<msg::GetStatus::Response>(*here).status;
+    }
+    if (!status) return "";
+    const auto unsaved = std::ranges::find_if(status->not_on_disk, [](const std::string& what) {
+      return what.starts_with(StoredName(Stored::kActuators));
+    });
+    return unsaved == status->not_on_disk.end() ? "" : *unsaved;
   }
 
   // The machine may have been down before every actuator was discovered: those of this host hold

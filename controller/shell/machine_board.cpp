@@ -125,8 +125,9 @@ msg::MachineStatus MachineBoard::Status() const {
   }
   const Time now = context_.loop().Now();
   for (const Unsaved& unsaved : machine_.saves.unsaved) {
-    // The caller that engages a stop waits until it is saved.
-    const bool at_once = unsaved.what == Stored::kEmergencyStops;
+    // The caller that engages a stop, or sets an actuator, waits until it is saved.
+    const bool at_once =
+        unsaved.what == Stored::kEmergencyStops || unsaved.what == Stored::kActuators;
     if (!at_once && now - unsaved.since < kUnsavedPeriod && unsaved.why.empty()) continue;
     const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - unsaved.since).count();
     status.not_on_disk.push_back(std::string(StoredName(unsaved.what)) + " (" +

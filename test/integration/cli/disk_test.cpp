@@ -95,6 +95,26 @@ TEST_F(Disk, ThatIsFullIsSaidByAnEmergencyStop) {
   End(PublisherOf(estop));  // a reboot within a minute is stopped again
 }
 
+// It succeeded with no word on stderr, and the next controller started the actuator.
+TEST_F(Disk, ThatIsFullIsSaidWhereAnActuatorIsSetAlone) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t controller = Status()["pid"];
+  const Ended before = Musher({"set", "LowPower", "eyes"});
+  EXPECT_EQ(before.exit, 0);
+  EXPECT_EQ(before.err, "");
+  rlimit limit{};
+  prlimit(controller, RLIMIT_FSIZE, nullptr, &limit);
+  limit.rlim_cur = 1;
+  ASSERT_EQ(prlimit(controller, RLIMIT_FSIZE, &limit, nullptr), 0);
+  const Ended held = Musher({"set", "LowPower", "voice"});
+  EXPECT_EQ(held.exit, 0);
+  EXPECT_THAT(held.err, HasSubstr("not on disk: list of actuators ("));
+  EXPECT_THAT(held.err, HasSubstr("may start voice or raise it"));
+  const Ended torn_down = Musher({"set", "TearDown", "eyes"});
+  EXPECT_EQ(torn_down.exit, 0);
+  EXPECT_THAT(torn_down.err, HasSubstr("not on disk: list of actuators ("));
+}
+
 TEST_F(Disk, ThatCannotBeWrittenAtTheStartKeepsTheMachineFromActive) {
   Replace("state_dir = \"state\"", "state_dir = \"/proc/robot\"");
   const Ended up = UpDetached();
