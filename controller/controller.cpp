@@ -22,6 +22,7 @@
 #endif
 #include "musher/controller/process/network_namespace.hpp"
 #include "musher/controller/storage/other_starts.hpp"
+#include "musher/controller/storage/private_folder.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/refusal.hpp"
 #include "musher/lifecycle/step/emergency_stops.hpp"
@@ -274,7 +275,9 @@ std::string Controller::CopiedText() const {
 // A robot that runs without readers is better than none.
 void Controller::ShareStore() {
   if (config_.log_group.empty()) return;
-  for (const std::string& folder : {config_.state_dir, config_.state_dir + "/logs"}) {
+  const std::string logs = config_.state_dir + "/logs";
+  for (const std::string& folder : {config_.state_dir, logs}) {
+    if (folder == logs && IsLink(logs)) continue;  // which no log follows
     if (const auto shared = ShareFolder(folder, config_.log_group); !shared) {
       Trouble("log_group: " + shared.error().message);
       return;
@@ -815,8 +818,8 @@ void Controller::OpenLogs() {
     if (!power.off_command.empty()) add("power_off", config_.log_size_bytes);
     if (!power.reboot_command.empty()) add("reboot", config_.log_size_bytes);
   }
-  options.logs.push_back(
-      {"the controller", ControllerLogFile(config_), config_.log_size_bytes, /*open=*/false});
+  options.logs.push_back({"the controller", ControllerLogFile(config_), config_.log_size_bytes,
+                          /*open=*/false, LogMayBeLink(config_.log, config_.state_dir)});
   logs_ = std::make_unique<LogFiles>(node_.loop(), std::move(options));
 }
 

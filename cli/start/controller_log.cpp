@@ -31,6 +31,7 @@ std::string LogLine(std::string_view text, std::int32_t code) {
 
 struct ControllerLog::State {
   const std::string path;
+  const bool may_be_link;
 
   // Used by the disk thread only.
   UniqueFd file;
@@ -41,7 +42,7 @@ struct ControllerLog::State {
   std::string waiting;
   std::uint64_t dropped = 0;  // lines, newer than `waiting`
 
-  explicit State(std::string p) : path(std::move(p)) {}
+  State(std::string p, bool link) : path(std::move(p)), may_be_link(link) {}
 
   void Add(const std::string& line) {
     const std::lock_guard lock(mutex);
@@ -88,9 +89,9 @@ struct ControllerLog::State {
       return Ok();
     }
     auto made = MakePrivateFolder(std::filesystem::path(path).parent_path());
-    // Where another user could have put a link, none is followed.
+    // Where another user can put a link, or could before the folder became ours, none is followed.
     const auto folder = std::filesystem::path(path).parent_path();
-    const int links = CheckOwnFolder(folder) ? 0 : O_NOFOLLOW;
+    const int links = may_be_link && CheckOwnFolder(folder) ? 0 : O_NOFOLLOW;
     file = UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | links, 0644));
     if (file.valid()) made = Ok();
     if (!file.valid() && made) made = SystemError("can't write " + path);
@@ -123,8 +124,8 @@ struct ControllerLog::State {
   }
 };
 
-ControllerLog::ControllerLog(transport::DiskWriter& disk, std::string path)
-    : disk_(disk), state_(std::make_shared<State>(std::move(path))) {}
+ControllerLog::ControllerLog(transport::DiskWriter& disk, std::string path, bool may_be_link)
+    : disk_(disk), state_(std::make_shared<State>(std::move(path), may_be_link)) {}
 
 void ControllerLog::Write(std::string_view line, std::int32_t code) {
   state_->Add(LogLine(line, code));

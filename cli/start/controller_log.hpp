@@ -20,8 +20,9 @@ namespace musher::cli {
 
 class ControllerLog {
  public:
-  // The first line opens the file. The disk must outlive the log.
-  ControllerLog(transport::DiskWriter& disk, std::string path);
+  // The first line opens the file. The disk must outlive the log. A link is followed only where it
+  // `may_be_link`, and no other user can put one there.
+  ControllerLog(transport::DiskWriter& disk, std::string path, bool may_be_link = false);
 
   // A `code` other than 0 makes the line a warning. An unusable file is reported once on stderr.
   void Write(std::string_view line, std::int32_t code = kCodeOk);

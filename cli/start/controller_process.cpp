@@ -10,6 +10,7 @@
 #include "musher/base/program_path.hpp"
 #include "musher/cli/console/signals.hpp"
 #include "musher/cli/console/wall_time.hpp"
+#include "musher/controller/storage/private_folder.hpp"
 #include "musher/cyberdog/extension.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/wire/dds_options.hpp"
@@ -57,7 +58,7 @@ ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<
       children_(TakeSignals({SIGCHLD})),
       progress_(loop_, std::move(progress)),
       disk_(loop_, {.name = "controller.log"}),
-      log_(disk_, ControllerLogFile(config)),
+      log_(disk_, ControllerLogFile(config), LogMayBeLink(config.log, config.state_dir)),
       service_manager_(loop_, config) {}
 
 int ControllerProcess::Run() {

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <utility>
 
 #include "musher/base/exit_status.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/controller/client/leader_watch.hpp"
+#include "musher/controller/storage/private_folder.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -82,7 +84,11 @@ ViewProcess::~ViewProcess() {
 
 void ViewProcess::Start() {
   restart_.reset();
-  UniqueFd output(open(log_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0600));
+  UniqueFd output;
+  if (!IsLink(std::filesystem::path(log_).parent_path())) {
+    constexpr int kAppend = O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC;
+    output = UniqueFd(open(log_.c_str(), kAppend, 0600));
+  }
   if (!output.valid()) output = UniqueFd(open("/dev/null", O_WRONLY | O_CLOEXEC));
   ProgramSpec spec;
   spec.argv = command_;

@@ -173,11 +173,12 @@ struct LogFiles::State {
   static bool IsAt(const std::string& path, int fd) {
     struct stat named {};
     struct stat open_file {};
-    return stat(path.c_str(), &named) == 0 && fstat(fd, &open_file) == 0 &&
+    return lstat(path.c_str(), &named) == 0 && fstat(fd, &open_file) == 0 &&
            named.st_dev == open_file.st_dev && named.st_ino == open_file.st_ino;
   }
 
   static Result<UniqueFd> OpenOne(const std::string& path) {
+    if (IsLink(fs::path(path).parent_path())) return SystemError("can't write " + path, ELOOP);
     if (auto made = MakePrivateFolder(fs::path(path).parent_path()); !made) return made.error();
     if (auto own = CheckOwnFolder(fs::path(path).parent_path()); !own) return own.error();
     UniqueFd file(open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0644));
@@ -188,9 +189,7 @@ struct LogFiles::State {
   // Marks that cannot be written leave lines without a time, which is no trouble of the robot.
   void Mark(std::int64_t wall_ns) {
     for (Log& log : logs) {
-      struct stat info {};
-      const bool there = stat(log.file.path.c_str(), &info) == 0 && S_ISREG(info.st_mode);
-      if (there) static_cast<void>(log.times.Mark(info.st_size, wall_ns));
+      if (const auto size = SizeOf(log)) static_cast<void>(log.times.Mark(*size, wall_ns));
     }
   }
 
@@ -208,10 +207,22 @@ struct LogFiles::State {
     busy = took;
   }
 
-  LogSizes SizesOf(const Log& log) const {
+  // nullopt: there is no such file, or only through a link that may not be one.
+  static std::optional<std::int64_t> SizeOf(const Log& log) {
     struct stat info {};
-    const bool there = stat(log.file.path.c_str(), &info) == 0 && S_ISREG(info.st_mode);
-    return {log.max_bytes, there ? info.st_size : 0, LogPartsOf(log.file.path), log.no_room};
+    const char* path = log.file.path.c_str();
+    const bool found = log.file.may_be_link ? stat(path, &info) == 0 : lstat(path, &info) == 0;
+    if (!found || !S_ISREG(info.st_mode) || IsInLink(log)) return std::nullopt;
+    return info.st_size;
+  }
+  // The controller's log is in the state folder, which may be a link.
+  static bool IsInLink(const Log& log) {
+    return log.file.open && IsLink(fs::path(log.file.path).parent_path());
+  }
+
+  LogSizes SizesOf(const Log& log) const {
+    if (IsInLink(log)) return {log.max_bytes, 0, {}, log.no_room};
+    return {log.max_bytes, SizeOf(log).value_or(0), LogPartsOf(log.file.path), log.no_room};
   }
 
   // Returns whether the live file was too large.
@@ -226,7 +237,7 @@ struct LogFiles::State {
       return false;
     }
     const std::uint64_t next = sizes.parts.empty() ? 1 : sizes.parts.back().number + 1;
-    const int links = log.file.open ? O_NOFOLLOW : 0;  // the controller's log may be a link
+    const int links = log.file.may_be_link ? 0 : O_NOFOLLOW;
     const UniqueFd file(open(log.file.path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC | links));
     const Result<> cut =
         file.valid() ? Cut(log, file.get(), actions, next) : Result<>(SystemError("can't open it"));

@@ -12,6 +12,9 @@
 // disk cannot take, is dropped with a line that reports how much. A controller that crashes between
 // writing a part and removing it leaves it twice.
 //
+// A `logs` folder that is a link is not followed, nor is a log that is one: before the state folder
+// became ours, another user may have put it there.
+//
 // Checks once a second, ten times a second while a log grows fast, and marks when each log has
 // grown (log_times.hpp). Without a controller nothing is rotated or marked.
 //
@@ -35,6 +38,7 @@ struct LogFile {
   std::string path;
   std::int64_t max_bytes = 50 << 20;  // with its compressed parts
   bool open = true;                   // create and open it here, for processes to write
+  bool may_be_link = false;           // else no link is followed to it
 };
 
 struct LogFilesOptions {

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 
 #include "musher/base/host.hpp"
@@ -22,6 +23,23 @@ Result<> MakePrivateFolder(const std::filesystem::path& path) {
     }
   }
   return Ok();
+}
+
+bool IsLink(const std::filesystem::path& path) {
+  struct stat info {};
+  return lstat(path.c_str(), &info) == 0 && S_ISLNK(info.st_mode);
+}
+
+bool LogMayBeLink(const std::string& log, const std::string& state_dir) {
+  if (log.empty()) return false;
+  std::error_code unknown;
+  const auto folder =
+      std::filesystem::weakly_canonical(std::filesystem::path(log).parent_path(), unknown);
+  if (unknown) return false;
+  const auto state = std::filesystem::weakly_canonical(state_dir, unknown);
+  return !unknown &&
+         std::mismatch(state.begin(), state.end(), folder.begin(), folder.end()).first !=
+             state.end();
 }
 
 }  // namespace musher

@@ -67,6 +67,7 @@ void NameOwner(int lock, const MachineOrigin& machine) {
 // Only this user may change what is in them: see CheckOwnFolder().
 Result<> MakeFolders(const std::string& dir) {
   if (auto own = CheckOwnFolder(dir); !own) return own;
+  if (IsLink(dir + "/logs")) return Ok();  // which no log follows
   if (auto made = MakePrivateFolder(fs::path(dir) / "logs"); !made) return made;
   return CheckOwnFolder(dir + "/logs");
 }

@@ -34,6 +34,7 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
+using ::testing::UnorderedElementsAre;
 
 constexpr std::int64_t kBound = 5 << 20;  // of which 1 MiB is for the live file
 
@@ -141,6 +142,42 @@ TEST_F(Logs, AreMadeAtOnceInAFolderForTheirOwnerOnly) {
   struct stat info {};
   ASSERT_EQ(stat((folder_ / "logs").c_str(), &info), 0);
   EXPECT_EQ(info.st_mode & 0777, 0700U);
+}
+
+// As another user could have left it before the state folder became ours. Files there were written,
+// and cut.
+TEST_F(Logs, OfAFolderThatIsALinkAreNeitherWrittenNorCut) {
+  const std::string elsewhere = folder_ / "elsewhere";
+  fs::create_directory(elsewhere);
+  std::ofstream(elsewhere + "/legs.log") << std::string(2 * kBound, 'x');
+  std::ofstream(elsewhere + "/legs.log.1.gz") << std::string(2 * kBound, 'x');
+  fs::create_directory_symlink(elsewhere, folder_ / "logs");
+  Make();
+  logs_->LookNow();
+  EXPECT_EQ(Output("legs"), -1);
+  EXPECT_EQ(Output("eyes"), -1);
+  EXPECT_THAT(troubles_, ElementsAre(HasSubstr("actuator output is lost: can't write " + legs_ +
+                                               ": Too many levels of symbolic links")));
+  std::vector<std::string> files;
+  for (const auto& file : fs::directory_iterator(elsewhere)) {
+    files.push_back(file.path().filename());
+    EXPECT_EQ(file.file_size(), static_cast<std::uintmax_t>(2 * kBound)) << file.path();
+  }
+  EXPECT_THAT(files, UnorderedElementsAre("legs.log", "legs.log.1.gz"));
+}
+
+TEST_F(Logs, OfTheControllerAreCutThroughALinkOnlyWhereAPersonMayHavePutIt) {
+  const std::string target = folder_ / "target";
+  std::ofstream(target) << std::string(2 * kBound, 'x');
+  const std::string link = folder_ / "controller.log";
+  fs::create_symlink(target, link);
+  for (const bool may_be_link : {false, true}) {
+    LogFilesOptions options;
+    options.logs = {{"the controller", link, kBound, /*open=*/false, may_be_link}};
+    logs_ = std::make_unique<LogFiles>(loop_, options);
+    logs_->LookNow();
+    EXPECT_EQ(fs::file_size(target) < static_cast<std::uintmax_t>(kBound), may_be_link);
+  }
 }
 
 TEST_F(Logs, ThatAreSmallAreLeftAlone) {

@@ -115,6 +115,37 @@ TEST_F(Disk, ThatIsFullIsSaidWhereAnActuatorIsSetAlone) {
   EXPECT_THAT(torn_down.err, HasSubstr("not on disk: list of actuators ("));
 }
 
+// As another user could have left them before the folder became ours: they were followed.
+TEST_F(Disk, FollowsNoLinkToALogInTheStateFolder) {
+  const std::string state = folder_ / "state";
+  const std::string target = folder_ / "target";
+  const std::string elsewhere = folder_ / "elsewhere";
+  std::filesystem::create_directory(state);
+  std::filesystem::permissions(state, std::filesystem::perms(0700));
+  std::filesystem::create_directory(elsewhere);
+  std::ofstream(target) << "precious\n";
+  std::ofstream(elsewhere + "/legs.log") << "of another\n";
+  std::filesystem::create_symlink(target, state + "/controller.log");
+  std::filesystem::create_directory_symlink(elsewhere, state + "/logs");
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0);
+  EXPECT_THAT(up.err, HasSubstr("can't write " + state + "/logs/legs.log: Too many levels of " +
+                                "symbolic links"));
+  EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_EQ(ReadFile(target), "precious\n");
+  EXPECT_EQ(ReadFile(elsewhere + "/legs.log"), "of another\n");
+  EXPECT_EQ(EntriesOf(elsewhere).size(), 1U);
+}
+
+TEST_F(Disk, FollowsALinkThatTheConfigNamesAsTheControllersLog) {
+  Replace("state_dir", "log = \"robot.log\"\nstate_dir");
+  std::filesystem::create_symlink(folder_ / "elsewhere.log", folder_ / "robot.log");
+  EXPECT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_THAT(ReadFile(folder_ / "elsewhere.log"), HasSubstr("controller started"));
+}
+
 TEST_F(Disk, ThatCannotBeWrittenAtTheStartKeepsTheMachineFromActive) {
   Replace("state_dir = \"state\"", "state_dir = \"/proc/robot\"");
   const Ended up = UpDetached();
