@@ -333,6 +333,7 @@ TEST_F(ClosedStart, OnADiskThatFailsIsOpenAtEachStartHoweverOftenItWasAnswered) 
   StopIn(by_service_, robot_);
   Close(by_service_, 0755);
   Close(by_service_ + "/emergency_stop", 0644);
+  fs::remove(by_service_ + "/policy");
   ASSERT_EQ(mkfifo((by_service_ + "/policy").c_str(), 0644), 0) << "no file that can be read";
   const auto answered = Answered(Unread());
   ASSERT_EQ(answered.size(), 1U);
@@ -352,6 +353,7 @@ TEST_F(ClosedStart, ThatCanBeReadLeavesNothingOpen) {
   StopIn(by_service_, robot_);
   Close(by_service_, 0755);
   Close(by_service_ + "/emergency_stop", 0644);
+  Close(by_service_ + "/policy", 0644);
   EXPECT_THAT(Unread(), IsEmpty());
 }
 
