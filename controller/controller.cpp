@@ -90,6 +90,7 @@ Result<std::unique_ptr<Controller>> Controller::Make(transport::Node& node, int 
 }
 
 Result<> Controller::Open() {
+  if (auto once = RunsOnce(); !once) return once;
   if (auto opened = OpenStore(); !opened) return opened;
   if (auto taken = TakeName(); !taken) return taken;
   if (store_) {
@@ -217,6 +218,14 @@ MachineOrigin Controller::Origin() const {
   return {config_.name, config_.name_space,
           domain_id_,   error ? file : absolute.lexically_normal().string(),
           "",           computer_};
+}
+
+// The processes of another namespace or domain do not find each other.
+Result<> Controller::RunsOnce() const {
+  const MachineOrigin machine = Origin();
+  const auto other = FindOtherRun(machine, DefaultStateDirs(machine));
+  if (!other) return Ok();
+  return Error{kCodeTargetBusy, other->Text(machine)};
 }
 
 Result<> Controller::OpenStore() {
@@ -550,10 +559,8 @@ void Controller::Begin() {
   begin.policy = LoadPolicy();
   begin.stop_intent =
       store_ ? store_->LoadStopIntent() : StateStore::StopIntentIn(config_.state_dir);
-  // A takeover goes on from what the controller before it has stored.
-  const std::string& last = taken_from_.empty() ? config_.state_dir : taken_from_;
-  begin.remote = StateStore::RemoteActuatorsIn(last, HostId());
-  begin.actuators = StateStore::ActuatorsIn(last, HostId());
+  begin.remote = StateStore::RemoteActuatorsIn(LastFolder(), HostId());
+  begin.actuators = LoadActuators();
   shell_->Begin(std::move(begin), children);
   // The next controller of that folder would take them for processes that have ended unseen.
   if (!taken_from_.empty()) {
@@ -565,9 +572,16 @@ void Controller::Begin() {
   check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });
 }
 
+// Of the controller before this one: a takeover goes on from what that has stored.
+const std::string& Controller::LastFolder() const {
+  return taken_from_.empty() ? config_.state_dir : taken_from_;
+}
+
 // Where this machine may have its files when it is started otherwise.
 std::vector<std::string> Controller::OtherFolders() const {
-  std::vector<std::string> folders = DefaultStateDirs(Origin());
+  const MachineOrigin machine = Origin();
+  std::vector<std::string> folders = DefaultStateDirs(machine);
+  for (std::string& folder : FoldersOfFile(machine, folders)) folders.push_back(std::move(folder));
   if (!taken_from_.empty()) folders.push_back(taken_from_);
   return folders;
 }
@@ -629,6 +643,40 @@ StoredPolicy Controller::LoadPolicy() {
     return store->SaveLevelsTaken(marks);
   });
   return policy;
+}
+
+// An actuator that only a person starts again stays down, also where the machine was started
+// otherwise then. The machine's own folder takes those of another folder over once.
+std::vector<StoredActuator> Controller::LoadActuators() {
+  std::vector<StoredActuator> actuators = StateStore::ActuatorsIn(LastFolder(), HostId());
+  const auto taken = StateStore::ActuatorsTakenIn(config_.state_dir);
+  std::vector<std::uint64_t> marks;
+  bool is_new = false;
+  for (const StayDownElsewhere& other :
+       FindStayDownElsewhere(config_.state_dir, Origin(), OtherFolders())) {
+    marks.push_back(other.mark);
+    if (std::ranges::count(taken, other.mark) != 0) continue;
+    is_new = true;
+    std::vector<std::string> names;
+    for (const StoredActuator& one : other.actuators) {
+      names.push_back(one.name);
+      const auto own = std::ranges::find(actuators, one.name, &StoredActuator::name);
+      if (own == actuators.end()) {
+        actuators.push_back(one);
+      } else {
+        own->stays_down = one.stays_down;
+      }
+    }
+    Trouble("only a person starts " + Joined(names) + ", by " + other.state_dir +
+            ", where this machine had its files when it was started otherwise");
+  }
+  if (!is_new || !store_) return actuators;
+  disk_.Do(std::string(StoredName(Stored::kActuators)),
+           [store = store_, actuators, marks]() -> Result<> {
+             if (auto saved = store->SaveActuators(actuators, HostId()); !saved) return saved;
+             return store->SaveActuatorsTaken(marks);
+           });
+  return actuators;
 }
 
 // The state folder may be removed under a running machine, or another volume mounted over it.

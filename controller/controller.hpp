@@ -112,9 +112,12 @@ class Controller {
   pid_t HolderOf(ActuatorIndex i);
   void EndUnlisted(const ChildProcess& child);
   Epoch LoadEpoch();
+  const std::string& LastFolder() const;
   std::vector<std::string> OtherFolders() const;
   StoredStops LoadStops();
   StoredPolicy LoadPolicy();
+  std::vector<StoredActuator> LoadActuators();
+  Result<> RunsOnce() const;
   std::string IdOfActuators() const;
   void TakeIdOfActuators();
   void TakeIdentity();

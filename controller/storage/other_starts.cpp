@@ -9,14 +9,19 @@
 #include <cerrno>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
 #include "musher/base/checksum.hpp"
 #include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/unique_fd.hpp"
+#include "musher/base/words.hpp"
+#include "musher/controller/process/network_namespace.hpp"
+#include "musher/controller/storage/computer.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/lifecycle/step/emergency_stops.hpp"
 
@@ -111,6 +116,12 @@ StopId IdOfUnknownStop(const std::string& folder) {
   return StopId(std::max(hash, kUnknownStop.value() + 1));
 }
 
+bool IsOfFile(const MachineOrigin& origin, const MachineOrigin& machine) {
+  std::error_code error;
+  const bool same = origin.file == machine.file || fs::equivalent(origin.file, machine.file, error);
+  return same && !error && !IsOtherComputer(origin.computer, machine.computer);
+}
+
 // Those of `folders` that are others than `state_dir` and belong to this machine, as far as is
 // known; each once.
 std::vector<std::string> OthersOf(const std::string& state_dir, const MachineOrigin& machine,
@@ -121,7 +132,9 @@ std::vector<std::string> OthersOf(const std::string& state_dir, const MachineOri
     const bool own = folder == state_dir || fs::equivalent(folder, state_dir, error);
     if (own || std::ranges::count(others, folder) != 0) continue;
     const auto origin = LoadOrigin(folder);
-    if (!origin || origin->IsOf(machine, true)) others.push_back(folder);
+    if (!origin || origin->IsOf(machine, true) || IsOfFile(*origin, machine)) {
+      others.push_back(folder);
+    }
   }
   return others;
 }
@@ -203,6 +216,53 @@ std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine, const st
   return folders;
 }
 
+std::vector<std::string> FoldersOfFile(const MachineOrigin& machine,
+                                       const std::vector<std::string>& folders) {
+  std::vector<std::string> found;
+  std::set<fs::path> places;
+  for (const std::string& folder : folders) {
+    const fs::path place = fs::path(folder).parent_path();
+    if (!places.insert(place).second) continue;
+    for (const fs::path& one : EntriesOf(place)) {
+      const auto origin = LoadOrigin(one);
+      if (!origin || origin->IsOf(machine, true) || !IsOfFile(*origin, machine)) continue;
+      if (std::ranges::count(folders, one.string()) == 0) found.push_back(one);
+    }
+  }
+  return found;
+}
+
+std::string OtherRun::Text(const MachineOrigin& now) const {
+  const bool led = controller != 0;
+  const pid_t process = led ? controller : actuators.front().pid;
+  std::string command = "musher --namespace " + ShellWord(machine.name_space) + " --domain " +
+                        std::to_string(machine.domain) + " down";
+  if (!led) command += " --without-controller";
+  const bool beyond = IsInOtherNetwork(process);
+  return (led ? "process " + std::to_string(controller) + " leads "
+              : NamesOf(actuators) + " run without a controller as ") +
+         machine.Text() + "; a start of the same config as " + now.Text() +
+         " would run each actuator twice. " +
+         (beyond ? "As root, " + InNetworkOf(process, command) : "`" + command + "`") + " ends " +
+         (led ? "the first" : "them");
+}
+
+std::optional<OtherRun> FindOtherRun(const MachineOrigin& machine,
+                                     const std::vector<std::string>& folders) {
+  for (const std::string& folder : FoldersOfFile(machine, folders)) {
+    const auto origin = LoadOrigin(folder);
+    if (!origin) continue;
+    // In one namespace and domain the processes find each other by their names.
+    if (origin->name_space == machine.name_space && origin->domain == machine.domain) continue;
+    const pid_t owner = StateStore::OwnerOf(folder);
+    if (StateStore::IsOwner(folder, owner)) return OtherRun{*origin, owner, {}};
+    auto running = StateStore::LoadChildren(folder, HostId());
+    std::erase_if(running, [](const ChildProcess& child) { return !IsRunning(child); });
+    if (!running.empty()) return OtherRun{*origin, 0, std::move(running)};
+  }
+  return std::nullopt;
+}
+
 StoredStops OpenStopsIn(const std::string& folder) {
   if (IsClosed(StateStore::EmergencyStopFileIn(folder))) return {};
   return StateStore::EmergencyStopsIn(folder);
@@ -229,6 +289,21 @@ std::vector<LevelElsewhere> FindLevelsElsewhere(const std::string& state_dir,
     if (WhyUnreadable(file) != 0) continue;
     const BatteryLevel level = StateStore::PolicyIn(folder).level;
     if (level != BatteryLevel::kFree) found.push_back({folder, level, Fnv1a(StampOf(file))});
+  }
+  return found;
+}
+
+std::vector<StayDownElsewhere> FindStayDownElsewhere(const std::string& state_dir,
+                                                     const MachineOrigin& machine,
+                                                     const std::vector<std::string>& folders) {
+  std::vector<StayDownElsewhere> found;
+  for (const std::string& folder : OthersOf(state_dir, machine, folders)) {
+    std::vector<StoredActuator> down = StateStore::ActuatorsIn(folder, HostId());
+    std::erase_if(down, [](const auto& one) { return one.stays_down == StaysDown::kNo; });
+    for (StoredActuator& one : down) one = {one.name, one.stays_down};
+    if (down.empty()) continue;
+    const std::string stamp = StampOf(StateStore::ActuatorsFileIn(folder));
+    found.push_back({folder, std::move(down), Fnv1a(stamp)});
   }
   return found;
 }

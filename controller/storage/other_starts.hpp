@@ -5,16 +5,24 @@
 // released stop has switched off stays off, and a battery that was low there is low here: a robot
 // that was stopped by hand must not move because systemd starts it at the next boot.
 //
+// The folder also depends on the name, the namespace and the domain. A config that is started with
+// others than before makes another machine, of the same motors: the folders that name its file
+// count, too.
+//
 // A folder may belong to another user, who may put links and pipes in it: its files are read by
 // OpenRegular() alone.
 //
 // Threads: any; they read the disk.
 
+#include <sys/types.h>
+
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "musher/base/result.hpp"
+#include "musher/controller/process/child_processes.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/lifecycle/machine/policy_state.hpp"
 #include "musher/lifecycle/machine/stored.hpp"
@@ -31,6 +39,23 @@ inline constexpr const char* kServicePlace = "/var/lib/musher";
 std::vector<std::string> DefaultStateDirs(const MachineOrigin& machine,
                                           const std::string& users = "/etc/passwd",
                                           const std::string& mounts = "/proc/self/mountinfo");
+
+// The folders beside `folders`, in the same places, that name the machine's config file, with
+// another name, namespace or domain. None of another computer.
+std::vector<std::string> FoldersOfFile(const MachineOrigin& machine,
+                                       const std::vector<std::string>& folders);
+
+// What runs on this host by the same config file, in another namespace or domain.
+struct OtherRun {
+  MachineOrigin machine;
+  pid_t controller = 0;                 // 0: none leads
+  std::vector<ChildProcess> actuators;  // of an earlier controller; none where one leads
+
+  // Why a start beside it would run each actuator twice, and how to end it.
+  std::string Text(const MachineOrigin& now) const;
+};
+std::optional<OtherRun> FindOtherRun(const MachineOrigin& machine,
+                                     const std::vector<std::string>& folders);
 
 // The stops in a folder of this machine. None where this user may not read them: that is known by
 // FindUnreadFolders(). A file that cannot be read for another reason is a stop, kUnknownStop.
@@ -65,6 +90,20 @@ struct LevelElsewhere {
 std::vector<LevelElsewhere> FindLevelsElsewhere(const std::string& state_dir,
                                                 const MachineOrigin& machine,
                                                 const std::vector<std::string>& folders);
+
+// The actuators that only a person starts again, by another state folder of the machine.
+struct StayDownElsewhere {
+  std::string state_dir;
+  std::vector<StoredActuator> actuators;
+  std::uint64_t mark = 0;  // another one once they were stored again
+};
+
+// Finds the folders of this machine, other than `state_dir`, with such actuators. The machine's own
+// folder has the marks of those that it has taken over (StateStore::SaveActuatorsTaken): a person
+// may have started them since.
+std::vector<StayDownElsewhere> FindStayDownElsewhere(const std::string& state_dir,
+                                                     const MachineOrigin& machine,
+                                                     const std::vector<std::string>& folders);
 
 // Finds the folders, other than `state_dir`, that may belong to this machine and cannot be read: a
 // stop may be engaged there, or the battery low. Only what is visible from outside is known of

@@ -217,6 +217,21 @@ void ForgetReleasesIn(const std::string& dir) {
   static_cast<void>(SlotFile(StateStore::EmergencyStopFileIn(dir)).Write(StopsText(stops)));
 }
 
+// A number a line.
+std::string MarksText(const std::vector<std::uint64_t>& marks) {
+  std::string text;
+  for (const std::uint64_t mark : marks) text += std::to_string(mark) + "\n";
+  return text;
+}
+
+std::vector<std::uint64_t> MarksIn(const std::string& path) {
+  const UniqueFd file = OpenRegular(path);
+  std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
+  std::vector<std::uint64_t> marks;
+  for (std::uint64_t mark = 0; text >> mark;) marks.push_back(mark);
+  return marks;
+}
+
 Error Foreign(const std::string& dir, const MachineOrigin& recorded, const MachineOrigin& machine,
               pid_t led_by) {
   std::string what = dir + " belongs to another machine, " + recorded.Text();
@@ -559,19 +574,20 @@ StoredPolicy StateStore::PolicyIn(const std::string& dir) {
   return policy;
 }
 
-// A number a line.
 Result<> StateStore::SaveLevelsTaken(const std::vector<std::uint64_t>& marks) {
-  std::string text;
-  for (const std::uint64_t mark : marks) text += std::to_string(mark) + "\n";
-  return Replace(dir_ + "/levels_taken", text);
+  return Replace(dir_ + "/levels_taken", MarksText(marks));
 }
 
 std::vector<std::uint64_t> StateStore::LevelsTakenIn(const std::string& dir) {
-  const UniqueFd file = OpenRegular(dir + "/levels_taken");
-  std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
-  std::vector<std::uint64_t> marks;
-  for (std::uint64_t mark = 0; text >> mark;) marks.push_back(mark);
-  return marks;
+  return MarksIn(dir + "/levels_taken");
+}
+
+Result<> StateStore::SaveActuatorsTaken(const std::vector<std::uint64_t>& marks) {
+  return Replace(dir_ + "/actuators_taken", MarksText(marks));
+}
+
+std::vector<std::uint64_t> StateStore::ActuatorsTakenIn(const std::string& dir) {
+  return MarksIn(dir + "/actuators_taken");
 }
 
 // In place, which a full disk permits: otherwise each start by a supervisor is taken for the first

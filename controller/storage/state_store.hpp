@@ -13,6 +13,7 @@
 //   remote_actuators    the actuators that run on other hosts, with the host
 //   policy              the values of the policy: the low-power switch, where the battery took it
 //   levels_taken        which battery levels of the machine's other folders are in `policy`
+//   actuators_taken     which actuators of the machine's other folders are in `actuators`
 //   last_selfcheck_info.json  what the self-check of the last start has found
 //   journal.sqlite      see journal.hpp
 //   logs/<actuator>.log what the actuator's process prints
@@ -108,6 +109,11 @@ class StateStore {
   // this computer was booted is skipped: its processes start afresh. So are damaged lines.
   Result<> SaveActuators(const std::vector<StoredActuator>& actuators, const std::string& host);
   static std::vector<StoredActuator> ActuatorsIn(const std::string& dir, const std::string& host);
+  static std::string ActuatorsFileIn(const std::string& dir) { return dir + "/actuators"; }
+
+  // Which actuators of other folders this one has taken over: see FindStayDownElsewhere().
+  Result<> SaveActuatorsTaken(const std::vector<std::uint64_t>& marks);
+  static std::vector<std::uint64_t> ActuatorsTakenIn(const std::string& dir);
 
   // The stored values of the policy; nothing without a file. A file that cannot be read counts as
   // the lowest battery level that powers nothing off.
@@ -176,7 +182,6 @@ class StateStore {
   std::string ConfigHashFile() const { return ConfigHashFileIn(dir_); }
   static std::string StopIntentFileIn(const std::string& dir) { return dir + "/stop_intent"; }
   std::string StopIntentFile() const { return StopIntentFileIn(dir_); }
-  static std::string ActuatorsFileIn(const std::string& dir) { return dir + "/actuators"; }
   static std::string RemoteActuatorsFileIn(const std::string& dir) {
     return dir + "/remote_actuators";
   }
