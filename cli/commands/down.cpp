@@ -15,6 +15,7 @@
 #include "musher/cli/machine/direct_tear_down.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/machine_files.hpp"
+#include "musher/cli/machine/machines_beside.hpp"
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/silent_controller.hpp"
 #include "musher/cli/render/json.hpp"
@@ -52,6 +53,11 @@ std::variant<MachineIdentity, Failure> MachineToEnd(const Link& link,
     return link.NotHere(*of_files, "actuators of " + MachineText(elsewhere.front()));
   }
   if (elsewhere.empty()) return MachineIdentity{};
+  if (const auto beside = MachinesBeside(global); !beside.empty()) {
+    const std::string others = "actuators of " + MachineText(elsewhere.front());
+    return Failure{ExitCode::kNoController,
+                   {kCodeNetError, beside.front().InsteadOf(others, global)}};
+  }
   if (elsewhere.size() == 1) return elsewhere.front();
   return Failure{
       ExitCode::kUsage,

@@ -12,6 +12,7 @@
 #include "musher/base/words.hpp"
 #include "musher/cli/console/output_reader.hpp"
 #include "musher/cli/machine/machine_files.hpp"
+#include "musher/cli/machine/machines_beside.hpp"
 #include "musher/cli/machine/silent_controller.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
@@ -362,10 +363,17 @@ std::optional<Failure> Link::ChooseElsewhere(const std::vector<Found>& candidate
   const auto here = MachineOfFilesHere(global_);
   const bool another = here && !SameMachine(*here, other);
   if (another && purpose == Purpose::kAct) return NotHere(*here, TextOf(candidates));
+  const auto beside = here ? std::vector<MachineBeside>() : MachinesBeside(global_);
+  if (!beside.empty() && purpose == Purpose::kAct) {
+    return Failure{ExitCode::kNoController,
+                   {kCodeNetError, beside.front().InsteadOf(TextOf(candidates), global_)}};
+  }
   machine_ = other;
   if (another && console_ != nullptr) {
     console_->PrintError("the machine of this host, " + MachineText(*here) +
                          ", does not run; this is " + TextOf(candidates));
+  } else if (!beside.empty() && console_ != nullptr) {
+    console_->PrintError(beside.front().Text(global_) + "; this is " + TextOf(candidates));
   }
   return std::nullopt;
 }
@@ -565,6 +573,25 @@ bool Link::HasOtherMachine() const {
                      [this](const Found& found) { return !Speaks(found.machine()); });
 }
 
+// "; found 'dogs' (dog), '' (cat) - use --namespace dogs": how to speak to one of them, and with
+// --machine to none that it does not mean.
+std::string Link::OthersText() const {
+  std::string found;
+  const Found* to_use = nullptr;
+  for (const auto& [writer, one] : machines_) {
+    found += fmt::format("{}'{}' ({})", found.empty() ? "" : ", ", one.info.name_space,
+                         one.info.machine);
+    if (to_use == nullptr && IsNamed(one.machine())) to_use = &one;
+  }
+  std::string use;
+  if (to_use != nullptr) {
+    const std::string& name_space = to_use->info.name_space;
+    use = name_space == global_.name_space ? " - use --machine " + to_use->info.machine
+                                           : " - use --namespace " + ShellWord(name_space);
+  }
+  return "; found " + found + use;
+}
+
 Failure Link::NotFound(const std::string& what) const {
   std::string message = "no " + what + " in " + NamespaceText(global_.name_space);
   if (!global_.machine.empty())
@@ -581,21 +608,15 @@ Failure Link::NotFound(const std::string& what) const {
                WhySilent(ExamineSilent(holder, global_), global_);
   } else if (beyond) {
     message += " is reached from here: " + beyond->Text();
+  } else if (const auto here = MachinesBeside(global_); !here.empty() && here.front().runs) {
+    message += "; " + here.front().Text(global_) + " - use " +
+               here.front().place.Options(PlaceOf(global_));
   } else if (machines_.empty()) {
     message += fmt::format(
         " of DDS domain {}; `musher up FILE` starts one, --transport lan searches other hosts",
         transport::DomainId({}).value());
   } else {
-    std::string found;
-    for (const auto& [writer, one] : machines_) {
-      found += fmt::format("{}'{}' ({})", found.empty() ? "" : ", ", one.info.name_space,
-                           one.info.machine);
-    }
-    const std::string& first = machines_.begin()->second.info.name_space;
-    const std::string use = first == global_.name_space
-                                ? "--machine " + machines_.begin()->second.info.machine
-                                : "--namespace " + (first.empty() ? "''" : first);
-    message += fmt::format("; found {} - use {}", found, use);
+    message += OthersText();
   }
   return {ExitCode::kNoController, {kCodeNetError, message}};
 }

@@ -6,6 +6,7 @@
 #include "musher/base/host.hpp"
 #include "musher/base/words.hpp"
 #include "musher/cli/machine/machine_files.hpp"
+#include "musher/cli/machine/machines_beside.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
@@ -104,6 +105,12 @@ std::optional<Failure> MeantActuator::CheckFound(const Statuses& found, const Wo
       std::ranges::any_of(found, [](const auto& one) { return one.host == HostId(); });
   if (!global_.machine.empty() || runs_here) return std::nullopt;
   const auto here = MachineOfFilesHere(global_);
+  const auto beside = here ? std::vector<MachineBeside>() : MachinesBeside(global_);
+  if (!beside.empty()) {
+    return Failure{
+        ExitCode::kNoController,
+        {kCodeNetError, beside.front().InsteadOf("actuators of " + MachinesText(found), global_)}};
+  }
   if (!here || SameMachine(*here, MachineOf(found.front()))) return std::nullopt;
   return Failure{ExitCode::kNoController,
                  {kCodeNetError,

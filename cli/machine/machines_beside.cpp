@@ -1,0 +1,160 @@
+#include "musher/cli/machine/machines_beside.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/base/words.hpp"
+#include "musher/controller/storage/computer.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
+#include "musher/controller/storage/other_starts.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+
+namespace musher::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of a name as NameLock::NameOf() makes it; nullopt: of no actuator or controller.
+std::optional<MachinePlace> PlaceOfName(std::string_view name) {
+  constexpr std::string_view kController = "/musher/controller";
+  MachinePlace place;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), place.domain);
+  if (error != std::errc() || end == name.data() + name.size() || *end != '/') return std::nullopt;
+  name.remove_prefix(static_cast<std::size_t>(end - name.data()) + 1);
+  const bool leads = name.ends_with(kController);
+  const std::size_t last = leads ? name.size() - kController.size() : name.rfind('/');
+  if (last == std::string_view::npos) return std::nullopt;
+  place.name_space = name.substr(0, last);
+  const std::string& where = place.name_space;
+  if (!leads && (where == "musher" || where.ends_with("/musher"))) return std::nullopt;
+  return place;
+}
+
+bool NamesNamespace(const GlobalOptions& global) {
+  return global.name_space_given || !global.name_space.empty();
+}
+
+// Whether the command may mean a machine there: nothing that it names says otherwise.
+bool MayBeMeant(const MachinePlace& place, const GlobalOptions& global) {
+  const MachinePlace own = PlaceOf(global);
+  if (place == own) return false;
+  if (place.name_space != own.name_space && NamesNamespace(global)) return false;
+  return place.domain == own.domain || !global.domain;
+}
+
+bool IsWord(const MachineIdentity& machine, const std::string& word) {
+  return machine.name == word || BeginsIdOf(machine, word);
+}
+
+// The folders of machines that were started on this computer by a config that is still there.
+std::vector<std::pair<std::string, MachineOrigin>> FoldersHere() {
+  std::vector<std::string> folders;
+  std::error_code error;
+  if (fs::is_regular_file("robot.toml", error)) {
+    const auto config = ReadConfigFile("robot.toml").config;
+    if (config) folders.push_back(config->state_dir);
+  }
+  const fs::path by_user = fs::path(config_toml::DefaultStateDir("any", "")).parent_path();
+  for (const fs::path& place : std::set<fs::path>{by_user, fs::path(kServicePlace)}) {
+    for (const fs::path& folder : EntriesOf(place)) folders.push_back(folder);
+  }
+  const std::vector<std::string> computer = ComputerParts();
+  std::vector<std::pair<std::string, MachineOrigin>> found;
+  for (const std::string& folder : folders) {
+    auto origin = LoadOrigin(folder);
+    if (!origin || !fs::exists(origin->file, error)) continue;
+    if (IsOtherComputer(origin->computer, computer)) continue;
+    found.emplace_back(folder, std::move(*origin));
+  }
+  // That of the working directory is the most likely one.
+  const fs::path here = fs::absolute("robot.toml", error).lexically_normal();
+  std::ranges::stable_partition(found, [&](const auto& one) { return one.second.file == here; });
+  return found;
+}
+
+}  // namespace
+
+std::string MachinePlace::Text(int own_domain) const {
+  const std::string text = NamespaceText(name_space);
+  return domain == own_domain ? text : text + " of DDS domain " + std::to_string(domain);
+}
+
+std::string MachinePlace::Options(const MachinePlace& own) const {
+  std::string options;
+  if (name_space != own.name_space) options = "--namespace " + ShellWord(name_space);
+  if (domain == own.domain) return options;
+  return options + (options.empty() ? "" : " ") + "--domain " + std::to_string(domain);
+}
+
+MachinePlace PlaceOf(const GlobalOptions& global) {
+  const auto domain = transport::DomainId({});
+  return {domain ? domain.value() : 0, global.name_space};
+}
+
+std::vector<MachinePlace> PlacesHere() {
+  constexpr std::string_view kBegin = " @musher/";
+  std::set<MachinePlace> places;
+  std::ifstream table("/proc/net/unix");
+  for (std::string line; std::getline(table, line);) {
+    const std::size_t at = line.find(kBegin);
+    if (at == std::string::npos) continue;
+    const auto place = PlaceOfName(std::string_view(line).substr(at + kBegin.size()));
+    if (place) places.insert(*place);
+  }
+  return {places.begin(), places.end()};
+}
+
+std::string MachineBeside::Text(const GlobalOptions& global) const {
+  const std::string machine = MachineText(identity);
+  return "the machine of this host" + (machine.empty() ? "" : ", " + machine + ",") +
+         (runs ? " runs in " : " does not run and belongs to ") +
+         place.Text(PlaceOf(global).domain);
+}
+
+std::string MachineBeside::InsteadOf(const std::string& others, const GlobalOptions& global) const {
+  const MachinePlace own = PlaceOf(global);
+  const bool by_domain = place.domain != own.domain;
+  std::string variables = place.name_space != own.name_space ? "MUSHER_NAMESPACE" : "";
+  if (by_domain) variables += variables.empty() ? "ROS_DOMAIN_ID" : " and ROS_DOMAIN_ID";
+  return Text(global) + ", and this command speaks to " + own.Text(place.domain) + "; found " +
+         others + ". Nothing was done; " + place.Options(own) + ", or " + variables +
+         ", speaks to it, --machine NAME speaks to another machine";
+}
+
+std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global) {
+  const auto folders = FoldersHere();
+  std::vector<MachineBeside> machines;
+  const auto is_meant = [&global](const MachineBeside& one) {
+    if (global.machine.empty()) return MayBeMeant(one.place, global);
+    return one.place != PlaceOf(global) && IsWord(one.identity, global.machine);
+  };
+  const auto add = [&](MachineBeside machine) {
+    const bool known = std::ranges::count(machines, machine.place, &MachineBeside::place) != 0;
+    if (!known && is_meant(machine)) machines.push_back(std::move(machine));
+  };
+  for (const MachinePlace& place : PlacesHere()) {
+    MachineBeside machine{place, {}, true};
+    auto origin = OriginHere(place.domain, place.name_space);
+    for (const auto& [folder, one] : folders) {
+      if (!origin && MachinePlace{one.domain, one.name_space} == place) origin = one;
+    }
+    if (origin) machine.identity = {origin->name, origin->id};
+    add(std::move(machine));
+  }
+  for (const auto& [folder, one] : folders) {
+    add({{one.domain, one.name_space}, {one.name, one.id}, false});
+  }
+  return machines;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,57 @@
+#pragma once
+// The machines of this host beside the one of a command's namespace and domain: in another
+// namespace, or in another domain. A person who types a command on a robot, in a shell without its
+// MUSHER_NAMESPACE or with another ROS_DOMAIN_ID, means that robot, and no other one in range.
+//
+//   running   a process of this host holds the name of a controller or an actuator there
+//   stopped   robot.toml in the working directory, or a state folder in a default place, says so,
+//             and its config is still there
+//
+// What the command line or the environment names expressly counts as meant: --machine and
+// MUSHER_MACHINE, --namespace and MUSHER_NAMESPACE, --domain. ROS_DOMAIN_ID is for all that a
+// shell starts, and names no robot.
+//
+// Threads: any. PlacesHere() reads the kernel's table alone; the others read the disk.
+
+#include <compare>
+#include <string>
+#include <vector>
+
+#include "musher/cli/console/options.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+
+namespace musher::cli {
+
+// Where the processes of a machine find each other.
+struct MachinePlace {
+  int domain = 0;
+  std::string name_space;
+
+  // "namespace 'dogA'", with the domain where it is another one than the command's.
+  std::string Text(int own_domain) const;
+  // "--namespace dogA", with --domain where that differs.
+  std::string Options(const MachinePlace& own) const;
+
+  friend auto operator<=>(const MachinePlace&, const MachinePlace&) = default;
+};
+
+MachinePlace PlaceOf(const GlobalOptions& global);
+
+// Where a controller or an actuator runs on this host; sorted.
+std::vector<MachinePlace> PlacesHere();
+
+struct MachineBeside {
+  MachinePlace place;
+  MachineIdentity identity;  // empty: of another user
+  bool runs = false;
+
+  // "the machine of this host, dog (id d0900000), runs in namespace 'dogA'".
+  std::string Text(const GlobalOptions& global) const;
+  // Why a command that acts speaks to none of `others`, machines of other hosts.
+  std::string InsteadOf(const std::string& others, const GlobalOptions& global) const;
+};
+
+// The running ones first. With --machine: those that it may mean, in any namespace and domain.
+std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global);
+
+}  // namespace musher::cli

@@ -1,0 +1,133 @@
+// A robot, dog, whose person types a command in a shell without its namespace, or with another
+// domain, while another robot, cat, on another host is in range there: two network and pid
+// namespaces of this computer, with a link between them.
+
+#include <memory>
+
+#include "musher/test/fault_injection/host/isolation.hpp"
+#include "musher/test/fault_injection/host/link.hpp"
+#include "musher/test/integration/cli/host.hpp"
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing::machine_beside_test {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class MachineBeside : public MachineByCli {
+ protected:
+  void SetUp() override {
+    if (geteuid() != 0 || access("/dev/net/tun", R_OK | W_OK) != 0) {
+      GTEST_SKIP() << "two hosts need root and /dev/net/tun";
+    }
+    setenv("XDG_STATE_HOME", folder_.path().c_str(), 1);  // without machines of other tests
+    dog_host_ = std::make_unique<Host>();
+    cat_host_ = std::make_unique<Host>();
+    ASSERT_TRUE(dog_host_->up() && cat_host_->up());
+    cat_host_->InNetwork([] { fault_injection::BringUp("lo"); });
+    dog_host_->InNetwork([this] {
+      fault_injection::BringUp("lo");
+      link_ = std::make_unique<fault_injection::Link>(cat_host_->init());
+    });
+    setenv("CYCLONEDDS_URI",
+           "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"link\"/></Interfaces>"
+           "</General></Domain></CycloneDDS>",
+           1);
+    Replace("name = \"robot\"", "name = \"dog\"");
+  }
+  void TearDown() override {
+    unsetenv("CYCLONEDDS_URI");
+    unsetenv("XDG_STATE_HOME");
+  }
+
+  // dog in its namespace, and cat where `shell` looks, which are words for `env`.
+  void Start(std::vector<std::string> shell, const std::string& cat_name_space) {
+    shell_ = std::move(shell);
+    const std::string cat = OtherRobot("cat", cat_name_space, folder_ / "cat_state");
+    ASSERT_EQ(dog_host_->Run({"up", config_, "--detach"}).exit, 0);
+    ASSERT_EQ(InShell(*cat_host_, {"up", cat, "--detach"}).exit, 0);
+    ASSERT_TRUE(Until([this] { return Cat()["state"] == "Active"; }));
+    ASSERT_TRUE(Until([this] { return Dog()["state"] == "Active"; }));
+  }
+  void StartInTheDefaultNamespace() { Start({"-u", "MUSHER_NAMESPACE"}, ""); }
+  Ended InShell(const Host& host, std::vector<std::string> words) const {
+    std::vector<std::string> line = {"env", "--chdir=" + folder_.path()};
+    line.insert(line.end(), shell_.begin(), shell_.end());
+    for (std::string& word : Command(std::move(words))) line.push_back(std::move(word));
+    return host.Do(std::move(line));
+  }
+  // What a person types on the robot.
+  Ended Type(std::vector<std::string> words) const { return InShell(*dog_host_, std::move(words)); }
+  nlohmann::json Dog() const { return dog_host_->Status(); }
+  nlohmann::json Cat() const {
+    const Ended status = InShell(*cat_host_, {"status", "--json"});
+    return status.exit == 0 ? Json(status.out) : nlohmann::json::object();
+  }
+  // `how`: the option that speaks to dog.
+  void ExpectNoCommandActsOnTheCat(const std::string& how) const {
+    const nlohmann::json before = Cat();
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"set", "LowPower"},
+                                               {"down"},
+                                               {"down", "--without-controller"},
+                                               {"restart", "legs"},
+                                               {"wake"},
+                                               {"wait", "Active", "--timeout", "3"},
+                                               {"estop", "--release"}}) {
+      const Ended ended = Type(words);
+      EXPECT_EQ(ended.exit, 3) << words[0] << ": " << ended.out << ended.err;
+      EXPECT_THAT(ended.err, AllOf(HasSubstr("the machine of this host, dog"), HasSubstr("cat"),
+                                   HasSubstr(how), HasSubstr("--machine NAME")))
+          << words[0];
+    }
+    const nlohmann::json after = Cat();
+    for (const char* what : {"state", "epoch", "switch", "actuators", "emergency_stop"}) {
+      EXPECT_EQ(before[what], after[what]) << what;
+    }
+  }
+
+  std::unique_ptr<Host> dog_host_;
+  std::unique_ptr<Host> cat_host_;
+  std::unique_ptr<fault_injection::Link> link_;
+  std::vector<std::string> shell_;
+};
+
+// It rose, and its motors went on, with exit code 0.
+TEST_F(MachineBeside, IsNotActedOnInPlaceOfTheRobotOfAnotherNamespaceThatRunsHere) {
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  ExpectNoCommandActsOnTheCat("--namespace " + name_space_ + ", or MUSHER_NAMESPACE, speaks to it");
+  EXPECT_EQ(Dog()["state"], "Active");
+  const Ended status = Type({"status"});
+  EXPECT_EQ(status.exit, 0);
+  EXPECT_THAT(status.err, AllOf(HasSubstr("the machine of this host, dog"), HasSubstr("cat")));
+  EXPECT_EQ(Type({"--namespace", name_space_, "set", "LowPower"}).exit, 0);
+  EXPECT_EQ(Dog()["state"], "LowPower");
+  EXPECT_EQ(Type({"--namespace", "", "set", "LowPower"}).exit, 0) << "named expressly";
+  EXPECT_EQ(Cat()["state"], "LowPower");
+  EXPECT_EQ(Type({"--machine", "cat", "set", "Active"}).exit, 0) << "named expressly";
+}
+
+TEST_F(MachineBeside, IsNotActedOnInPlaceOfTheRobotOfAnotherNamespaceThatIsDownHere) {
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  ASSERT_EQ(dog_host_->Run({"down"}).exit, 0);
+  ExpectNoCommandActsOnTheCat("--namespace " + name_space_);
+}
+
+TEST_F(MachineBeside, IsNotActedOnInPlaceOfTheRobotOfAnotherDomainThatRunsHere) {
+  const int own = transport::TestDomain();
+  ASSERT_NO_FATAL_FAILURE(Start({"ROS_DOMAIN_ID=" + std::to_string(own % 101 + 1)}, name_space_));
+  ExpectNoCommandActsOnTheCat("--domain " + std::to_string(own) +
+                              ", or ROS_DOMAIN_ID, speaks to it");
+  EXPECT_EQ(Dog()["state"], "Active");
+}
+
+// "found '' (cat), 'dogs' (dog) - use --machine cat".
+TEST_F(MachineBeside, IsNotProposedWhereTheRobotThatRunsHereIsNamed) {
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  const Ended set = Type({"--machine", "dog", "set", "LowPower"});
+  EXPECT_EQ(set.exit, 3) << set.out;
+  EXPECT_THAT(set.err, AllOf(HasSubstr("use --namespace " + name_space_), Not(HasSubstr("cat"))));
+}
+
+}  // namespace musher::testing::machine_beside_test
