@@ -5,18 +5,22 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <sstream>
 
 #include "musher/base/host.hpp"
 #include "musher/base/user.hpp"
 #include "musher/cli/commands/commands.hpp"
+#include "musher/cli/console/json_line.hpp"
 #include "musher/cli/console/printable.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/link.hpp"
 #include "musher/cli/machine/machine_files.hpp"
+#include "musher/cli/machine/machines_beside.hpp"
 #include "musher/cli/machine/silent_controller.hpp"
 #include "musher/cli/machine/stop_target.hpp"
 #include "musher/cli/render/json.hpp"
@@ -91,6 +95,7 @@ struct Stop {
   msg::EmergencyStop message;
   std::string id_begins;               // --machine; empty: not given
   std::vector<MachineIdentity> by_id;  // of this host, whose id begins so
+  bool only_now = false;               // not for a machine that is found after the command
 
   Result<std::unique_ptr<StopLatch>> Publish(transport::Node& node, const GlobalOptions& global,
                                              DetachedPublisher::Notes notes = {}) const {
@@ -223,7 +228,9 @@ std::string StaysPublished(const Publishers& publishers, const Stop& stop) {
 ExitCode NotComplete(const EstopReport& report, const Link& link, const StopLatch& latch,
                      const Stop& stop, const Publishers& publishers, Console& console) {
   std::string kept;
-  if (latch.withdrawn()) {
+  if (stop.only_now && !report.found()) {
+    for (DetachedPublisher* one : publishers) one->Cancel();
+  } else if (latch.withdrawn()) {
     for (DetachedPublisher* one : publishers) one->Cancel();
     kept = "; it was released meanwhile";
   } else {
@@ -473,15 +480,192 @@ class Series {
   std::vector<std::unique_ptr<Attempt>> attempts_;
 };
 
-ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
-  if (const auto domain = transport::DomainId({}); !domain) return console.Fail(domain.error());
+Stop NewStop(const EstopOptions& options, const GlobalOptions& global) {
   Stop stop;
   stop.message =
       NewEmergencyStop(UserAtHostAtOnce(), fmt::format("{}", fmt::join(options.reason, " ")));
-  stop.id_begins = given.machine;
+  stop.id_begins = global.machine;
+  return stop;
+}
+
+// `stopped_here`: a machine of this host was stopped in another namespace or domain. Then it is not
+// known that another one is meant.
+ExitCode EngageThere(Stop& stop, const GlobalOptions& given, bool stopped_here, Console& console) {
   const Found found = SearchMeanwhile(stop, given);
-  const GlobalOptions global = Reach(given, found.machine, found.machines);
+  GlobalOptions global = Reach(given, found.machine, found.machines);
+  stop.only_now = stopped_here && (found.machine.name.empty() || !given.machine.empty());
+  if (stop.only_now && !global.timeout) {
+    global.timeout =
+        kOthersWithin + (global.keys.empty() ? Link::kDiscovery : Link::kSecuredDiscovery);
+  }
   return Series(stop, found, global, console).Run();
+}
+
+// The environment of a stop in another domain, until the end of the scope. Reach() changes the
+// transport, too.
+class InDomain {
+ public:
+  explicit InDomain(int domain) {
+    setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), /*replace=*/1);
+  }
+  ~InDomain() {
+    Restore("ROS_DOMAIN_ID", domain_);
+    Restore("MUSHER_TRANSPORT", transport_);
+  }
+  InDomain(const InDomain&) = delete;
+  InDomain& operator=(const InDomain&) = delete;
+
+ private:
+  using Value = std::optional<std::string>;
+
+  static Value ValueOf(const char* name) {
+    const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+    return value == nullptr ? Value() : Value(value);
+  }
+  static void Restore(const char* name, const Value& value) {
+    if (value) {
+      setenv(name, value->c_str(), /*replace=*/1);
+    } else {
+      unsetenv(name);
+    }
+  }
+
+  const Value domain_ = ValueOf("ROS_DOMAIN_ID");
+  const Value transport_ = ValueOf("MUSHER_TRANSPORT");
+};
+
+// Stops the machines of this host in other namespaces, and in other domains, beside what is stopped
+// without them: a shell that lacks the MUSHER_NAMESPACE of a robot does not leave it moving. Their
+// controllers have the stop before anything is searched for, and after kFirstTry a process
+// publishes each one that is not under way yet.
+class StopsOfThisHost {
+ public:
+  StopsOfThisHost(const EstopOptions& options, const GlobalOptions& given, Console& console)
+      : options_(options), given_(given), console_(console) {}
+
+  ExitCode Run(const std::vector<MachinePlace>& beside) {
+    for (const MachinePlace& place : beside) Add(place);
+    Add(own_);
+    for (const auto& one : stops_) {
+      const InDomain in_domain(one->place.domain);
+      HandOver(one->stop.message, one->global);
+    }
+    for (const auto& one : stops_) {
+      const InDomain in_domain(one->place.domain);
+      one->meanwhile.emplace(PublishForAMinute(one->global, one->stop), kFirstTry);
+    }
+    if (!given_.machine.empty()) DropOthers();
+    for (const auto& one : stops_) {
+      if (!interrupted_) RunOne(*one);
+    }
+    return RunRemote(exit_.value_or(ExitCode::kNoController));
+  }
+  // Those that only have actuators on other hosts; their state folders say so. `exit`: of what was
+  // stopped before.
+  ExitCode RunRemote(ExitCode exit) {
+    if (exit != ExitCode::kNoController) exit_ = exit;
+    for (const MachinePlace& place : PlacesOfRemoteActuators(given_)) {
+      if (interrupted_) break;
+      Add(place);
+      RunOne(*stops_.back());
+    }
+    if (!documents_.empty()) console_.Print(Document());
+    return exit_.value_or(exit);
+  }
+
+ private:
+  struct One {
+    MachinePlace place;
+    GlobalOptions global;
+    Stop stop;
+    std::optional<DetachedPublisher> meanwhile;
+  };
+
+  void Add(const MachinePlace& place) {
+    auto one = std::make_unique<One>();
+    one->place = place;
+    one->global = given_;
+    one->global.name_space = place.name_space;
+    one->stop = NewStop(options_, given_);
+    Address(one->stop.message, {given_.machine, ""});
+    stops_.push_back(std::move(one));
+  }
+  // Those that --machine does not mean.
+  void DropOthers() {
+    const auto meant = MachinesBeside(given_);
+    std::erase_if(stops_, [&](const std::unique_ptr<One>& one) {
+      const bool is_meant = std::ranges::count(meant, one->place, &MachineBeside::place) != 0;
+      if (is_meant || one->place == own_) return false;
+      one->meanwhile->Cancel();
+      return true;
+    });
+  }
+  void RunOne(One& one) {
+    const InDomain in_domain(one.place.domain);
+    if (one.meanwhile) one.meanwhile->Cancel();
+    const bool own = one.place == own_;
+    const bool stopped_here =
+        own && exit_ == ExitCode::kDone && std::ranges::count(PlacesHere(), own_) == 0;
+    std::ostringstream out;
+    std::ostringstream err;
+    Console captured(out, err, {console_.mode().json, console_.mode().colour, false});
+    const ExitCode exit = EngageThere(one.stop, one.global, stopped_here, captured);
+    interrupted_ = exit == ExitCode::kInterrupted;
+    if (exit == ExitCode::kNoController && one.stop.only_now) return;
+    Print(one.place, out.str(), err.str());
+    if (exit_.value_or(ExitCode::kDone) == ExitCode::kDone || interrupted_) exit_ = exit;
+  }
+  void Print(const MachinePlace& place, const std::string& out, const std::string& err) {
+    if (console_.mode().json) {
+      documents_.emplace_back(place, out);
+    } else if (!out.empty() && (stops_.size() > 1 || place != own_)) {
+      const std::string options = place == own_ ? "" : " (" + place.Options(own_) + ")";
+      const bool here = std::ranges::count(PlacesHere(), place) != 0;
+      console_.Print((here ? "in " : "on other hosts in ") + place.Text(own_.domain) + options +
+                     ":\n" + out);
+    } else if (!out.empty()) {
+      console_.Print(out);
+    }
+    std::istringstream lines(err);
+    for (std::string line; std::getline(lines, line);) console_.Note(line);
+  }
+  // The first one, and the others in its list `beside`.
+  std::string Document() const {
+    if (documents_.size() == 1) return documents_.front().second;
+    OrderedJson document;
+    for (const auto& [place, text] : documents_) {
+      OrderedJson one = OrderedJson::parse(text, nullptr, /*allow_exceptions=*/false);
+      if (!one.is_object()) one = OrderedJson::object();
+      one["namespace"] = place.name_space;
+      one["domain"] = place.domain;
+      if (document.is_null()) {
+        document = std::move(one);
+        document["beside"] = OrderedJson::array();
+      } else {
+        document["beside"].push_back(std::move(one));
+      }
+    }
+    return JsonLine(document);
+  }
+
+  const EstopOptions& options_;
+  const GlobalOptions& given_;
+  Console& console_;
+  const MachinePlace own_ = PlaceOf(given_);  // of the command
+  std::vector<std::unique_ptr<One>> stops_;
+  std::optional<ExitCode> exit_;  // the first that is not kDone; none: nothing was found yet
+  bool interrupted_ = false;
+  std::vector<std::pair<MachinePlace, std::string>> documents_;
+};
+
+ExitCode Engage(const EstopOptions& options, const GlobalOptions& given, Console& console) {
+  if (const auto domain = transport::DomainId({}); !domain) return console.Fail(domain.error());
+  const std::vector<MachinePlace> beside = PlacesToStop(given);
+  if (!beside.empty()) return StopsOfThisHost(options, given, console).Run(beside);
+  Stop stop = NewStop(options, given);
+  const ExitCode exit = EngageThere(stop, given, /*stopped_here=*/false, console);
+  if (exit == ExitCode::kInterrupted) return exit;
+  return StopsOfThisHost(options, given, console).RunRemote(exit);
 }
 
 // Not empty, which means all stops: one that is engaged after an answer without any was not seen.

@@ -16,6 +16,7 @@
 #include "musher/controller/storage/computer.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/controller/storage/other_starts.hpp"
+#include "musher/controller/storage/state_store.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
@@ -114,6 +115,19 @@ std::vector<MachinePlace> PlacesHere() {
   return {places.begin(), places.end()};
 }
 
+std::vector<MachinePlace> PlacesToStop(const GlobalOptions& global) {
+  const MachinePlace own = PlaceOf(global);
+  std::vector<MachinePlace> places = PlacesHere();
+  const bool own_runs = std::ranges::count(places, own) != 0;
+  std::erase_if(places, [&](const MachinePlace& place) { return !MayBeMeant(place, global); });
+  const bool in_domain =
+      own_runs || std::ranges::count(places, own.domain, &MachinePlace::domain) != 0;
+  if (in_domain) {
+    std::erase_if(places, [&](const MachinePlace& place) { return place.domain != own.domain; });
+  }
+  return places;
+}
+
 std::string MachineBeside::Text(const GlobalOptions& global) const {
   const std::string machine = MachineText(identity);
   return "the machine of this host" + (machine.empty() ? "" : ", " + machine + ",") +
@@ -155,6 +169,19 @@ std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global) {
     add({{one.domain, one.name_space}, {one.name, one.id}, false});
   }
   return machines;
+}
+
+std::vector<MachinePlace> PlacesOfRemoteActuators(const GlobalOptions& global) {
+  std::set<MachinePlace> found;
+  const MachinePlace own = PlaceOf(global);
+  for (const auto& [folder, one] : FoldersHere()) {
+    const MachinePlace place{one.domain, one.name_space};
+    if (place.domain != own.domain || !MayBeMeant(place, global)) continue;
+    if (!global.machine.empty() && !IsWord({one.name, one.id}, global.machine)) continue;
+    if (!StateStore::RemoteActuatorsIn(folder, HostId()).empty()) found.insert(place);
+  }
+  for (const MachinePlace& place : PlacesHere()) found.erase(place);
+  return {found.begin(), found.end()};
 }
 
 }  // namespace musher::cli

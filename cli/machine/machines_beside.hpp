@@ -40,6 +40,10 @@ MachinePlace PlaceOf(const GlobalOptions& global);
 // Where a controller or an actuator runs on this host; sorted.
 std::vector<MachinePlace> PlacesHere();
 
+// Those that a stop without an express name has to reach beside its own: of this domain, and of the
+// others where nothing runs in this one.
+std::vector<MachinePlace> PlacesToStop(const GlobalOptions& global);
+
 struct MachineBeside {
   MachinePlace place;
   MachineIdentity identity;  // empty: of another user
@@ -53,5 +57,8 @@ struct MachineBeside {
 
 // The running ones first. With --machine: those that it may mean, in any namespace and domain.
 std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global);
+
+// Machines in this domain that do not run here, but have actuators on other hosts.
+std::vector<MachinePlace> PlacesOfRemoteActuators(const GlobalOptions& global);
 
 }  // namespace musher::cli

@@ -120,6 +120,36 @@ TEST_F(MachineBeside, IsNotActedOnInPlaceOfTheRobotOfAnotherDomainThatRunsHere) 
   ExpectNoCommandActsOnTheCat("--domain " + std::to_string(own) +
                               ", or ROS_DOMAIN_ID, speaks to it");
   EXPECT_EQ(Dog()["state"], "Active");
+  const Ended stop = Type({"estop", "smoke"});
+  EXPECT_EQ(stop.exit, 0) << stop.out << stop.err;
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
+}
+
+// "2 actuators are stopped", of the other robot, and the motors of this one went on.
+TEST_F(MachineBeside, IsNotStoppedInPlaceOfTheRobotOfAnotherNamespaceThatRunsHere) {
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  const Ended stop = Type({"estop", "smoke"});
+  EXPECT_EQ(stop.exit, 0) << stop.out << stop.err;
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
+  EXPECT_THAT(stop.out, HasSubstr("in namespace '" + name_space_ + "' (--namespace " + name_space_ +
+                                  "):\nemergency stop engaged"));
+  EXPECT_THAT(stop.out, HasSubstr("\non other hosts in the default namespace:\n"))
+      << "it may be the one that is meant";
+  EXPECT_EQ(Cat()["emergency_stop"]["engaged"], true);
+  const Ended json = Type({"estop", "--json"});
+  EXPECT_EQ(json.exit, 0) << json.err;
+  EXPECT_EQ(Json(json.out)["namespace"], name_space_);
+  EXPECT_EQ(Json(json.out)["beside"][0]["namespace"], "");
+}
+
+// It ended with 3, though it named the robot.
+TEST_F(MachineBeside, ThatIsOutOfRangeLeavesTheStopToTheRobotThatRunsHere) {
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  ASSERT_EQ(InShell(*cat_host_, {"down"}).exit, 0);
+  const Ended stop = Type({"estop", "smoke"});
+  EXPECT_EQ(stop.exit, 0) << stop.out << stop.err;
+  EXPECT_EQ(stop.err, "");
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
 }
 
 // "found '' (cat), 'dogs' (dog) - use --machine cat".
@@ -128,6 +158,10 @@ TEST_F(MachineBeside, IsNotProposedWhereTheRobotThatRunsHereIsNamed) {
   const Ended set = Type({"--machine", "dog", "set", "LowPower"});
   EXPECT_EQ(set.exit, 3) << set.out;
   EXPECT_THAT(set.err, AllOf(HasSubstr("use --namespace " + name_space_), Not(HasSubstr("cat"))));
+  const Ended stop = Type({"--machine", "dog", "estop", "smoke"});
+  EXPECT_EQ(stop.exit, 0) << stop.out << stop.err;
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
+  EXPECT_EQ(Cat()["emergency_stop"]["engaged"], false);
 }
 
 }  // namespace musher::testing::machine_beside_test
