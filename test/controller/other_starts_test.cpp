@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/lifecycle/step/emergency_stops.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -207,6 +208,39 @@ TEST_F(OtherStart, WithPipesAndLinksHoldsNoStartUp) {
   fs::rename(by_user_ + "/machine", secret);
   fs::create_symlink(secret, by_user_ + "/machine");
   EXPECT_FALSE(LoadOrigin(by_user_));
+}
+
+// The same config with another name, namespace or domain, whose motors are the same.
+TEST_F(OtherStart, UnderAnotherNameNamespaceOrDomainLeavesWhatHoldsToTheNextOne) {
+  for (const MachineOrigin& earlier : {MachineOrigin{"renamed", "", 0, robot_.file},
+                                       MachineOrigin{"robot", "fleet", 0, robot_.file},
+                                       MachineOrigin{"robot", "", 7, robot_.file}}) {
+    const std::string folder = folder_ / "user/earlier";
+    StopIn(folder, earlier);
+    auto store = StateStore::Open(folder, earlier);
+    ASSERT_TRUE(store);
+    ASSERT_TRUE(store.value().SavePolicy({std::nullopt, std::nullopt, BatteryLevel::kLowPower}));
+    ASSERT_TRUE(store.value().SaveActuators(
+        {{"arm", StaysDown::kTornDown}, {"legs", StaysDown::kNo, "Active"}}, HostId()));
+    const auto folders = FoldersOfFile(robot_, {by_user_, by_service_});
+    EXPECT_THAT(folders, ElementsAre(folder)) << earlier.Text();
+    EXPECT_EQ(FindStopsElsewhere(by_service_, robot_, folders, {}).size(), 1U);
+    const auto levels = FindLevelsElsewhere(by_service_, robot_, folders);
+    ASSERT_EQ(levels.size(), 1U);
+    EXPECT_EQ(levels[0].level, BatteryLevel::kLowPower);
+    const auto down = FindStayDownElsewhere(by_service_, robot_, folders);
+    ASSERT_EQ(down.size(), 1U);
+    EXPECT_THAT(down[0].actuators, ElementsAre(StoredActuator{"arm", StaysDown::kTornDown}));
+    ASSERT_TRUE(store.value().SaveActuators({{"leg", StaysDown::kTornDown}}, HostId()));
+    EXPECT_NE(FindStayDownElsewhere(by_service_, robot_, folders).at(0).mark, down[0].mark)
+        << "they were stored again";
+    ASSERT_TRUE(store.value().SaveActuatorsTaken({down[0].mark, 7}));
+    EXPECT_EQ(StateStore::ActuatorsTakenIn(folder), (std::vector{down[0].mark, std::uint64_t{7}}));
+    fs::remove_all(folder);
+  }
+  // With a file of its own it is another robot.
+  StopIn(folder_ / "user/cat", {"cat", "", 0, folder_ / "cat.toml"});
+  EXPECT_THAT(FoldersOfFile(robot_, {by_user_, by_service_}), IsEmpty());
 }
 
 TEST_F(OtherStart, LeavesItsLowBatteryToTheNextOneOnce) {
