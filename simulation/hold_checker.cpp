@@ -1,5 +1,7 @@
 #include "musher/simulation/hold_checker.hpp"
 
+#include <utility>
+
 #include "musher/lifecycle/config/flow.hpp"
 
 namespace musher::simulation {
@@ -23,6 +25,9 @@ bool HoldChecker::Ends(const Switch& s, ActuatorIndex i, const State& in) const 
 
 void HoldChecker::NoteSwitch(const SimulatedController& controller) {
   const Machine& machine = controller.shell().machine();
+  // A client's switch that had nothing to do was never under way.
+  const CommandNumber before = std::exchange(numbers_[controller.serial()], machine.number);
+  if (!machine.current && before != machine.number) holds_.clear();
   if (!machine.current) return;
   const Switch& s = *machine.current;
   if (!s.only && s.direction == Direction::kDown) down_[controller.serial()] = s.number;

@@ -83,6 +83,14 @@ std::vector<std::pair<std::string, MachineOrigin>> FoldersHere() {
   return found;
 }
 
+using Folders = std::vector<std::pair<std::string, MachineOrigin>>;
+
+bool HasFolder(const Folders& folders, const MachinePlace& place) {
+  return std::ranges::any_of(folders, [&place](const auto& folder) {
+    return MachinePlace{folder.second.domain, folder.second.name_space} == place;
+  });
+}
+
 }  // namespace
 
 std::string MachinePlace::Text(int own_domain) const {
@@ -119,7 +127,11 @@ std::vector<MachinePlace> PlacesToStop(const GlobalOptions& global) {
   const MachinePlace own = PlaceOf(global);
   std::vector<MachinePlace> places = PlacesHere();
   const bool own_runs = std::ranges::count(places, own) != 0;
-  std::erase_if(places, [&](const MachinePlace& place) { return !MayBeMeant(place, global); });
+  const Folders folders = FoldersHere();
+  std::erase_if(places, [&](const MachinePlace& place) {
+    const bool of_robot = place.domain == own.domain || HasFolder(folders, place);
+    return !of_robot || !MayBeMeant(place, global);
+  });
   const bool in_domain =
       own_runs || std::ranges::count(places, own.domain, &MachinePlace::domain) != 0;
   if (in_domain) {
@@ -157,6 +169,8 @@ std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global) {
     if (!known && is_meant(machine)) machines.push_back(std::move(machine));
   };
   for (const MachinePlace& place : PlacesHere()) {
+    const bool in_domain = place.domain == PlaceOf(global).domain;
+    if (!in_domain && !HasFolder(folders, place)) continue;
     MachineBeside machine{place, {}, true};
     auto origin = OriginHere(place.domain, place.name_space);
     for (const auto& [folder, one] : folders) {

@@ -4,6 +4,7 @@
 // MUSHER_NAMESPACE or with another ROS_DOMAIN_ID, means that robot, and no other one in range.
 //
 //   running   a process of this host holds the name of a controller or an actuator there
+//             (in another domain only one that has such files: a simulation of a colleague has none)
 //   stopped   robot.toml in the working directory, or a state folder in a default place, says so,
 //             and its config is still there
 //

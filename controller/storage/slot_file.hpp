@@ -34,7 +34,7 @@ class SlotFile {
 
   // Whether a slot has room for it.
   bool Fits(std::string_view text) const;
-  // What a file without slots holds never has this size, by which they are told apart.
+  // What a file without slots holds never has this size, which distinguishes them.
   std::size_t size() const;
   // Makes the file with its blocks. A file without slots is replaced by one with `text`. One that
   // has its blocks is not touched.

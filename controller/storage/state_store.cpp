@@ -543,8 +543,8 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
     text += "level " + std::string(is_protected ? kProtectedWord : kLowPowerWord) + "\n";
   }
   if (policy.power != PowerAhead::kNone) {
-    text += "power " + std::string(policy.power == PowerAhead::kReboot ? kRebootWord : kOffWord) +
-            "\n";
+    text +=
+        "power " + std::string(policy.power == PowerAhead::kReboot ? kRebootWord : kOffWord) + "\n";
   }
   return Replace(PolicyFile(), text);
 }

@@ -66,7 +66,13 @@ class MachineBeside : public MachineByCli {
   }
   // `how`: the option that speaks to dog.
   void ExpectNoCommandActsOnTheCat(const std::string& how) const {
-    const nlohmann::json before = Cat();
+    nlohmann::json before = Cat();
+    ASSERT_TRUE(Until(
+        [this, &before] {
+          before = Cat();  // its last stage starts by itself
+          return before.contains("actuators") && before["actuators"]["eyes"]["state"] == "Active";
+        },
+        std::chrono::minutes(2)));
     for (const std::vector<std::string>& words :
          std::vector<std::vector<std::string>>{{"set", "LowPower"},
                                                {"down"},
