@@ -1,5 +1,6 @@
 #include "musher/simulation/hold_checker.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
@@ -26,8 +27,9 @@ bool HoldChecker::Ends(const Switch& s, ActuatorIndex i, const State& in) const 
 void HoldChecker::NoteSwitch(const SimulatedController& controller) {
   const Machine& machine = controller.shell().machine();
   // A client's switch that had nothing to do was never under way.
-  const CommandNumber before = std::exchange(numbers_[controller.serial()], machine.number);
-  if (!machine.current && before != machine.number) holds_.clear();
+  const bool leads = machine.phase == Phase::kRunning;  // before that it takes up what it finds
+  const CommandNumber seen = std::exchange(numbers_[controller.serial()], machine.number);
+  if (leads && !machine.current && seen != 0 && seen < machine.number) holds_.clear();
   if (!machine.current) return;
   const Switch& s = *machine.current;
   if (!s.only && s.direction == Direction::kDown) down_[controller.serial()] = s.number;
@@ -52,6 +54,8 @@ void HoldChecker::OnReply(const SimulatedController& controller, const SwitchRes
 }
 
 void HoldChecker::OnSend(const Machine& machine, const action::SendSwitch& send) {
+  CommandNumber& seen = numbers_[SerialOf(machine)];
+  seen = std::max(seen, send.command.number);
   const std::string& name = config_.actuators[send.actuator].name;
   const auto found = holds_.find(name);
   if (found == holds_.end()) return;

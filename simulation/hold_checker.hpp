@@ -35,6 +35,8 @@ class HoldChecker : public SubjectChecker {
 
   const ProcessChecker& processes_;
   std::map<std::string, Hold> holds_;  // by actuator
+  // By controller: the last number of a switch or a command that was seen.
+  std::map<std::uint64_t, CommandNumber> numbers_;
   std::map<std::uint64_t, CommandNumber>
       down_;  // by controller: its last switch of the machine down
 };
