@@ -79,7 +79,8 @@ std::vector<std::pair<std::string, MachineOrigin>> FoldersHere() {
   }
   // That of the working directory is the most likely one.
   const fs::path here = fs::absolute("robot.toml", error).lexically_normal();
-  std::ranges::stable_partition(found, [&](const auto& one) { return one.second.file == here; });
+  std::stable_partition(found.begin(), found.end(),
+                        [&](const auto& one) { return one.second.file == here; });
   return found;
 }
 

@@ -88,8 +88,8 @@ std::vector<std::string> ComputerParts(const std::string& root) {
     if (!number.empty()) parts.push_back("disk:" + number);
   }
   std::ranges::sort(parts);
-  const auto repeated = std::ranges::unique(parts);  // a disk has several devices
-  parts.erase(repeated.begin(), repeated.end());
+  const auto repeated = std::unique(parts.begin(), parts.end());  // a disk has several devices
+  parts.erase(repeated, parts.end());
   return parts;
 }
 
