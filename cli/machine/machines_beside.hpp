@@ -33,7 +33,7 @@ struct MachinePlace {
   // "--namespace dogA", with --domain where that differs.
   std::string Options(const MachinePlace& own) const;
 
-  friend auto operator<=>(const MachinePlace&, const MachinePlace&) = default;
+  friend auto operator<=>(const MachinePlace&, const MachinePlace&) = default;  // NOLINT(*-nullptr)
 };
 
 MachinePlace PlaceOf(const GlobalOptions& global);
