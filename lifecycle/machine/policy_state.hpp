@@ -54,11 +54,11 @@ struct BatteryFallback {
   friend bool operator==(const BatteryFallback&, const BatteryFallback&) = default;
 };
 
-// What has to survive the controller.
 // A power-off that is accepted and not commanded yet: a controller that its supervisor restarts
 // goes on with it. A boot and a person's start end it.
 enum class PowerAhead { kNone, kOff, kReboot };
 
+// What has to survive the controller.
 struct StoredPolicy {
   std::optional<bool> low_power;  // the LowPower switch, once it was stored
   std::optional<BatteryFallback> lowering;

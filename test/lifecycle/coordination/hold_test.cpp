@@ -16,11 +16,6 @@ class AHold : public Rules {
     t.RestartController(false, true);
     t.Rest();
   }
-  static void TakeDown(Harness& t, AfterTearDown after) {
-    t.Feed(event::SetStateRequested{771, State(kTearDown), {}, after, {}});
-    t.Rest();
-    ASSERT_TRUE(t.stopped());
-  }
   Harness& Held(const State& in = State(kLowPower), MachineConfig config = Ours(3)) {
     Harness& t = In("Active", std::move(config));
     EXPECT_TRUE(t.Set(in, "b").done());
@@ -38,8 +33,8 @@ class AHold : public Rules {
   }
 };
 
-// The rule of the battery lowers the machine to the state in which b is held: the hold is forgotten
-// (Switches::Apply), and the charged battery raises b with the others.
+// A low battery brought the machine to the state in which b was held: the hold was forgotten, and
+// the charged battery raised b with the others.
 TEST_F(AHold, HeldInProtectedIsNotRaisedByTheBatteryThatIsChargedAgain) {
   Harness& t = Robot("Active", OursWithPolicy());
   ASSERT_TRUE(t.Set("Protected", "b").done());
@@ -52,7 +47,7 @@ TEST_F(AHold, HeldInProtectedIsNotRaisedByTheBatteryThatIsChargedAgain) {
   EXPECT_EQ(t.StateOf("b"), "Protected");
 }
 
-// Likewise by a switch of the battery below the hold (Switches::Hold).
+// Likewise by a switch of the battery below the hold.
 TEST_F(AHold, HeldBesideDancingIsNotLedToDancingByTheBattery) {
   Harness& t = Robot("Active", WithDancing(OursWithPolicy()));
   ASSERT_TRUE(t.Set("Dancing").done());
@@ -65,8 +60,8 @@ TEST_F(AHold, HeldBesideDancingIsNotLedToDancingByTheBattery) {
   EXPECT_NE(t.StateOf("b"), "Dancing");
 }
 
-// The others are started again: the check of that start includes the one that a person has put into
-// Error, and runs its callback.
+// The others were started again: the check of that start included the one that a person had put
+// into Error, and ran its callback.
 TEST_F(AHold, HeldInErrorIsNotLedOutByTheStartOfTheOthers) {
   Harness& t = Held(State(kError));
   t.Crash("a");
@@ -79,8 +74,7 @@ TEST_F(AHold, HeldInErrorIsNotLedOutByTheStartOfTheOthers) {
   }
 }
 
-// A person checks it alone, and it is still "held", in SelfCheck, by the status. Its kept_in is
-// gone.
+// A person had checked it alone, and the status said "held", in SelfCheck: a crash raised it.
 TEST_F(AHold, HeldInErrorAndCheckedAloneIsNotRaisedByACrashWhileTheStatusSaysHeld) {
   Harness& t = Held(State(kError));
   ASSERT_TRUE(t.Set("SelfCheck", "b").done());
@@ -102,8 +96,7 @@ TEST_F(AHold, HeldInErrorAndCheckedWithTheMachineFollowsOrIsHeldAlsoAfterACrash)
   EXPECT_EQ(held, t.StateOf("b") != "Active");
 }
 
-// The flow leads out of Error by SelfCheck only, and with the next controller the same request
-// leaves b out as unchecked.
+// The flow leads out of Error by SelfCheck only; the next controller left b out as unchecked.
 TEST_F(AHold, HeldInErrorIsNotLedToActiveWithoutASelfCheck) {
   Harness& t = Held(State(kError));
   t.Set("Active");
@@ -111,8 +104,8 @@ TEST_F(AHold, HeldInErrorIsNotLedToActiveWithoutASelfCheck) {
   EXPECT_EQ(t.StateOf("b"), "Error");
 }
 
-// With the same controller the charged battery raises the machine and leaves b in Error; with the
-// next one it is refused, since a critical b "has not passed its self-check".
+// The charged battery raised the machine and left b in Error. With the next controller that was
+// refused, since a critical b had not passed its self-check.
 TEST_F(AHold, ACriticalOneHeldInErrorKeepsNoBatteryFromRaisingTheMachineAfterARestart) {
   for (const bool crash : {false, true}) {
     MachineConfig config = OursWithPolicy();
@@ -179,8 +172,8 @@ TEST_F(AHold, TornDownAloneWhoseProcessEndsSlowlyIsNotNamedAsLostByTheNextContro
   EXPECT_EQ(result.outcome, SwitchOutcome::kDone) << result.reason;
 }
 
-// The next controller takes b over in the middle of that TearDown, and b crashes in it. Beside one
-// controller it stays down (Commands::Lose sets down_requested).
+// The next controller took b over in the middle of that TearDown, and b crashed in it. Beside one
+// controller it stayed down.
 TEST_F(AHold, ATearDownAloneThatTheNextControllerFindsUnderWayIsNotUndoneByACrash) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "TearDown").takes = std::chrono::seconds(5);
@@ -194,7 +187,7 @@ TEST_F(AHold, ATearDownAloneThatTheNextControllerFindsUnderWayIsNotUndoneByACras
   EXPECT_FALSE(t.IsAlive("b"));
 }
 
-// Likewise on the way to the state in which a person holds it (Commands::Lose sets kept_in).
+// Likewise on the way to the state in which a person holds it.
 TEST_F(AHold, LedDownAloneAndLostUnderTheNextControllerIsNotRaised) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = std::chrono::seconds(5);
