@@ -3,26 +3,12 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/test/lifecycle/coordination/one_controller.hpp"
-#include "musher/test/lifecycle/coordination/policy.hpp"
-#include "musher/test/lifecycle/coordination/switching.hpp"
+#include "musher/test/lifecycle/coordination/next_controller.hpp"
 
 namespace musher::testing::hold_test {
 
-class AHold : public Rules {
+class AHold : public NextController {
  protected:
-  static void CrashController(Harness& t) {
-    t.ClearLog();
-    t.RestartController(false, true);
-    t.Rest();
-  }
-  Harness& Held(const State& in = State(kLowPower), MachineConfig config = Ours(3)) {
-    Harness& t = In("Active", std::move(config));
-    EXPECT_TRUE(t.Set(in, "b").done());
-    t.Rest();
-    t.ClearLog();
-    return t;
-  }
   static MachineConfig OursWithPolicy() {
     MachineConfig config = Ours(3);
     PolicyConfig& policy = config.policy.emplace();
