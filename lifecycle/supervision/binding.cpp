@@ -29,7 +29,15 @@ bool Binding::SuspendAndResume() {
 bool Binding::IsUp(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   return known.presence == Presence::kPresent && Fits(i) && !known.restart.given_up &&
-         known.health != Health::kHung && !known.restart.requested && known.state() != kTearDown;
+         known.health != Health::kHung && !known.restart.requested && known.state() != kTearDown &&
+         !IsKeptAtRest(i);
+}
+
+// Whether a person has set it alone to DeActive or below, while the machine is above that.
+bool Binding::IsKeptAtRest(ActuatorIndex i) const {
+  const KnownActuator& known = Of(i);
+  return known.held && !Rises(config_, kDeActive, known.state()) &&
+         Rises(config_, kDeActive, machine_.state);
 }
 
 bool Binding::IsBoundTo(ActuatorIndex i, ActuatorIndex other, PerActuator<bool>& seen) const {

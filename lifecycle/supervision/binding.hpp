@@ -19,6 +19,7 @@ class Binding : StepPart {
 
  private:
   bool IsUp(ActuatorIndex i) const;
+  bool IsKeptAtRest(ActuatorIndex i) const;
   bool IsBoundTo(ActuatorIndex i, ActuatorIndex other, PerActuator<bool>& seen) const;
   bool Suffices(ActuatorIndex needed, ActuatorIndex i) const;
   const std::string* MissingFor(ActuatorIndex bound, ActuatorIndex i,

@@ -192,6 +192,31 @@ TEST_F(Binding, ADetachedActuatorKeepsItsState) {
   EXPECT_THAT(t.log(), ElementsAre("a:SetUp", "a:SelfCheck", "a:Active"));
 }
 
+TEST_F(Binding, IsNotUpWhereAPersonHasSetItAloneToRest) {
+  for (const State& rest : {State("DeActive"), State("LowPower")}) {
+    Harness& t = In("Active", Bound());
+    ASSERT_TRUE(t.Set(rest, "a").done());
+    t.Rest();
+    EXPECT_EQ(t.StateOf("b"), "DeActive") << rest;
+    EXPECT_THAT(t.RecordOf("b").fault, Is(texts::NotUp("a"))) << rest;
+    ASSERT_TRUE(t.Set("Active", "a").done());
+    t.Rest();
+    EXPECT_EQ(t.StateOf("b"), "Active") << "the person has led it up again, from " << rest;
+  }
+}
+
+TEST_F(Binding, IsUpWhereAPersonHasSetItAloneAboveRestOrTheMachineRests) {
+  Harness& t = In("Active", Bound());
+  ASSERT_TRUE(t.Set("Protected", "a").done());
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  ASSERT_TRUE(t.Set("DeActive").done());
+  ASSERT_TRUE(t.Set("LowPower", "a").done());
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  EXPECT_FALSE(t.RecordOf("b").fault);
+}
+
 TEST_F(Binding, AnActuatorThatIsSlowToGoDownIsSuspendedAnyway) {
   Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
