@@ -1,5 +1,7 @@
 #include "musher/lifecycle/supervision/binding.hpp"
 
+#include "musher/lifecycle/config/flow.hpp"
+
 namespace musher {
 
 bool Binding::SuspendAndResume() {
