@@ -97,9 +97,14 @@ bool IsOnBoard(const Member& member, Shape shape) {
 std::vector<std::string> CommandOf(const Member& member, const std::string& folder,
                                    const std::string& programs) {
   if (member.ros2) return {programs + "/protocol_peer", "ros2", kNameSpace, member.name, "10000"};
-  if (member.wrapped) return {programs + "/musher-exec", "--", "sleep", "infinity"};
+  if (member.wrapped) return {programs + "/musher-exec", folder + "/" + member.name + ".toml"};
   return {programs + "/fault_injection_module", member.name, folder + "/" + member.name + ".board",
           std::to_string(kHz)};
+}
+
+std::string ProgramText() {
+  return "[state.SetUp]\nstart = [\"sleep\", \"infinity\"]\n\n[emergency_stop]\nrun = "
+         "[\"true\"]  # nothing of it moves\n";
 }
 
 std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,

@@ -42,6 +42,9 @@ bool IsOnBoard(const Member& member, Shape shape);
 std::vector<std::string> CommandOf(const Member& member, const std::string& folder,
                                    const std::string& programs);
 
+// The file of a member that is wrapped, NAME.toml.
+std::string ProgramText();
+
 // The state config of a robot whose files are in `folder`.
 std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,
                        const std::string& machine = kMachine);

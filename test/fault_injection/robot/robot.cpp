@@ -38,10 +38,17 @@ bool AwaitThat(const std::function<bool()>& is_so, Duration timeout) {
   return true;
 }
 
+void WriteConfigs(const fs::path& folder, const std::string& robot) {
+  std::ofstream(folder / "robot.toml") << robot;
+  for (const Member& member : Members()) {
+    if (member.wrapped) std::ofstream(folder / (member.name + ".toml")) << ProgramText();
+  }
+}
+
 Robot::Robot(Shape shape, fs::path folder, int domain)
     : shape_(shape), folder_(std::move(folder)), domain_(domain) {
   const std::string programs = fs::path(benchmark::Program("musher")).parent_path();
-  std::ofstream(folder_ / "robot.toml") << ConfigText(shape, folder_, programs);
+  WriteConfigs(folder_, ConfigText(shape, folder_, programs));
   for (const Member& member : Members()) {
     boards_[member.name] = &OpenBoard(folder_ / (member.name + ".board"));
   }
@@ -55,7 +62,7 @@ Robot::Robot(Shape shape, fs::path folder, int domain)
   }
   const fs::path other = folder_ / kOtherMachine;
   fs::create_directories(other);
-  std::ofstream(other / "robot.toml") << ConfigText(shape, other, programs, kOtherMachine);
+  WriteConfigs(other, ConfigText(shape, other, programs, kOtherMachine));
   for (const Member& member : Members()) OpenBoard(other / (member.name + ".board"));
 }
 

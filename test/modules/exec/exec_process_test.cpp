@@ -54,6 +54,18 @@ TEST(MusherExec, IsSetUpRunsItsStatesAndIsTornDown) {
   EXPECT_TRUE(HasExited(program));
 }
 
+// Its log has a size limit where the controller has one, and the line that names a missing
+// [emergency_stop] ended it.
+TEST(MusherExec, RunsOnWhereAFileHasReachedItsSizeLimit) {
+  ExecPeer peer;
+  peer.Start(kProgram);
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_EQ(kill(peer.pid(), SIGXFSZ), 0);
+  const auto active = peer.Switch("Active");
+  ASSERT_TRUE(active);
+  EXPECT_EQ(active.value().verdict, msg::ActuatorCommand::kVerdictDone);
+}
+
 // `ros2 service call` as a command did not meet the machine without settings in the state config.
 TEST(MusherExec, GivesItsCommandsTheSettingsThatARos2ProgramNeeds) {
   for (const char* name : {"CYCLONEDDS_URI", "MUSHER_TRANSPORT"}) unsetenv(name);

@@ -66,6 +66,22 @@ std::set<std::string> Missing(const msg::MachineStatus& status) {
   return missing;
 }
 
+// A robot that is found in SelfCheck stays there until a person leads it on.
+void LeadOnFromSelfCheck(FaultRun& run, std::uint64_t killed_epoch) {
+  const auto is_over = [killed_epoch](const msg::MachineStatus& status) {
+    return status.epoch > killed_epoch && (status.phase == "failed" || IsSettled(status, "Active"));
+  };
+  run.Require(run.observer().Await(is_over, kTimeout).has_value(),
+              "the start of the next controller does not end");
+  if (run.observer().Latest()->phase != "failed") return;
+  run.ExpectOutcome(AwaitFuture(run.observer().SetState("SelfCheck")), "done");
+  run.ExpectOutcome(AwaitFuture(run.observer().SetState("Active")), "done");
+  // A start that has failed leaves its controller without a launcher.
+  run.Require(run.robot.AwaitControllerEnd(kTimeout), "the launcher of the failed start stays");
+  run.robot.StartController({"--takeover"});
+  run.Require(run.robot.AwaitSettled("Active"), "the controller after it does not lead");
+}
+
 }  // namespace
 
 void KilledAt(FaultRun& run, SwitchPhase phase) {
@@ -119,7 +135,9 @@ void KilledInStartUp(FaultRun& run) {
   run.Require(robot.AwaitControllerEnd(kTimeout), "the controller has not ended");
   run.DetectedNow();
   for (const std::string& name : Modules()) ClearFaults(robot.board(name));
+  const std::uint64_t killed_epoch = run.observer().Latest()->epoch;
   robot.StartController();
+  LeadOnFromSelfCheck(run, killed_epoch);
   run.RecoveredIn("Active");
 }
 

@@ -47,8 +47,12 @@ void IsRebooted(FaultRun& run) {
     if (i == 0) run.FaultInjected();
     run.robot.far_host()->Reboot();
     const std::string which = "after reboot " + std::to_string(i + 1);
-    if (i == 0) run.Detected("the actuators are missing", ActuatorIsMissing);
-    run.Require(run.observer().AwaitSince(at, ActuatorIsMissing, kTimeout).has_value(),
+    // The new processes may be there when their predecessors are seen to be gone.
+    const auto is_seen = [&last](const auto& status) {
+      return ActuatorIsMissing(status) || AllAreOtherProcesses(status, last);
+    };
+    if (i == 0) run.Detected("the actuators are missing, or other processes", is_seen);
+    run.Require(run.observer().AwaitSince(at, is_seen, kTimeout).has_value(),
                 "no actuator is missing " + which);
     run.Recovered("settled " + which, [before, &last](const auto& status) {
       const int rank = RankOf(status.state);

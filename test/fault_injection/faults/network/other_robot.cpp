@@ -49,6 +49,10 @@ void OtherRobotInRange(FaultRun& run) {
   run.MayBecome("Active");
   const auto before = run.observer().GetStatus();
   run.Require(before.ok(), "the controller does not reply");
+  // That of the last fault of this kind counts as in range for some seconds.
+  const auto is_alone = [](const msg::MachineStatus& status) { return !KnowsOther(status); };
+  run.Require(run.observer().Await(is_alone, kTimeout).has_value(),
+              "another machine stays in range");
   run.FaultInjected();
   benchmark::Child other = run.robot.StartOther();
   run.Detected("another machine is in range", KnowsOther);

@@ -73,7 +73,12 @@ void DiskIsFull(FaultRun& run) {
     while (file.write(block.data(), static_cast<std::streamsize>(block.size())).flush()) {
     }
   }
-  (void)AwaitFuture(run.observer().SetState("SelfCheck"));  // makes records
+  // The journal has some room in its files: records are made until it has none.
+  const auto is_reported = [&run] {
+    (void)AwaitFuture(run.observer().SetState("SelfCheck"));
+    return ReportsOfTheJournal(run) > 0;
+  };
+  (void)AwaitThat(is_reported, kTimeout);
   MustReportTheJournal(run);
   MustKeepWorking(run);
   MustNotRepeatTheReport(run);
