@@ -87,6 +87,8 @@ void PolicyMemory::OnSwitchEnded(const Switch& s, bool undone) {
   }
   if (undone) return;
   if (s.purpose != Purpose::kPolicy) {
+    policy.failures = 0;  // what was tried before was from another state
+    policy.retry_at.reset();
     return Lower(withheld && withheld->to == machine_.state ? withheld : std::nullopt);
   }
   policy.failures = 0;

@@ -76,6 +76,24 @@ TEST_F(KeepRule, TheBatteryRuleDoesNotApplyMeanwhileAndAppliesAfterwards) {
   EXPECT_EQ(state(), "LowPower");
 }
 
+// Found by simulation: the rule had tried to raise the machine, which one actuator makes impossible.
+// Its lowering then waited for the next attempt, up to a minute.
+TEST_F(KeepRule, TheBatteryRuleAppliesAfterwardsAtOnceWhereItsRaiseWasRefusedBefore) {
+  MachineConfig config = WithPolicy();
+  std::erase(ActuatorNamed(config, "b").states, "Protected");
+  Robot("Active", config);
+  Battery(3);
+  ASSERT_EQ(state(), "LowPower");
+  Battery(20);
+  robot().RunFor(std::chrono::minutes(3));
+  ASSERT_EQ(state(), "LowPower") << "b has no Protected";
+  ASSERT_TRUE(policy().retry_at);
+  EXPECT_EQ(KeepAndWait("Active", 4), "ok");
+  EXPECT_EQ(state(), "Active");
+  robot().RunFor(Milliseconds(2100));
+  EXPECT_EQ(state(), "Protected");
+}
+
 TEST_F(KeepRule, ASwitchToAnotherStateEndsTheKeepAndReportsIt) {
   Robot();
   KeepAndWait("Active", 60);
