@@ -21,6 +21,8 @@ constexpr std::size_t kLongestName = 256;
 constexpr Duration kStatusDelay = Milliseconds(50);
 // The endpoints of a managed node are offered after those that a controller needs: after the first
 // time without a controller, after the second with one, when the start of the robot is over.
+// So many heartbeats of its controller in a row have not arrived: it is lost.
+constexpr int kMissedHeartbeats = 3;
 constexpr Duration kControllerDetected = Milliseconds(150);
 constexpr Duration kStartIsOver = Milliseconds(2000);
 // A ROS 2 manager queries the state once more after its shutdown.
@@ -153,6 +155,7 @@ void ActuatorShell::OnControllerHeartbeat(const msg::ControllerHeartbeat& heartb
   }
   Handle(actuator_event::ControllerHeartbeatReceived{Sender(info.participant.value()),
                                                      Epoch(heartbeat.epoch)});
+  if (Sender(info.participant.value()) == core_.controller) controller_heard_ = node_.loop().Now();
 }
 
 // A stop without an identity stops every machine that receives it.
@@ -327,6 +330,8 @@ void ActuatorShell::Heartbeat(const Checkpoints::Look& look) {
     heartbeat.silent_ns = look.silent.count();
     heartbeat.waited_ns = look.waited.count();
   }
+  heartbeat.controller_lost =
+      heartbeat_at_ - controller_heard_ > kMissedHeartbeats * ControllerHeartbeatPeriod(config_);
   static_cast<void>(heartbeats_->Publish(heartbeat));
 }
 

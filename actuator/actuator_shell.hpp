@@ -149,6 +149,7 @@ class ActuatorShell {
   Checkpoints checkpoints_;
   Health sent_work_ = Health::kWell;  // in the last heartbeat
   Time heartbeat_at_{};               // of the last heartbeat
+  Time controller_heard_{};           // the last heartbeat of its controller
   std::optional<Time> armed_for_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::ActuatorHeartbeat>> heartbeats_;
