@@ -92,6 +92,7 @@ void AddController(const MachineConfig& config, WordList& words) {
   words.Key("log", Or(config.log, "controller.log"));
   words.Key("log_group", Or(config.log_group, "none"));
   words.Key("units", config.own_units ? "always" : "never");
+  words.Key("failover_ms", config.failover ? Ms(*config.failover) : "none");
   words.Key("journal_size_mb", Mb(config.journal_size_bytes));
   words.Key("log_size_mb", Mb(config.log_size_bytes));
   words.Key("logs_size_mb", Mb(config.logs_size_bytes));

@@ -28,6 +28,18 @@ bool RestartConfig::Prevents(int exit_code) const {
          prevent_exit_codes.end();
 }
 
+void TakeOwnHosts(MachineConfig& config, const std::vector<std::string>& addresses) {
+  for (const HostConfig& host : config.hosts) {
+    if (std::ranges::count(addresses, host.address) == 0) continue;
+    for (ActuatorConfig& actuator : config.actuators) {
+      if (actuator.host == host.name) actuator.host.clear();
+    }
+  }
+  std::erase_if(config.hosts, [&](const HostConfig& host) {
+    return std::ranges::count(addresses, host.address) != 0;
+  });
+}
+
 std::string HostConfig::Login() const {
   return user.empty() ? address : user + "@" + address;
 }

@@ -168,6 +168,9 @@ struct MachineConfig {
   std::optional<Duration> permit;
   std::string rules_file;  // absolute; the user's rules for stable states; empty: none
 
+  // A standby of another host leads after this time without a controller; none: there is no
+  // standby.
+  std::optional<Duration> failover;
   std::vector<HostConfig> hosts;  // in the order of the file
   bool own_units = false;  // processes of the controller's host are units of its systemd, too
   std::optional<PolicyConfig> policy;  // none: no rules
@@ -195,6 +198,10 @@ struct MachineConfig {
 
 // NoSuch() (suggest.hpp) for an actuator of `config`.
 Error UnknownActuator(std::string_view name, const MachineConfig& config);
+
+// The actuators of a host that has one of `addresses` are the controller's own there: so one config
+// serves on each computer that may lead.
+void TakeOwnHosts(MachineConfig& config, const std::vector<std::string>& addresses);
 
 // The flow where a config has none: all transitions among Active, Protected, DeActive, LowPower and
 // OTA; from each of them and from Error to Error and TearDown; from Error to SelfCheck; and from a

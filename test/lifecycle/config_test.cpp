@@ -82,4 +82,18 @@ TEST(DefaultFlow, TakesOwnStatesForStatesOfTheRunPhase) {
   EXPECT_EQ(flow, (std::vector<FlowEdge>{{"Active", "Parked"}, {"Parked", "Active"}}));
 }
 
+// One config on each computer that may lead.
+TEST(Config, OfAComputerHasTheActuatorsOfItsOwnAddressAsTheControllersOwn) {
+  MachineConfig config = MachineOf(3);
+  config.hosts.push_back({.name = "brain", .address = "10.0.0.1"});
+  config.hosts.push_back({.name = "motion", .address = "motion.local"});
+  config.actuators[*config.IndexOf("a")].host = "brain";
+  config.actuators[*config.IndexOf("b")].host = "motion";
+  TakeOwnHosts(config, {"192.168.1.7", "motion.local"});
+  EXPECT_EQ(config.actuators[*config.IndexOf("a")].host, "brain");
+  EXPECT_EQ(config.actuators[*config.IndexOf("b")].host, "");
+  ASSERT_EQ(config.hosts.size(), 1U);
+  EXPECT_EQ(config.hosts.front().name, "brain");
+}
+
 }  // namespace musher::config_test

@@ -89,6 +89,7 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadController(root, draft);
   ReadTransitions(root, draft);
   ReadTransport(root, draft);
+  CheckFailover(draft);
   ReadSecurity(root, draft);
   ReadSafety(root, draft);
   WarnOfSharedNetwork(draft);

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::int64_t kLargestJournalMb = 100'000;
 constexpr std::int64_t kLargestControllerLogMb = 100'000;
+// Of half of it a controller needs some 500 ms to see that a host is out of reach.
+constexpr std::int64_t kShortestFailoverMs = 3000;
 
 void ReadActuatorNames(TableReader& controller, Draft& draft) {
   constexpr std::string_view kKey = "actuators";
@@ -171,6 +173,8 @@ void ReadController(TableReader& root, Draft& draft) {
   config.log = ReadPath("log", controller, draft).value_or("");
   ReadLogGroup(controller, draft);
   ReadUnits(controller, draft);
+  config.failover = controller.Time("failover_ms", kShortestFailoverMs);
+  draft.failover_at = controller.At("failover_ms");
   const auto clock = controller.Choice<ClockSource>(
       "clock", {{"steady", ClockSource::kSteady}, {"topic", ClockSource::kTopic}});
   config.clock = clock.value_or(config.clock);
@@ -235,6 +239,13 @@ void ReadTransport(TableReader& root, Draft& draft) {
                                                  {"jazzy", RosDistro::kJazzy},
                                                  {"kilted", RosDistro::kKilted}});
   transport.RefuseOthers();
+}
+
+void CheckFailover(Draft& draft) {
+  if (!draft.config.failover || draft.config.transport == TransportProfile::kLan) return;
+  draft.findings.Error(draft.failover_at,
+                       "controller.failover_ms: needs profile = \"lan\" in [transport]: with "
+                       "\"local\" no standby of another host is reached");
 }
 
 void ReadSecurity(TableReader& root, Draft& draft) {

@@ -34,6 +34,7 @@ struct Draft {
   std::optional<std::vector<Word>> actuator_names;  // of controller.actuators, nothing if faulty
   Position actuators_at;
   Position transport_at;              // of transport.profile
+  Position failover_at;               // of controller.failover_ms
   std::set<std::string> known_hosts;  // all [host.*], also faulty ones
   std::set<std::string> used_hosts;
   // What each actuator lists, typing errors corrected; none where its states are missing or faulty
@@ -53,6 +54,7 @@ void ReadOwnStates(TableReader& root, Draft& draft);
 void ReadController(TableReader& root, Draft& draft);
 void ReadTransitions(TableReader& root, Draft& draft);
 void ReadTransport(TableReader& root, Draft& draft);
+void CheckFailover(Draft& draft);
 void ReadSecurity(TableReader& root, Draft& draft);
 void ReadSafety(TableReader& root, Draft& draft);
 void WarnOfSharedNetwork(Draft& draft);  // after [controller], [transport] and [security]
