@@ -58,6 +58,8 @@ Error NoFolder() {
 // An actuator that holds its name on this host has latched a status, which arrives soon.
 constexpr Duration kStatusWithin = Milliseconds(1000);
 constexpr Duration kStatusPollPeriod = Milliseconds(5);
+constexpr Duration kStandbyPeriod = Milliseconds(100);
+constexpr Duration kMajorityPeriod = Milliseconds(100);
 // As often as the logs.
 constexpr Duration kCheckFolderPeriod = Milliseconds(1000);
 
@@ -92,7 +94,10 @@ Result<std::unique_ptr<Controller>> Controller::Make(transport::Node& node, int 
 Result<> Controller::Open() {
   if (auto once = RunsOnce(); !once) return once;
   if (auto opened = OpenStore(); !opened) return opened;
-  if (auto taken = TakeName(); !taken) return taken;
+  // While it stands by, a client of this host speaks to the controller of the other one.
+  if (!options_.standby) {
+    if (auto taken = TakeName(); !taken) return taken;
+  }
   if (store_) {
     JournalOptions options;
     options.max_bytes = config_.journal_size_bytes;
@@ -112,6 +117,11 @@ Result<> Controller::Open() {
   }
   if (auto opened = OpenShell(); !opened) return opened;
   WatchNetwork();
+  if (options_.standby) {
+    auto standby = Standby::Make(node_, config_, [this] { return shell_->machine_identity(); });
+    if (!standby) return standby.error();
+    standby_ = std::move(standby).value();
+  }
   listen_for_others_ |= config_.transport == TransportProfile::kLan;
   const Duration listen = listen_for_others_ ? ListenTime(config_) : Duration{};
   // Not called directly: the hooks may use the controller, which its owner does not have yet.
@@ -148,9 +158,40 @@ void Controller::BeginAfter(Duration listen) {
   begin_later_ = node_.loop().At(until, begin);
 }
 
+// Whether this controller goes on standing by. One that leads after that goes on with what the
+// controller before it has led, as after a takeover, and requests nothing.
+bool Controller::StandBy() {
+  if (!standby_) return false;
+  if (shell_->machine_identity().id.empty()) TakeIdOfActuatorsForGood();
+  const std::string why = standby_->WhyNot();
+  if (why.empty()) {
+    led_before_ = standby_->last_status();
+    standby_ = nullptr;
+    if (auto taken = TakeName(); !taken) {
+      shell_->Refuse(taken.error());
+      return true;
+    }
+    WatchStopsHere();
+    options_.takeover = options_.adopt = options_.restarted = options_.supervised = true;
+    return false;
+  }
+  if (std::exchange(stood_by_for_, why) != why && options_.on_standby) options_.on_standby(why);
+  begin_later_ = node_.loop().At(node_.loop().Now() + kStandbyPeriod, [this] { BeginUnlessLed(); });
+  return true;
+}
+
+// A standby may lead what this controller does not reach.
+void Controller::WatchMajority() {
+  const std::string why = majority_.WhyRelease(config_, shell_->machine(), node_.loop().Now());
+  if (why.empty()) return;
+  majority_watch_ = nullptr;
+  shell_->Remark(kCodeNetError, "this controller gives up the machine: " + why);
+  shell_->ReleaseControl("the standby of another host, as far as this one can know", true);
+}
+
 // What runs here may belong to a controller of another host.
 void Controller::BeginUnlessLed() {
-  if (shell_->refused()) return;
+  if (shell_->refused() || StandBy()) return;
   TakeIdOfActuators();
   if (const auto refusal = WhyNotBeside()) return shell_->Refuse(*refusal);
   if (!options_.before_begin) {
@@ -374,8 +415,20 @@ Result<> Controller::OpenShell() {
   auto shell = ControllerShell::Make(std::move(dependencies), config_, ShellHooks());
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
-  if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
+  WatchStopsHere();
   return Ok();
+}
+
+void Controller::WatchStopsHere() {
+  if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
+}
+
+// What the folder of this host has is of the last time that this host led.
+void Controller::GoOnWith(const msg::MachineStatus& status, event::Begin& begin) const {
+  begin.actuators = StoredActuatorsOf(config_, status);
+  begin.epoch = std::max(begin.epoch, Epoch(status.epoch));
+  begin.stop_intent =
+      status.phase == PhaseName(Phase::kStopping) || status.phase == PhaseName(Phase::kStopped);
 }
 
 // The systemds that run processes of this machine: of other hosts, and of this one.
@@ -561,7 +614,16 @@ void Controller::Begin() {
       store_ ? store_->LoadStopIntent() : StateStore::StopIntentIn(config_.state_dir);
   begin.remote = StateStore::RemoteActuatorsIn(LastFolder(), HostId());
   begin.actuators = LoadActuators();
+  if (led_before_) GoOnWith(*led_before_, begin);
   shell_->Begin(std::move(begin), children);
+  if (led_before_) {
+    shell_->Remark(kCodeNetError, "this standby leads now: the controller of " +
+                                      led_before_->machine + " (epoch " +
+                                      std::to_string(led_before_->epoch) + ") is gone");
+  }
+  if (config_.failover) {
+    majority_watch_ = node_.loop().Every(kMajorityPeriod, [this] { WatchMajority(); });
+  }
   // The next controller of that folder would take them for processes that have ended unseen.
   if (!taken_from_.empty()) {
     disk_.Do("list of processes of the folder before",
@@ -724,6 +786,15 @@ std::string Controller::IdOfActuators() const {
 void Controller::TakeIdOfActuators() {
   if (store_ || !shell_->machine_identity().id.empty()) return;
   shell_->SetMachineId(IdOfActuators());
+}
+
+void Controller::TakeIdOfActuatorsForGood() {
+  const std::string id = IdOfActuators();
+  if (id.empty()) return;
+  shell_->SetMachineId(id);
+  if (!store_) return;
+  store_->SetMachineId(id);
+  disk_.Do("machine", [store = store_] { return store->SaveMachineId(); });
 }
 
 // A machine has one id on all its hosts. A state folder without an id takes it from the replaced

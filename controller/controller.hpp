@@ -19,6 +19,7 @@
 #include "musher/controller/ros2/ros2_tools.hpp"
 #include "musher/controller/shell/controller_services.hpp"
 #include "musher/controller/shell/controller_shell.hpp"
+#include "musher/controller/standby.hpp"
 #include "musher/controller/storage/computer.hpp"
 #include "musher/controller/storage/log_files.hpp"
 #include "musher/controller/storage/state_store.hpp"
@@ -42,6 +43,9 @@ struct ControllerOptions {
   // emergency stop has switched off. The first one since this host was booted undoes no person's
   // takeover.
   bool supervised = false;
+  // Stands by for a controller of another host, which is to fail first: see
+  // lifecycle/coordinator/failover.hpp. The config has a failover_ms.
+  bool standby = false;
   std::vector<ControllerExtension> extensions;
   ControllerShell::Hooks hooks;
   // Called once the controller has listened for other controllers and is about to lead, before it
@@ -50,6 +54,8 @@ struct ControllerOptions {
   // Called once for each problem that does not stop the robot, such as a full disk. From any
   // thread.
   std::function<void(const std::string&)> on_trouble;
+  // Called when this controller begins to stand by, and whenever the reason changes.
+  std::function<void(const std::string& why)> on_standby;
 };
 
 // With this signal a controller that takes over a machine makes the previous one release control.
@@ -70,6 +76,8 @@ class Controller {
   ~Controller();
 
   ControllerShell& shell() { return *shell_; }
+  // It waits for the controller of another host to fail, and leads nothing.
+  bool stands_by() const { return standby_ != nullptr; }
   // See ProcessSupervisor: for a process that only runs this controller.
   void AdoptOrphans() { processes_.AdoptOrphans(); }
   void ReapOrphans() { processes_.ReapOrphans(); }
@@ -99,9 +107,13 @@ class Controller {
   MachineOrigin Origin() const;
   std::string CopiedText() const;
   Result<> MayTakeOver(pid_t controller) const;
+  void WatchStopsHere();
   void TakeStopsHere();
   void BeginAfter(Duration listen);
+  bool StandBy();
+  void GoOnWith(const msg::MachineStatus& status, event::Begin& begin) const;
   void BeginUnlessLed();
+  void WatchMajority();
   ActuatorPeers::RunsHere RunsHere() const;
   void CountHeld();
   std::optional<Error> WhyNotBeside() const;
@@ -120,6 +132,7 @@ class Controller {
   Result<> RunsOnce() const;
   std::string IdOfActuators() const;
   void TakeIdOfActuators();
+  void TakeIdOfActuatorsForGood();
   void TakeIdentity();
   void OpenLogs();
   void WatchNetwork();
@@ -152,6 +165,11 @@ class Controller {
   std::unique_ptr<ControllerServices> services_;                // null unless this controller leads
   std::vector<std::unique_ptr<ExtensionServices>> extensions_;  // none unless this one leads
   std::unique_ptr<Ros2Tools> ros2_tools_;                       // null unless this controller leads
+  std::unique_ptr<Standby> standby_;              // null unless this controller stands by
+  std::optional<std::string> stood_by_for_;       // why, as last reported
+  std::optional<msg::MachineStatus> led_before_;  // by the controller that this standby replaces
+  MajorityReach majority_;
+  transport::LoopHandlePtr majority_watch_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   transport::LoopHandlePtr begin_later_;
   std::unique_ptr<transport::NetworkWatch> network_watch_;  // null unless the profile is lan

@@ -33,6 +33,7 @@
 #include "musher/cli/start/controller_process.hpp"
 #include "musher/cli/start/slot_run.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/network.hpp"
 #include "musher/transport/security/check.hpp"
 #include "musher/wire/dds_options.hpp"
 
@@ -46,6 +47,7 @@ struct UpOptions {
   bool adopt = false;     // take control of actuators that run with another config, too
   // A supervisor starts it, perhaps again after a crash: complete a TearDown that was under way.
   bool restarted = false;
+  bool standby = false;  // lead once the controller of another host has failed
   // For a controller that restarts itself: its connection to the launcher, the launcher's pid or 0,
   // and the lock of its root.
   struct Resume {
@@ -190,7 +192,7 @@ namespace {
     ControllerProcess process(
         target.config, target.run, target.lock, std::move(progress), launcher,
         {options.takeover, options.adopt, options.resume || StartedAgain(options),
-         options.resume || options.restarted});
+         options.resume || options.restarted, options.standby});
     the_end.exit_code = process.Run();
     if (process.StartsAgain()) {
       // Another start that took the lock while the program is loaded would change the choice.
@@ -205,10 +207,19 @@ namespace {
   EndNow();
 }
 
+std::vector<std::string> OwnAddresses() {
+  std::vector<std::string> own = {HostName()};
+  for (const transport::NetworkInterface& one : transport::ReadInterfaces()) {
+    own.insert(own.end(), one.addresses.begin(), one.addresses.end());
+  }
+  return own;
+}
+
 Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptions& global,
                      Console& console) {
   MachineConfig& config = target.config;
   config.file = std::filesystem::absolute(config.file);  // for actuators that run elsewhere
+  if (config.failover) TakeOwnHosts(config, OwnAddresses());
   transport::DdsOptions dds;
   dds.profile = config.transport;
   const auto profile = transport::Profile(dds);
@@ -218,6 +229,16 @@ Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptio
     return Error{kCodeParametersInvalid,
                  "--namespace differs from the config: actuators use the namespace of " +
                      options.file + ", '" + config.name_space + "'"};
+  }
+  if (options.standby && !config.failover) {
+    return Error{kCodeParametersInvalid,
+                 "--standby needs failover_ms in [controller] of " + options.file +
+                     ": after this time without a controller the standby leads"};
+  }
+  if (options.standby && options.takeover) {
+    return Error{kCodeParametersInvalid,
+                 "--standby waits for a controller that fails, and --takeover replaces one that "
+                 "works: give one of them"};
   }
   // A controller that is executed again leads its machine with the group or without.
   const auto group = options.resume ? std::vector<Diagnostic>() : CheckLogGroup(config);
@@ -296,6 +317,9 @@ void AddUp(Grammar& grammar) {
   app.add_flag("--adopt", options.adopt,
                "Take control of actuators that already run with another\n"
                "config; without it they block the start");
+  app.add_flag("--standby", options.standby,
+               "Lead nothing until the controller of another host has\n"
+               "failed: see [controller] failover_ms");
   app.add_flag("--restarted", options.restarted,
                "For supervisors such as systemd: if the last controller\n"
                "exited during TearDown, complete that and stay down;\n"

@@ -69,6 +69,12 @@ void UpLauncher::OnProgress(const Progress& progress) {
     incomplete_stop_ = progress.message;
   }
   if (progress.kind == Progress::kStartUp) OnStartUp(progress);
+  if (progress.kind == Progress::kStandby) OnStandby();
+}
+
+void UpLauncher::OnStandby() {
+  came_up_ = true;
+  if (detach_ && !stop_requested_) Leave(ExitCode::kDone);
 }
 
 void UpLauncher::Show(const Progress& progress) {

@@ -48,6 +48,7 @@ class UpLauncher {
  private:
   void OnProgress(const Progress& progress);
   void OnStartUp(const Progress& progress);
+  void OnStandby();
   void OnEnd();
   void Show(const Progress& progress);
   void OnSignal();

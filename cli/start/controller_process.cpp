@@ -117,10 +117,13 @@ Result<> ControllerProcess::Begin() {
     controller_->shell().ReleaseControl("process " + std::to_string(sender) + " of this host");
   });
   if (run_) BeginRun();
-  if (config_.view) {
-    view_.emplace(loop_, config_, [this](const std::string& message) { OnTrouble(message); });
-  }
+  if (!start_.standby) ShowPage();
   return Ok();
+}
+
+void ControllerProcess::ShowPage() {
+  if (!config_.view || view_) return;
+  view_.emplace(loop_, config_, [this](const std::string& message) { OnTrouble(message); });
 }
 
 void ControllerProcess::BeginRun() {
@@ -184,6 +187,9 @@ ControllerOptions ControllerProcess::Options() {
   options.adopt = start_.adopt;
   options.restarted = start_.restarted;
   options.supervised = start_.supervised;
+  options.standby = start_.standby;
+  options.on_standby = [this](const std::string& why) { OnStandby(why); };
+  if (start_.standby) options.before_begin = [this] { ShowPage(); };
   if (run_) {
     options.started_from = run_->root;
     options.before_begin = [this] { EndOtherSlot(*run_); };
@@ -284,6 +290,12 @@ void ControllerProcess::OnTrouble(const std::string& message) {
   log_.Write(message, kCodeFailed);
 }
 
+void ControllerProcess::OnStandby(const std::string& why) {
+  log_.Write("stands by: " + why, kCodeOk);
+  service_manager_.StandsBy(why);
+  SendProgress(Progress::kStandby, config_.name + " is led elsewhere, this host stands by: " + why);
+}
+
 void ControllerProcess::OnSignal() {
   const int signal = NextSignal(signals_);
   if (signal == SIGHUP) return ContinueWithoutTerminal();
@@ -308,6 +320,7 @@ void ControllerProcess::DetachLauncher() {
 // On a signal: Ctrl-C, or a supervisor that stops the machine.
 void ControllerProcess::TakeDown() {
   taken_down_ = true;
+  if (controller_->stands_by()) return loop_.Stop();
   controller_->shell().TearDown(AfterTearDown::kMayStart);
 }
 

@@ -40,6 +40,7 @@ class ControllerProcess {
     bool adopt = false;
     bool restarted = false;
     bool supervised = false;
+    bool standby = false;
   };
   // `launcher`: pid of the process in the foreground, 0 for none. If it is killed, this process is
   // killed too, until the launcher detaches: after a failed start, or when its terminal was closed
@@ -67,6 +68,8 @@ class ControllerProcess {
   void OnStartUpEnded(const action::StartUpEnded& ended);
   void OnFenced(const std::string& message);
   void OnTrouble(const std::string& message);
+  void OnStandby(const std::string& why);
+  void ShowPage();
   void OnSignal();
   void ContinueWithoutTerminal();
   void TakeDown();

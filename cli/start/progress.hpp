@@ -23,6 +23,7 @@ struct Progress {
   static constexpr const char* kTrouble = "trouble";         // a problem; the robot continues
   static constexpr const char* kFenced = "fenced";           // another controller leads now
   static constexpr const char* kAlone = "alone";      // the controller continues without launcher
+  static constexpr const char* kStandby = "standby";  // it leads nothing until another one fails
   static constexpr const char* kStopped = "stopped";  // the machine is stopped
   static constexpr const char* kMachine = "machine-status";  // no event: the machine now
 

@@ -53,6 +53,11 @@ void ServiceManager::StartUpEnded(const action::StartUpEnded& ended) {
   Status(ended.message);
 }
 
+void ServiceManager::StandsBy(const std::string& why) {
+  notifier_.Notify("READY=1");
+  Status("stands by: " + why);
+}
+
 void ServiceManager::Update(const Machine& machine) {
   const bool stops = machine.phase == Phase::kStopping || machine.phase == Phase::kStopped;
   if (stops && !stopping_) {

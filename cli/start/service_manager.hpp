@@ -25,6 +25,8 @@ class ServiceManager {
 
   // READY=1 when the machine is usable, else STATUS= with why it is not.
   void StartUpEnded(const action::StartUpEnded& ended);
+  // READY=1, and STATUS= with why this controller leads nothing.
+  void StandsBy(const std::string& why);
   // STATUS= whenever the words change, STOPPING=1 as soon as the machine is taken down.
   void Update(const Machine& machine);
   // The machine will be taken down and restarted: the service does not stop.

@@ -139,11 +139,11 @@ void ControllerShell::Refuse(const Error& why) {
   if (hooks_.on_fenced) hooks_.on_fenced(why.message);
 }
 
-void ControllerShell::ReleaseControl(const std::string& rival) {
+void ControllerShell::ReleaseControl(const std::string& rival, bool elsewhere) {
   if (machine_.phase == Phase::kIdle) {
     return Refuse(Refused<Refusal::kRivalTakesOver>(rival));
   }
-  Handle(event::RivalSeen{machine_.epoch + 1, rival, true});
+  Handle(event::RivalSeen{machine_.epoch + 1, rival, true, elsewhere});
 }
 
 void ControllerShell::SetMachineId(const std::string& id) {

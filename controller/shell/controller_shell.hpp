@@ -92,7 +92,8 @@ class ControllerShell {
   void Refuse(const Error& why);
   // Releases control, as if a heartbeat of the leader `rival` ("process 4711 of this host") had
   // been received: this controller is fenced, and on_fenced is called.
-  void ReleaseControl(const std::string& rival);
+  // `elsewhere`: that leader is on another host.
+  void ReleaseControl(const std::string& rival, bool elsewhere = false);
 
   // Why a request that cannot name its machine, such as ROS 2's Trigger, is refused: its caller is
   // an actuator of another machine with this namespace and domain, whose requests arrive here, too.

@@ -137,6 +137,12 @@ void AddNetwork(std::vector<Kind>& kinds) {
       [](FaultRun& run) { IsTakenOverFromThere(run, false); });
   add("far-takeover-deaf", "the same while the other host receives nothing from this one",
       [](FaultRun& run) { IsTakenOverFromThere(run, true); });
+  add(
+      "far-standby", "the link to the standby and all actuators is cut, short and long",
+      [](FaultRun& run) { IsReplacedByStandby(run, false); }, Shape::kStandby);
+  add(
+      "far-standby-kill", "the controller is killed beside a standby of the other host",
+      [](FaultRun& run) { IsReplacedByStandby(run, true); }, Shape::kStandby);
   add("far-kill", "SIGKILL on the other host", KilledOnOtherHost);
   add("outer-link-down", "the interface to other hosts goes down, the whole robot is here",
       OuterLinkGoesDown, Shape::kOnLan);

@@ -54,7 +54,7 @@ std::string Table(const Member& member, Shape shape, const std::string& folder,
              "\non_controller_lost = \"" + kOnControllerLost + "\"\n";
   }
   table += kResetKey;
-  if (shape != Shape::kTwoHosts) {
+  if (!AreThere(shape)) {
     table += CommandKey(CommandOf(member, folder, programs)) + RestartKeys(member);
   }
   return table;
@@ -117,7 +117,8 @@ std::string ConfigText(Shape shape, const std::string& folder, const std::string
     tables += Table(member, shape, folder, programs);
   }
   if (shape != Shape::kHere) tables += "\n[transport]\nprofile = \"lan\"\n";
-  return "[controller]\nname = \"" + machine + "\"\nnamespace = \"" + kNameSpace +
+  const std::string failover = shape == Shape::kStandby ? "failover_ms = 3000\n" : "";
+  return "[controller]\n" + failover + "name = \"" + machine + "\"\nnamespace = \"" + kNameSpace +
          "\"\nactuators = " + names + "]\nstates = " + StatesKey() +
          "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nstate_dir = \"disk/state\"\n"
          "shutdown_budget_ms = " +

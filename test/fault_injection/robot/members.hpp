@@ -13,11 +13,17 @@ namespace musher::fault_injection {
 enum class Shape {
   kHere,      // all on this host; the controller starts its actuators
   kTwoHosts,  // controller here, actuators on the other host, which starts them itself
+  kStandby,   // the same, and a standby of the other host may lead
   kOnLan      // as kHere, with the profile lan; another robot on the other host
 };
 
 inline constexpr const char* kNameSpace = "fault_injection";
 inline constexpr const char* kMachine = "robot";
+
+// Whether the actuators are on the other host.
+constexpr bool AreThere(Shape shape) {
+  return shape == Shape::kTwoHosts || shape == Shape::kStandby;
+}
 
 struct Member {
   std::string name;
@@ -52,7 +58,7 @@ std::string ConfigText(Shape shape, const std::string& folder, const std::string
 inline constexpr int kRestartLimit = 3;
 // Longer than any next controller takes to start; between two hosts shorter than a DDS lease.
 constexpr int ControllerLostMs(Shape shape) {
-  return shape == Shape::kTwoHosts ? 1500 : 4000;
+  return AreThere(shape) ? 1500 : 4000;
 }
 inline constexpr int kShutdownBudgetMs = 6000;
 inline constexpr int kCallbackTimeMs = 2000;

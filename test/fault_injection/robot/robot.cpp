@@ -114,7 +114,27 @@ void Robot::StartController(const std::vector<std::string>& more, Disk disk) {
 benchmark::Child Robot::StartFarController(const std::vector<std::string>& more) {
   std::vector<std::string> words = {"up", folder_ / "robot.toml", "--json"};
   words.insert(words.end(), more.begin(), more.end());
+  fs::remove(folder_ / "up-far.jsonl");
   return benchmark::Child(far_host_->There(ShellLine(words, "up-far.jsonl")), Environment());
+}
+
+std::string Robot::TimeOfFarLine(const std::string& text) const {
+  std::ifstream file(folder_ / "up-far.jsonl");
+  std::string time;
+  for (std::string line; std::getline(file, line);) {
+    const auto json = nlohmann::json::parse(line, nullptr, false);
+    if (!json.is_object()) continue;
+    if (json.value("message", "").find(text) != std::string::npos) time = json.value("time", "");
+  }
+  return time;
+}
+
+std::string Robot::TimeOfLine(const std::string& text) {
+  std::string time;
+  for (const nlohmann::json& line : Lines()) {
+    if (line.value("message", "").find(text) != std::string::npos) time = line.value("time", "");
+  }
+  return time;
 }
 
 benchmark::Child::Environment Robot::OtherEnvironment() const {
@@ -192,7 +212,7 @@ void Robot::Fix() {
   if (status.value().emergency_stop) (void)observer_->ReleaseEmergencyStop();
   for (const msg::ActuatorInfo& info : status.value().actuators) {
     const bool down = info.presence != "present" && !info.restarting;
-    if (down && shape_ != Shape::kTwoHosts) (void)observer_->Restart(info.name);
+    if (down && !AreThere(shape_)) (void)observer_->Restart(info.name);
   }
   if (status.value().state == "Error") (void)AwaitFuture(observer_->SetState("SelfCheck"));
   GoTo("Active");
@@ -222,7 +242,7 @@ std::map<std::string, int> Robot::StartedProcesses() const {
 
 pid_t Robot::PidOf(const std::string& name) {
   pid_t pid = 0;
-  if (shape_ == Shape::kTwoHosts) {
+  if (AreThere(shape_)) {
     const std::vector<pid_t> found = FindByArgument(folder_ / (name + ".board"));
     if (!found.empty()) pid = found.front();
   } else if (const auto status = observer_->Latest()) {

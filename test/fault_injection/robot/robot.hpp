@@ -83,6 +83,10 @@ class Robot {
   const std::vector<nlohmann::json>& Lines();
   void ForgetLines();
   // How many of them are of this kind, with this text in their message.
+  // When the controller here, and the last one of the other host, has printed a line with `text`;
+  // "": not yet.
+  std::string TimeOfLine(const std::string& text);
+  std::string TimeOfFarLine(const std::string& text) const;
   int CountLines(const std::string& kind, const std::string& text = "");
 
   const std::filesystem::path& folder() const { return folder_; }

@@ -96,4 +96,45 @@ void IsTakenOverFromThere(FaultRun& run, bool deaf) {
   run.Require(run.robot.AwaitSettled(), "the controller here does not take over again");
 }
 
+void IsReplacedByStandby(FaultRun& run, bool killed) {
+  constexpr Duration kShort = Milliseconds(1000);  // failover_ms is 3000
+  run.ControllerMayDie();
+  run.MayAllBeAffected();
+  Robot& robot = run.robot;
+  const int starts = StartsOf(run);
+  benchmark::Child there = robot.StartFarController({"--standby"});
+  run.Require(AwaitThat([&] { return !robot.TimeOfFarLine("stands by").empty(); }, kTimeout),
+              "the other host does not stand by");
+  const auto before = run.observer().Latest();
+  Link& link = robot.far_host()->link();
+  link.Set(kDeaf, kDeaf, 0);
+  run.LetPass(kShort);
+  link.Heal();
+  run.LetPass(kShort);
+  run.Expect(robot.TimeOfFarLine("controller started").empty(), "it leads after a short cut");
+  run.FaultInjected();
+  if (killed) {
+    robot.KillController();
+  } else {
+    link.Set(kDeaf, kDeaf, 0);
+    const int first = robot.AwaitEndOfFirst();
+    run.Expect(first == 1, "the first controller ends with " + std::to_string(first) + ", not 1");
+  }
+  run.DetectedNow();
+  const auto leads = [&] { return !robot.TimeOfFarLine("this standby leads now").empty(); };
+  run.Require(AwaitThat(leads, kTimeout), "the standby does not lead");
+  const std::string released = robot.TimeOfLine("releases control");
+  run.Expect(killed || (!released.empty() && released < robot.TimeOfFarLine("controller started")),
+             "the first controller has released control at '" + released + "'");
+  link.Heal();
+  run.Recovered("led from the other host", [&](const auto& status) {
+    return status.host != before->host && status.epoch > before->epoch &&
+           RankOf(status.state) <= RankOf(before->state) && IsSettled(status, status.state);
+  });
+  run.Expect(StartsOf(run) == starts, "the fail-over restarted modules");
+  robot.StartController({"--takeover"});
+  run.Expect(there.Wait() == 1, "the controller of the other host does not release control");
+  run.Require(robot.AwaitSettled(), "the controller here does not take over again");
+}
+
 }  // namespace musher::fault_injection::network

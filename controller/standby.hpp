@@ -1,0 +1,59 @@
+#pragma once
+// A controller that stands by on another host: what it receives of the machine, and what the
+// machine's last controller has published. It sends nothing. See
+// lifecycle/coordinator/failover.hpp.
+//
+// Threads: loop thread only.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/coordinator/failover.hpp"
+#include "musher/lifecycle/machine/machine_identity.hpp"
+#include "musher/lifecycle/machine/stored.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+
+// What the next controller has to know of the actuators, by the last status of the one before it.
+// One that was not up then, and was not being started again, is not started: nothing that a person
+// has torn down comes on by a fail-over.
+std::vector<StoredActuator> StoredActuatorsOf(const MachineConfig& config,
+                                              const msg::MachineStatus& status);
+
+class Standby {
+ public:
+  using IdentityOf = std::function<MachineIdentity()>;
+  // `node` and `config`, which has a failover_ms, must outlive it. `identity`: of the machine,
+  // whose id may not be known yet.
+  static Result<std::unique_ptr<Standby>> Make(transport::Node& node, const MachineConfig& config,
+                                               IdentityOf identity);
+
+  // See StandbyDecision. To be called several times a second.
+  std::string WhyNot();
+  // The last status of the controller that is gone; nullopt: none was received.
+  const std::optional<msg::MachineStatus>& last_status() const { return status_; }
+
+ private:
+  Standby(transport::Node& node, const MachineConfig& config, IdentityOf identity);
+  Result<> Open();
+  bool IsOurs(const std::string& name, const std::string& id) const;
+
+  transport::Node& node_;
+  const MachineConfig& config_;
+  const IdentityOf identity_;
+  StandbyDecision decision_;
+  std::map<std::string, transport::ParticipantId> participants_;  // of the actuators' processes
+  std::optional<msg::MachineStatus> status_;
+  bool received_ = false;  // a controller of the machine
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
+};
+
+}  // namespace musher
