@@ -84,16 +84,20 @@ TEST(DefaultFlow, TakesOwnStatesForStatesOfTheRunPhase) {
 
 // One config on each computer that may lead.
 TEST(Config, OfAComputerHasTheActuatorsOfItsOwnAddressAsTheControllersOwn) {
-  MachineConfig config = MachineOf(3);
-  config.hosts.push_back({.name = "brain", .address = "10.0.0.1"});
-  config.hosts.push_back({.name = "motion", .address = "motion.local"});
-  config.actuators[*config.IndexOf("a")].host = "brain";
-  config.actuators[*config.IndexOf("b")].host = "motion";
+  MachineConfig config = TwoActuators();
+  HostConfig brain;
+  brain.name = "brain";
+  brain.address = "10.0.0.1";
+  HostConfig motion;
+  motion.name = "motion";
+  motion.address = "motion.local";
+  config.hosts = {brain, motion};
+  config.actuators[*config.IndexOf("voice")].host = "brain";
+  config.actuators[*config.IndexOf("wheels")].host = "motion";
   TakeOwnHosts(config, {"192.168.1.7", "motion.local"});
-  EXPECT_EQ(config.actuators[*config.IndexOf("a")].host, "brain");
-  EXPECT_EQ(config.actuators[*config.IndexOf("b")].host, "");
-  ASSERT_EQ(config.hosts.size(), 1U);
-  EXPECT_EQ(config.hosts.front().name, "brain");
+  EXPECT_EQ(config.actuators[*config.IndexOf("voice")].host, "brain");
+  EXPECT_EQ(config.actuators[*config.IndexOf("wheels")].host, "");
+  EXPECT_EQ(config.hosts, std::vector<HostConfig>{brain});
 }
 
 }  // namespace musher::config_test
