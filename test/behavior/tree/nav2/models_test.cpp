@@ -1,6 +1,7 @@
 // The models of nav2's nodes: for editors, for a check without a robot, and as a page.
 
 #include <fstream>
+#include <map>
 
 #include "musher/behavior/tree/models.hpp"
 #include "musher/test/behavior/tree/nav2/fake_robot.hpp"
@@ -48,6 +49,27 @@ TEST(Nav2Models, FindAPathWhereAPoseIsExpected) {
                             "<FollowPath path=\"{goal}\"/></Sequence>"),
                        ForCheck()),
               HasSubstr("uses 'goal', which is of type pose"));
+}
+// So that a reader of the page knows which nodes end the tick of a tree.
+TEST(Nav2Models, ThatNoRobotHasAreAllNamedOnThePage) {
+  std::ifstream file(SourceDir() + "/docs/behavior-trees.md");
+  std::map<std::string, std::string> has_model;
+  for (std::string line; std::getline(file, line);) {
+    for (const std::string kind : {"controls", "decorators", "conditions", "actions"}) {
+      if (line.rfind("| " + kind + " |", 0) != 0) continue;
+      has_model[kind] = line.substr(line.rfind('|', line.size() - 2));
+    }
+  }
+  ASSERT_EQ(has_model.size(), 4u);
+  FakeRobot robot;
+  Factory factory;
+  AddNodes(factory, robot);
+  std::string all;
+  for (const auto& [kind, names] : has_model) all += names;
+  for (const std::string& name : factory.Names()) {
+    const bool is_named = all.find("`" + name + "`") != std::string::npos;
+    EXPECT_EQ(is_named, factory.Find(name)->placeholder) << name;
+  }
 }
 TEST(Nav2Models, FailInATickWhereNoRobotHasTheNode) {
   FakeRobot robot;
