@@ -217,7 +217,7 @@ std::optional<Error> Controller::WhyNotBeside() const {
     return Refused<Refusal::kIdNotKnown>(rival->process, config_.state_dir);
   }
   if (options_.takeover) return std::nullopt;
-  // Only the name is known to be the same.
+  // Without both ids only the names of the two machines can be compared.
   const bool may_be_another =
       !rival->here && (shell_->machine_identity().id.empty() || rival->machine.id.empty());
   return may_be_another ? Refused<Refusal::kNameLedElsewhere>(rival->process)

@@ -50,8 +50,8 @@ std::string UnknownName(const std::string& kind, const std::string& name,
 // Throws what `persist` throws, and for a field that occurs twice.
 std::vector<SavedField> SaveFields(const std::function<void(Archive&)>& persist);
 
-// Sets the fields; adds faults below `key` for a value of another kind and for fields that
-// `persist` does not have. Returns whether it has any.
+// Sets the fields that `persist` names. Adds a fault below `key` for a value of another kind, and
+// for one of `fields` that `persist` does not name. Returns whether `persist` names any field.
 bool RestoreFields(const std::vector<SavedField>& fields, const std::string& key,
                    const std::function<void(Archive&)>& persist,
                    std::vector<SnapshotFault>& faults);

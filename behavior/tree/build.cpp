@@ -349,7 +349,7 @@ Node* Builder::Keep(NodeId id, std::unique_ptr<Node> node) {
   return kept;
 }
 
-// Null: it throws, which is reported.
+// Makes a node by the function of its class. If that throws, reports it and returns null.
 std::unique_ptr<Node> Builder::Call(const Factory::Registered& registered, Setup& setup,
                                     const Element& element, std::string_view id) {
   const auto fail = [&](const std::string& what) {

@@ -116,7 +116,7 @@ class Builder {
   std::vector<const Factory::Registered*> registered_;
   std::vector<std::tuple<Place, Severity, std::string>> found_;
   std::vector<std::vector<std::uint32_t>> lines_;  // where the lines of each file begin
-  // Findings that are the same at each place of a class of nodes: reported at the first one.
+  // Classes that are not registered, and where nodes of each stand: reported once for a class.
   std::map<std::string, std::set<Place>, std::less<>> unknown_;
   struct Unset {
     std::set<Place> places;

@@ -44,9 +44,9 @@ struct Tick {
   std::string fault{};  // of a node that threw while it was halted
   Trace* trace = nullptr;
   Hooks* hooks = nullptr;  // mostly none
-  // Rises by 1 with each tick of the tree; by more where the tree was halted or has completed in
-  // between. A control that is reactive resets a condition in each tick: this is how it differs
-  // from one that was not ticked.
+  // Rises by 1 with each tick of the tree, by more where the tree was halted or has completed in
+  // between. A condition compares it with the number of its last tick: a reactive control resets
+  // its conditions in every tick, so their status does not tell whether they were ticked last time.
   std::uint64_t number = 0;
   // Of the present run of the tree: rises by 1 when the tree has completed, was skipped, has failed
   // by a fault, or was halted.

@@ -35,8 +35,8 @@ class ScriptError : public std::runtime_error {
 
 using Enums = std::map<std::string, double, std::less<>>;
 
-// What an expression is evaluated to. Texts and values belong to the script or the blackboard. Of
-// 16 bytes, so that it is passed in registers.
+// The result of an expression. Texts and values in it belong to the script or to the blackboard. It
+// has 16 bytes, so that it is passed in registers.
 class Operand {
  public:
   enum class Kind : std::uint8_t { kNumber, kText, kOther };

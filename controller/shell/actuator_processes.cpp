@@ -174,8 +174,9 @@ void ActuatorProcesses::AwaitOwnEnd(ActuatorIndex i, pid_t pid) {
                                     [this, i, pid] { ReportEnd(i, pid, {}); });
 }
 
-// systemd has reported its end. A unit that is lost to systemd may have a process that runs on:
-// until the kernel reports its exit, no other one is started beside it.
+// systemd has reported that the unit of the actuator has ended. Its process may still run if
+// systemd has lost the unit: until the kernel reports the exit of the process, no other one is
+// started.
 void ActuatorProcesses::OwnUnitEnded(ActuatorIndex i, pid_t pid, const ProcessExit& exit) {
   if (context_.machine.actuators[i].process.pid != pid) return;
   OwnUnit& unit = own_units_[i];

@@ -392,8 +392,8 @@ Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
   return written;
 }
 
-// A file that cannot be read counts as an engaged stop, and so does a slot of it: a power cut may
-// have torn the save of one. That is the safe side.
+// A file that cannot be read counts as an engaged stop, and so does a file with a damaged slot: the
+// slot may be the save of an engaged stop that a power cut has torn.
 StoredStops StateStore::EmergencyStopsIn(const std::string& dir) {
   const auto content = SlotFile(EmergencyStopFileIn(dir)).Read();
   if (!content) return {};

@@ -244,7 +244,8 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
   const bool is_begun =
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
   if (!is_begun) return result;
-  // A host that could not be asked says more than how its actuator was lost.
+  // An actuator left behind degrades "done"; one on a host out of reach replaces an earlier reason,
+  // too.
   std::optional<ActuatorIndex> left;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const bool counts = result.outcome == SwitchOutcome::kDone && LeftBehind(i);

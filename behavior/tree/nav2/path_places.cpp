@@ -29,7 +29,8 @@ Pose PlaceAt(const Path& path, double along_m) {
   return path.poses.back();
 }
 
-// Of the line from `a` to `b`, up to its place that is nearest to `to`: 0 to 1.
+// Returns which share of the line from `a` to `b` ends at its place nearest to `to`: 0 at `a`, 1 at
+// `b`.
 double ShareNearest(const Robot& robot, const Pose& a, const Pose& b, const Pose& to) {
   const double x = b.x_m - a.x_m, y = b.y_m - a.y_m, z = robot.flies() ? b.z_m - a.z_m : 0;
   const double square = x * x + y * y + z * z;
