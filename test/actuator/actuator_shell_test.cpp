@@ -236,6 +236,37 @@ TEST_F(AShutdown, IsInterruptedByAnEmergencyStop) {
   ExpectASecondStopAtTheEnd();
 }
 
+// Two robots in range share the topics of one namespace.
+TEST(ActuatorShell, AStopOfAnotherMachineDoesNotStopIt) {
+  transport::sim::Network network(1);
+  const auto node = network.MakeNode("dog");
+  const auto other = network.MakeNode("desk");
+  CountingWorker worker;
+  MachineConfig config = OneActuatorConfig();
+  config.name = "dog";
+  auto shell =
+      ActuatorShell::Make(*node, worker, config, 0, {7, 7, "host", "dog", "id-1"}, {}).value();
+  shell->Start();
+  auto stops = transport::MakePublisher<msg::EmergencyStop>(
+                   *other, transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                   .value();
+  const auto engage = [&](std::uint64_t id, const std::string& machine, const std::string& its_id) {
+    msg::EmergencyStop stop;
+    stop.id = id;
+    stop.engaged = true;
+    stop.machine = machine;
+    stop.machine_id = its_id;
+    ASSERT_TRUE(stops->Publish(stop));
+    network.RunFor(std::chrono::seconds(1));
+  };
+  engage(5, "cat", "");
+  EXPECT_EQ(shell->report().emergency_stop, StopId(0)) << "of another name";
+  engage(6, "dog", "id-2");
+  EXPECT_EQ(shell->report().emergency_stop, StopId(0)) << "of a robot with the same name";
+  engage(7, "dog", "id-1");
+  EXPECT_EQ(shell->report().emergency_stop, StopId(7)) << "its own";
+}
+
 TEST_F(AShutdown, IsInterruptedWhenThePermitsEnd) {
   config_.name = "dog";
   config_.permit = Milliseconds(500);
