@@ -378,4 +378,108 @@ TEST_F(SwitchClients, DoNotTakeTheLatchedStatusOfAnotherParticipantForTheAnswerT
   EXPECT_EQ(End(std::chrono::seconds(8)).kind, Kind::kUnknown) << end_->result.outcome;
 }
 
+// A controller of which only what it sends is there: its last status, and its answers to clients.
+class SentBy {
+ public:
+  SentBy(transport::sim::Network& network, const std::string& name, std::uint64_t epoch,
+         std::int32_t pid)
+      : node_(network.MakeNode(name)),
+        statuses_(transport::MakePublisher<msg::MachineStatus>(
+                      *node_, transport::MachineStatusTopic(""), transport::kLatchedQos)
+                      .value()) {
+    status.epoch = epoch;
+    status.pid = pid;
+    status.host = "sim-1/0";
+    status.phase = "running";
+    status.state = "Active";
+    status.target = "Active";
+    status.switch_number = 4;
+    status.participant = node_->participant().value();
+  }
+  void Publish() { ASSERT_TRUE(statuses_->Publish(status)); }
+  // Never answers.
+  void TakeRequests() {
+    set_state_ =
+        transport::MakeServer<msg::SetState>(*node_, transport::MachineService("", "set_state"),
+                                             [this](const auto&, const auto&) { ++requests; })
+            .value();
+  }
+  void TakeQueries(std::optional<msg::GetSwitch::Response> answer) {
+    get_switch_ = transport::MakeServer<msg::GetSwitch>(
+                      *node_, transport::MachineService("", "get_switch"),
+                      [this, answer = std::move(answer)](const auto&, const auto& reply) {
+                        ++queries;
+                        if (answer) reply(*answer);
+                      })
+                      .value();
+  }
+
+  msg::MachineStatus status;
+  int requests = 0;
+  int queries = 0;
+
+ private:
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<transport::Publisher<msg::MachineStatus>> statuses_;
+  std::unique_ptr<transport::Server<msg::SetState>> set_state_;
+  std::unique_ptr<transport::Server<msg::GetSwitch>> get_switch_;
+};
+
+class ClientsOfASuccessor : public SwitchClients {
+ protected:
+  // The first controller gets a request for LowPower, and exits before it begins the switch.
+  void RequestFromOneThatExits() {
+    leader_.TakeRequests();
+    leader_.Publish();
+    Request("LowPower");
+    ASSERT_TRUE(RunUntil([this] { return leader_.requests == 1; }));
+    kernel_.ReportEnd(4711);
+    ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  }
+  static msg::GetSwitch::Response Done(std::uint64_t number, const std::string& actuator) {
+    msg::GetSwitch::Response answer;
+    answer.found = true;
+    answer.switch_number = number;
+    answer.target = "LowPower";
+    answer.actuator = actuator;
+    answer.outcome = "done";
+    answer.state = "LowPower";
+    return answer;
+  }
+  // The end of the request where the last switch of the successor is `last`.
+  SwitchEnd EndAfter(const msg::GetSwitch::Response& last) {
+    RequestFromOneThatExits();
+    successor_.TakeQueries(last);
+    successor_.Publish();
+    return End();
+  }
+
+  SentBy leader_{network_, "first", 3, 4711};
+  SentBy successor_{network_, "second", 4, 4712};
+};
+
+TEST_F(ClientsOfASuccessor, TakeASwitchAfterTheirRequestForTheirs) {
+  EXPECT_EQ(EndAfter(Done(5, "")).result.outcome, "done");
+}
+
+TEST_F(ClientsOfASuccessor, DoNotTakeASwitchFromBeforeTheirRequestForTheirs) {
+  EXPECT_EQ(EndAfter(Done(4, "")).result.outcome, "interrupted");
+}
+
+TEST_F(ClientsOfASuccessor, DoNotTakeASwitchOfOneActuatorForThatOfTheMachine) {
+  EXPECT_EQ(EndAfter(Done(5, "arm")).result.outcome, "interrupted");
+}
+
+TEST_F(ClientsOfASuccessor, QueryTheNextOneWhereTheSuccessorExitsToo) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromOneThatExits());
+  successor_.TakeQueries(std::nullopt);
+  successor_.Publish();
+  ASSERT_TRUE(RunUntil([this] { return successor_.queries == 1; }));
+  kernel_.ReportEnd(4712);
+  SentBy next(network_, "third", 5, 4713);
+  next.TakeQueries(Done(5, ""));
+  next.Publish();
+  EXPECT_EQ(End().result.outcome, "done") << end_->result.reason;
+}
+
 }  // namespace musher::testing::switch_client_test
