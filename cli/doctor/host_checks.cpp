@@ -161,7 +161,8 @@ DoctorCheck CheckBacktraces(const DoctorFacts& facts) {
   const Limits& limits = facts.limits;
   if (limits.tracer.empty()) {
     check.health = CheckStatus::kWarning;
-    check.reason = "neither eu-stack nor gdb is installed: a hung process is restarted without one";
+    check.reason =
+        "neither eu-stack nor gdb is installed: a hung process is restarted without a backtrace";
     check.fix = "sudo apt-get install elfutils";
     return check;
   }

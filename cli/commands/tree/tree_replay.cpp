@@ -271,8 +271,8 @@ void AddTreeReplay(Grammar& grammar, CLI::App& family) {
           ->excludes(at)
           ->type_name("N");
   app.add_option("--tree", options.number,
-                 "One of the trees in the recording, from 1; default: all, with --at, --speed and "
-                 "--btlog the last")
+                 "The number of a tree in the recording, from 1; default: all trees, but only the "
+                 "last one with --at, --speed or --btlog")
       ->check(CLI::Range(1U, 1'000'000U).description(""))
       ->type_name("N");
   app.add_option("--history", options.history,
