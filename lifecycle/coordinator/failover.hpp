@@ -37,7 +37,7 @@ class StandbyDecision {
   // A heartbeat of an actuator.
   void OnActuator(ActuatorIndex actuator, bool controller_lost, Time now);
   // Why this standby does not lead; "": it may. To be called several times a second: after a break
-  // of its own it begins to wait anew, since what it has missed says nothing.
+  // of its own it begins its wait again, since what it has missed says nothing.
   std::string WhyNot(Time now);
 
  private:

@@ -75,7 +75,7 @@ TEST_F(Standby, DoesNotLeadAMinority) {
   EXPECT_THAT(For(kFailover * 10, false, {{"c", true}}), HasSubstr("1 of 3"));
 }
 
-TEST_F(Standby, BeginsToWaitAnewWhereOneOfThemHasHeardTheControllerAgain) {
+TEST_F(Standby, BeginsItsWaitAgainWhereOneOfThemHasHeardTheControllerAgain) {
   For(kFailover, true, {{"b", false}, {"c", false}});
   EXPECT_THAT(For(kFailover - kPeriod, false, {{"b", true}, {"c", true}}), Not(IsEmpty()));
   For(kPeriod, false, {{"b", false}, {"c", true}});
@@ -84,7 +84,7 @@ TEST_F(Standby, BeginsToWaitAnewWhereOneOfThemHasHeardTheControllerAgain) {
 }
 
 // A laptop's lid, a process in a debugger: it has received nothing because it did not run.
-TEST_F(Standby, BeginsToWaitAnewAfterABreakOfItsOwn) {
+TEST_F(Standby, BeginsItsWaitAgainAfterABreakOfItsOwn) {
   For(kFailover, true, {{"a", false}, {"b", false}, {"c", false}});
   now_ += std::chrono::minutes(1);
   EXPECT_THAT(decision_.WhyNot(now_), HasSubstr("until just now"));
@@ -169,12 +169,12 @@ TEST_F(Majority, IsOfNoConcernToATearDownOrWithoutAStandby) {
 
 // Links per pair that go and come, processes that are frozen: whenever the standby leads, the other
 // controller has given up the machine, has ended, or could not run until a moment before. That one
-// learns what it has lost within the time for it, and its commands are refused by whoever follows
+// learns what it has lost within the time for it, and its commands are refused by each that follows
 // the standby.
 TEST(Failover, NeverLeadsBesideAControllerThatRuns) {
   constexpr Duration kStep = Milliseconds(50);
-  constexpr Duration kActuatorLoses = Milliseconds(375);     // three heartbeats of its controller
-  constexpr Duration kControllerJudges = Milliseconds(400);  // three of an actuator
+  constexpr Duration kActuatorLoses = Milliseconds(375);      // three heartbeats of its controller
+  constexpr Duration kControllerNotices = Milliseconds(400);  // three of an actuator
   int led = 0;
   int given_up = 0;
   for (unsigned seed = 1; seed <= 300; ++seed) {
@@ -216,7 +216,7 @@ TEST(Failover, NeverLeadsBesideAControllerThatRuns) {
         if (runs && one.to_controller) one.heard = one.received = now;
       }
       for (const ActuatorIndex a : config.actuators.Indices()) {
-        const bool away = now - links[a.value()].received > kControllerJudges;
+        const bool away = now - links[a.value()].received > kControllerNotices;
         machine.actuators[a].presence = away ? Presence::kLost : Presence::kPresent;
         machine.actuators[a].health = away ? Health::kPartitioned : Health::kWell;
       }
@@ -231,7 +231,7 @@ TEST(Failover, NeverLeadsBesideAControllerThatRuns) {
         if (one.to_standby) standby.OnActuator(a, now - one.heard > kActuatorLoses, now);
       }
       if (!standby.WhyNot(now).empty()) continue;
-      const Time learns = frozen_until + kControllerJudges + kFailover / 2 + 2 * kStep;
+      const Time learns = frozen_until + kControllerNotices + kFailover / 2 + 2 * kStep;
       const bool was_frozen = frozen_until != Time{} && now < learns;
       ASSERT_FALSE(runs && leads && !was_frozen) << "after " << i * 50 << " ms";
       ++led;
