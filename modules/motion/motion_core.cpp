@@ -90,6 +90,7 @@ class Decision {
   bool IsLifted() const;
   void WatchLifted();
   void Interrupt(std::int32_t code, const std::string& why);
+  bool IsServoTaken();
   void ReportServo();
   void RefuseServo(const ServoCommand& command, const Error& error);
 
@@ -823,6 +824,15 @@ void Decision::WatchServo() {
   StopServo("no frame for 200 ms");
 }
 
+// False once the board has reported another mode than that of the stream for some time.
+bool Decision::IsServoTaken() {
+  Servo& servo = *core_.servo;
+  const bool other = servo.moving && core_.body->mode != servo.command.mode;
+  if (!other) servo.other_since.reset();
+  if (other && !servo.other_since) servo.other_since = now_;
+  return !other || now_ - *servo.other_since < kOtherModeTime;
+}
+
 // The streaming source gets the board's feedback periodically.
 void Decision::ReportServo() {
   if (!core_.servo || now_ < core_.servo->next_report) return;
@@ -836,11 +846,14 @@ void Decision::ReportServo() {
     response.bar = core_.body->bar;
     response.status = core_.body->switch_status;
     response.code = CodeOfStatus(core_.body->switch_status);
+    if (!IsServoTaken() && response.code == kCodeOk) {
+      response.code = MotionCode(Key::kBoardSilent);
+    }
     response.result = response.code == kCodeOk;
   }
   if (!response.result) {
     Log(response.code, "servo motion " + std::to_string(core_.servo->command.id) + ": " +
-                           MotionCodeText(response.code));
+                           TextOfRefusal(response.code));
   }
   actions_.emplace_back(response);
 }

@@ -60,8 +60,9 @@
 namespace musher::motion {
 
 inline constexpr Duration kServoWatchdog = Milliseconds(200);
-inline constexpr Duration kLiesTime = Milliseconds(300);    // until a servo motion ends
-inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of a repeated command: 20 Hz
+inline constexpr Duration kLiesTime = Milliseconds(300);       // until a servo motion ends
+inline constexpr Duration kOtherModeTime = Milliseconds(500);  // until a stream gets a code
+inline constexpr Duration kBoardPeriod = Milliseconds(50);     // of a repeated command: 20 Hz
 // Of the commands of a stream: a board takes 500 a second. Two may come together, because the
 // frames of a stream of 500 Hz do not come in time.
 inline constexpr Duration kLeastBoardPeriod = Milliseconds(2);
@@ -236,8 +237,9 @@ struct Servo {
   bool moving = false;  // false: waits for a recovery stand
   Time last_frame{};
   Time next_report{};
-  std::optional<Time> down_since;  // the body lies although it is moving
-  bool limit_logged = false;       // that the speed is too high
+  std::optional<Time> down_since;   // the body lies although it is moving
+  std::optional<Time> other_since;  // the board reports another mode although it is moving
+  bool limit_logged = false;        // that the speed is too high
 
   friend bool operator==(const Servo&, const Servo&) = default;
 };

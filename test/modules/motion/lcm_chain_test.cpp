@@ -381,6 +381,21 @@ TEST_F(LcmChain, AnswersWhatTheBoardReportsWhenItNeverTakesTheMotion) {
   EXPECT_THAT(answer.message, HasSubstr("has not taken it within 200 ms; it reports mode 12"));
 }
 
+TEST_F(LcmChain, ReportsToAStreamThatTheBoardDoesNotTakeIt) {
+  RunFor(Milliseconds(500));
+  board_.board.deaf = true;
+  Stream(Milliseconds(1500));
+  EXPECT_EQ(response_.code, 3035);
+  EXPECT_FALSE(response_.result);
+  const std::string text =
+      "servo motion 303: the motion board has not taken it within 200 ms; it reports mode 12, gait "
+      "0";
+  EXPECT_THAT(log_, ::testing::Contains(HasSubstr(text)));
+  board_.board.deaf = false;
+  Stream(Milliseconds(1000));
+  EXPECT_TRUE(response_.result) << "the board takes it now";
+}
+
 TEST_F(LcmChain, RefusesMotionsWhileAnotherProgramCommandsTheBoard) {
   RunFor(Milliseconds(500));
   const auto other = [&] {
