@@ -1,12 +1,9 @@
 #include "musher/cli/machine/machines_beside.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "musher/base/files.hpp"
@@ -24,22 +21,6 @@ namespace musher::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Of a name as NameLock::NameOf() makes it; nullopt: of no actuator or controller.
-std::optional<MachinePlace> PlaceOfName(std::string_view name) {
-  constexpr std::string_view kController = "/musher/controller";
-  MachinePlace place;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), place.domain);
-  if (error != std::errc() || end == name.data() + name.size() || *end != '/') return std::nullopt;
-  name.remove_prefix(static_cast<std::size_t>(end - name.data()) + 1);
-  const bool leads = name.ends_with(kController);
-  const std::size_t last = leads ? name.size() - kController.size() : name.rfind('/');
-  if (last == std::string_view::npos) return std::nullopt;
-  place.name_space = name.substr(0, last);
-  const std::string& where = place.name_space;
-  if (!leads && (where == "musher" || where.ends_with("/musher"))) return std::nullopt;
-  return place;
-}
 
 bool NamesNamespace(const GlobalOptions& global) {
   return global.name_space_given || !global.name_space.empty();
@@ -94,34 +75,9 @@ bool HasFolder(const Folders& folders, const MachinePlace& place) {
 
 }  // namespace
 
-std::string MachinePlace::Text(int own_domain) const {
-  const std::string text = NamespaceText(name_space);
-  return domain == own_domain ? text : text + " of DDS domain " + std::to_string(domain);
-}
-
-std::string MachinePlace::Options(const MachinePlace& own) const {
-  std::string options;
-  if (name_space != own.name_space) options = "--namespace " + ShellWord(name_space);
-  if (domain == own.domain) return options;
-  return options + (options.empty() ? "" : " ") + "--domain " + std::to_string(domain);
-}
-
 MachinePlace PlaceOf(const GlobalOptions& global) {
   const auto domain = transport::DomainId({});
   return {domain ? domain.value() : 0, global.name_space};
-}
-
-std::vector<MachinePlace> PlacesHere() {
-  constexpr std::string_view kBegin = " @musher/";
-  std::set<MachinePlace> places;
-  std::ifstream table("/proc/net/unix");
-  for (std::string line; std::getline(table, line);) {
-    const std::size_t at = line.find(kBegin);
-    if (at == std::string::npos) continue;
-    const auto place = PlaceOfName(std::string_view(line).substr(at + kBegin.size()));
-    if (place) places.insert(*place);
-  }
-  return {places.begin(), places.end()};
 }
 
 std::vector<MachinePlace> PlacesToStop(const GlobalOptions& global) {

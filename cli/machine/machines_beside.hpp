@@ -12,34 +12,18 @@
 // MUSHER_MACHINE, --namespace and MUSHER_NAMESPACE, --domain. ROS_DOMAIN_ID is for all that a
 // shell starts, and names no robot.
 //
-// Threads: any. PlacesHere() reads the kernel's table alone; the others read the disk.
+// Threads: any; reads the disk.
 
-#include <compare>
 #include <string>
 #include <vector>
 
 #include "musher/cli/console/options.hpp"
+#include "musher/controller/storage/machine_places.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 
 namespace musher::cli {
 
-// Where the processes of a machine find each other.
-struct MachinePlace {
-  int domain = 0;
-  std::string name_space;
-
-  // "namespace 'dogA'", with the domain where it is another one than the command's.
-  std::string Text(int own_domain) const;
-  // "--namespace dogA", with --domain where that differs.
-  std::string Options(const MachinePlace& own) const;
-
-  friend auto operator<=>(const MachinePlace&, const MachinePlace&) = default;  // NOLINT(*-nullptr)
-};
-
 MachinePlace PlaceOf(const GlobalOptions& global);
-
-// Where a controller or an actuator runs on this host; sorted.
-std::vector<MachinePlace> PlacesHere();
 
 // Those that a stop without an express name has to reach beside its own: of this domain, and of the
 // others where nothing runs in this one.

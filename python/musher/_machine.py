@@ -443,9 +443,20 @@ class Machine:
             meant, status = self._choose(statuses, self._find_s)
         if not meant[1] and status is None:
             raise self._not_found()
-        if acts and status is not None and self._is_beside(status):
-            raise self._not_here(status)
+        if acts and status is not None:
+            self._check_namespace(status)
+            if self._is_beside(status):
+                raise self._not_here(status)
         return meant
+
+    def _check_namespace(self, status: MachineStatus) -> None:
+        """Raises musher.Failure where neither a name nor a namespace was given, the machine is of another host, and
+        one of this host runs in another namespace: that one may be meant."""
+        if self._name or self.node.namespace or _is_of_this_boot(status):
+            return
+        why = _native.why_not_here(status.machine, self._domain)
+        if why:
+            raise Failure(_NET_ERROR, f"{why}; Machine(namespace=…), or MUSHER_NAMESPACE, chooses it")
 
     def _is_beside(self, status: MachineStatus) -> bool:
         """Whether no name was given, and this host has machines of which it is none."""

@@ -18,6 +18,7 @@
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/client/switch_client.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
+#include "musher/controller/storage/machine_places.hpp"
 #include "musher/controller/storage/machines_here.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/python/native/node.hpp"
@@ -451,6 +452,13 @@ std::vector<std::pair<std::string, std::string>> FindMachinesHere(const std::str
   return found;
 }
 
+// Why a program without a name or a namespace acts on none of another host; "": it may.
+std::string WhyNotHere(const std::string& found, std::optional<int> domain) {
+  const auto id = DomainOf(domain);
+  if (!id) return "";
+  return WithoutGil([&] { return WhyNotFrom({*id, ""}, PlacesHere(), found); });
+}
+
 }  // namespace
 
 void AddClient(py::module_& native) {
@@ -459,6 +467,7 @@ void AddClient(py::module_& native) {
   native.def("read_machine", &ReadMachine);
   native.def("machine_here", &FindMachineHere);
   native.def("machines_here", &FindMachinesHere);
+  native.def("why_not_here", &WhyNotHere);
   native.def("host_id", &HostId);
   native.def("leads_here", &LeadsHere);
   native.def("leader_here", &LeaderHere);

@@ -192,6 +192,24 @@ class Choice(unittest.TestCase):
         with musher.Machine(namespace=self.NAMESPACE) as machine:
             self.assertEqual(machine._meant(acts=True)[0], "dog", "a host without files of a machine")
 
+    # A program without the namespace of its robot moved the one in range.
+    def test_where_the_machine_of_this_host_runs_in_another_namespace_no_other_one_is_driven(self):
+        node = musher.Node()
+        self.addCleanup(node.close)
+        status = MachineStatus(machine="dog", machine_id=DOG, host="another boot/1", pid=7, phase="running",
+                               state="Active")
+        node.publisher("musher/machine_status", MachineStatus, latched=True).publish(status)
+        with contextlib.closing(socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)) as held, musher.Machine() as machine:
+            self.assertEqual(machine.status().machine, "dog", "looking is free")
+            held.bind(f"\0musher/{os.environ['ROS_DOMAIN_ID']}/dogA/musher/controller")
+            for call in (lambda: machine.set("Active"), lambda: machine.restart("legs")):
+                with self.assertRaises(musher.Failure) as refused:
+                    call()
+                self.assertIn("the machine of this host runs in namespace 'dogA'; found dog in the default namespace. "
+                              "Nothing was done; Machine(namespace=…)", refused.exception.reason)
+        with musher.Machine(machine="dog") as machine:
+            self.assertEqual(machine._meant(acts=True)[0], "dog", "a name says which one is meant")
+
     # It returned the status of the other one: the robot that was awaited had not even started.
     def test_where_the_machine_of_this_host_does_not_run_no_other_one_is_awaited(self):
         self.publish("dog", DOG)

@@ -201,6 +201,7 @@ Result<> LiveServer::WatchMachine() {
   events.on_status = [this] { requests_->OnStatus(); };
   RobotRequests::Options requests{options_.name_space, host, options_.with_keys};
   requests.stops = {options_.name_space, options_.domain_id, options_.lan};
+  requests.places = PlacesHere;
   requests.machine = options_.machine;
   requests.find = [this](auto on_found) { search_.Begin(std::move(on_found)); };
   requests_ = std::make_unique<RobotRequests>(

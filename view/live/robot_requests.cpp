@@ -132,7 +132,15 @@ std::optional<Error> RobotRequests::WhyNotMeant() const {
                  "this host is still being searched for a machine of its own. Nothing was done; "
                  "try again, or `musher view --machine NAME` speaks to another machine"};
   }
-  if (own_->empty() || IsIn(*own_, watch.machine())) return std::nullopt;
+  if (IsIn(*own_, watch.machine())) return std::nullopt;
+  if (options_.places && options_.name_space.empty()) {
+    const MachinePlace place{options_.stops.domain_id, options_.name_space};
+    const std::string why = WhyNotFrom(place, options_.places(), MachineText(watch.machine()));
+    if (!why.empty()) {
+      return Error{kCodeNetError, why + "; `musher view --namespace` chooses its namespace"};
+    }
+  }
+  if (own_->empty()) return std::nullopt;
   return DoesNotRun(own_->front(), watch.machine());
 }
 

@@ -25,6 +25,7 @@
 #include "musher/controller/client/machine_here.hpp"
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/client/switch_client.hpp"
+#include "musher/controller/storage/machine_places.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
 #include "musher/view/http/server.hpp"
@@ -50,6 +51,8 @@ class RobotRequests {
     StopScope stops = {};      // where a stop looks for its actuators
     std::string machine = {};  // by which a person has chosen it: see LeaderWatch::Options::word
     FindMachines find = {};    // empty: the machines of `stops` are those of this host
+    // Where machines run on this host; empty: not looked for.
+    std::function<std::vector<MachinePlace>()> places = {};
   };
   // A person on a page.
   struct Caller {

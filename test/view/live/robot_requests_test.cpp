@@ -112,6 +112,7 @@ class RequestsOfAPage : public ::testing::Test {
     RobotRequests::Options options{"", "desk", false};
     options.stops = {kHeldNames, kDomain, false, own_};
     options.machine = word;
+    options.places = [this] { return places_; };
     if (searches_) {
       options.find = [this](auto on_found) { searching_.push_back(std::move(on_found)); };
     }
@@ -171,8 +172,9 @@ class RequestsOfAPage : public ::testing::Test {
 
   transport::sim::Network network_{1};
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::vector<MachineHere> own_;  // the machines of the page's host
-  bool searches_ = false;         // … are found by a search
+  std::vector<MachineHere> own_;      // the machines of the page's host
+  std::vector<MachinePlace> places_;  // where they run there
+  bool searches_ = false;             // … are found by a search
   std::vector<std::function<void(std::vector<MachineHere>)>> searching_;
   std::vector<std::string> bodies_;  // with their statuses of HTTP
   std::vector<std::string> done_;    // by the controllers
@@ -224,6 +226,24 @@ TEST_F(RequestsOfAPage, ActOnNoOtherMachineWhileThatOfThisHostDoesNotRun) {
                            HasSubstr("the machine of this host, dog (id uuid-a), does not run; "
                                      "found cat (id uuid-b). Nothing was done"))));
   EXPECT_THAT(done_, IsEmpty());
+}
+
+// A page without the namespace of its robot moved the one in range.
+TEST_F(RequestsOfAPage, ActOnNoOtherMachineWhileThatOfThisHostRunsInAnotherNamespace) {
+  places_ = {{kDomain, "dogA"}};
+  Open();
+  const auto cat = Lead("cat", "uuid-b");
+  const auto answers = Act();
+  ASSERT_EQ(answers.size(), 3U);
+  EXPECT_THAT(answers, ::testing::Each(AllOf(
+                           HasSubstr("409 "),
+                           HasSubstr("the machine of this host runs in namespace 'dogA'; "
+                                     "found cat (id uuid-b) in the default namespace. Nothing was "
+                                     "done"))));
+  EXPECT_THAT(done_, IsEmpty());
+  places_ = {{kDomain + 1, "dogA"}, {kDomain, ""}};
+  EXPECT_EQ(Act().size(), 3U) << "of another domain, or in its own namespace";
+  EXPECT_THAT(done_, ::testing::SizeIs(3));
 }
 
 TEST_F(RequestsOfAPage, StopEveryMachineWhileThatOfThisHostDoesNotRun) {
