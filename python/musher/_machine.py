@@ -103,6 +103,7 @@ class Machine:
         self._domain = domain
         # That the caller gave, or the beginning of an id, else of the only machine that answered; empty: none has.
         self._name = machine or os.environ.get("MUSHER_MACHINE", "")
+        self._given = bool(self._name)  # else the name is the one of the machine that was found
         self._found = ("", "")  # name and id of the machine that answered last; a new start may have another id
         self._stops: List[_native.Stop] = []  # that are published
         self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity, interface=interface)
@@ -452,7 +453,7 @@ class Machine:
     def _check_namespace(self, status: MachineStatus) -> None:
         """Raises musher.Failure where neither a name nor a namespace was given, the machine is of another host, and
         one of this host runs in another namespace: that one may be meant."""
-        if self._name or self.node.namespace or _is_of_this_boot(status):
+        if self._given or self.node.namespace or _is_of_this_boot(status):
             return
         why = _native.why_not_here(status.machine, self._domain)
         if why:
