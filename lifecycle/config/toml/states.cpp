@@ -25,6 +25,9 @@ void ReadOwnState(const Value& value, Draft& draft) {
                 "expected " + std::string(kNameRule) + ", found " + Quote(name->text));
   } else if (IsBuiltInState(name->text)) {
     state.Fault(name->at, "name", Quote(name->text) + " is built in; expected a new name");
+  } else if (name->text == kUnknownState) {
+    state.Fault(name->at, "name",
+                Quote(name->text) + " stands for a state that is not known; expected another name");
   } else if (!draft.config.ranks.emplace(name->text, static_cast<Rank>(rank.value_or(0))).second) {
     state.Fault(name->at, "name", Quote(name->text) + " is declared twice");
   }
