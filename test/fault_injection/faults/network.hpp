@@ -24,8 +24,8 @@ void IsRebooted(FaultRun& run);
 // A controller on the other host takes over, and one here takes over again; with `deaf` the other
 // host receives nothing from this one meanwhile.
 void IsTakenOverFromThere(FaultRun& run, bool deaf);
-// A standby on the other host leads once the link is cut for long, or the controller here is killed,
-// and not after a short cut.
+// A standby on the other host leads once the link is cut for long, or the controller here is
+// killed, and not after a short cut.
 void IsReplacedByStandby(FaultRun& run, bool killed);
 // SIGKILL of an actuator there.
 void KilledOnOtherHost(FaultRun& run);

@@ -76,8 +76,8 @@ TEST_F(KeepRule, TheBatteryRuleDoesNotApplyMeanwhileAndAppliesAfterwards) {
   EXPECT_EQ(state(), "LowPower");
 }
 
-// Found by simulation: the rule had tried to raise the machine, which one actuator makes impossible.
-// Its lowering then waited for the next attempt, up to a minute.
+// Found by simulation: the rule had tried to raise the machine, which one actuator makes
+// impossible. Its lowering then waited for the next attempt, up to a minute.
 TEST_F(KeepRule, TheBatteryRuleAppliesAfterwardsAtOnceWhereItsRaiseWasRefusedBefore) {
   MachineConfig config = WithPolicy();
   std::erase(ActuatorNamed(config, "b").states, "Protected");
