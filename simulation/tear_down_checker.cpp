@@ -45,9 +45,10 @@ void TearDownChecker::CheckMayStart(const SimulatedController& controller,
 
 void TearDownChecker::NoteTornDownAlone(const SimulatedController& controller,
                                         const SwitchResult& result) {
-  if (result.target != kTearDown || !result.done()) return;
+  const bool degraded = result.outcome == SwitchOutcome::kDoneDegraded;
+  if (result.target != kTearDown || !(result.done() || degraded)) return;
   if (result.actuator.empty()) return torn_down_alone_.clear();  // all are down alike
-  torn_down_alone_[result.actuator] = controller.host();
+  if (!degraded) torn_down_alone_[result.actuator] = controller.host();
 }
 
 // Whether a supervisor has started the controller after the TearDown, and finds it on its disk.
