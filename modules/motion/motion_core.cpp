@@ -90,7 +90,8 @@ class Decision {
   bool IsLifted() const;
   void WatchLifted();
   void Interrupt(std::int32_t code, const std::string& why);
-  bool IsServoTaken();
+  void WatchServoMode();
+  bool IsServoTaken() const;
   void ReportServo();
   void RefuseServo(const ServoCommand& command, const Error& error);
 
@@ -101,6 +102,7 @@ class Decision {
   std::vector<std::int32_t> WayTo(const Motion& motion) const;
   std::int32_t CodeOfRefusal() const;
   std::string TextOfRefusal(std::int32_t code) const;
+  std::string TextNotTaken(Duration within) const;
   void AdvanceJob(bool time_passed);
   bool AdvanceWait(bool time_passed);
   void EndMotion();
@@ -229,6 +231,7 @@ void Decision::Take(const motion_event::BoardReported& event) {
   core_.board_silent = false;
   core_.time_jumped.clear();
   if (core_.link.until && Taken()) Quiet();
+  WatchServoMode();
   WatchLying();
   WatchLifted();
   AdvanceJob(false);
@@ -824,13 +827,19 @@ void Decision::WatchServo() {
   StopServo("no frame for 200 ms");
 }
 
-// False once the board has reported another mode than that of the stream for some time.
-bool Decision::IsServoTaken() {
+// Since when the board reports another mode than that of the stream, by the times of its reports:
+// after a hang of this process the last one is old. A body that lies: see WatchLying.
+void Decision::WatchServoMode() {
+  if (!core_.servo) return;
   Servo& servo = *core_.servo;
-  const bool other = servo.moving && core_.body->mode != servo.command.mode;
+  const bool other = servo.moving && !IsDown() && core_.body->mode != servo.command.mode;
   if (!other) servo.other_since.reset();
-  if (other && !servo.other_since) servo.other_since = now_;
-  return !other || now_ - *servo.other_since < kOtherModeTime;
+  if (other && !servo.other_since) servo.other_since = core_.body_reported_at;
+}
+
+bool Decision::IsServoTaken() const {
+  const auto& since = core_.servo->other_since;
+  return !since || core_.body_reported_at - *since < kOtherModeTime;
 }
 
 // The streaming source gets the board's feedback periodically.
@@ -838,6 +847,7 @@ void Decision::ReportServo() {
   if (!core_.servo || now_ < core_.servo->next_report) return;
   core_.servo->next_report = now_ + kBoardPeriod;
   motion_action::ServoResponse response;
+  bool taken = true;
   response.cmd_id = core_.servo_commands;
   if (core_.BoardSilent()) {
     response.code = MotionCode(Key::kBoardSilent);
@@ -846,14 +856,13 @@ void Decision::ReportServo() {
     response.bar = core_.body->bar;
     response.status = core_.body->switch_status;
     response.code = CodeOfStatus(core_.body->switch_status);
-    if (!IsServoTaken() && response.code == kCodeOk) {
-      response.code = MotionCode(Key::kBoardSilent);
-    }
+    taken = IsServoTaken() || response.code != kCodeOk;
+    if (!taken) response.code = MotionCode(Key::kBoardSilent);
     response.result = response.code == kCodeOk;
   }
   if (!response.result) {
     Log(response.code, "servo motion " + std::to_string(core_.servo->command.id) + ": " +
-                           TextOfRefusal(response.code));
+                           (taken ? MotionCodeText(response.code) : TextNotTaken(kOtherModeTime)));
   }
   actions_.emplace_back(response);
 }
@@ -939,9 +948,13 @@ std::int32_t Decision::CodeOfRefusal() const {
 
 std::string Decision::TextOfRefusal(std::int32_t code) const {
   if (code != MotionCode(Key::kBoardSilent) || core_.BoardSilent()) return MotionCodeText(code);
-  return "the motion board has not taken it within " +
-         std::to_string(ToMilliseconds(rules_.config.board_feedback)) + " ms; it reports mode " +
-         std::to_string(core_.body->mode) + ", gait " + std::to_string(core_.body->gait);
+  return TextNotTaken(rules_.config.board_feedback);
+}
+
+std::string Decision::TextNotTaken(Duration within) const {
+  return "the motion board has not taken it within " + std::to_string(ToMilliseconds(within)) +
+         " ms; it reports mode " + std::to_string(core_.body->mode) + ", gait " +
+         std::to_string(core_.body->gait);
 }
 
 // A report of the board does not end a wait: a newer one may be queued behind it.

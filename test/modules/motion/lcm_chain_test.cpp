@@ -388,12 +388,27 @@ TEST_F(LcmChain, ReportsToAStreamThatTheBoardDoesNotTakeIt) {
   EXPECT_EQ(response_.code, 3035);
   EXPECT_FALSE(response_.result);
   const std::string text =
-      "servo motion 303: the motion board has not taken it within 200 ms; it reports mode 12, gait "
+      "servo motion 303: the motion board has not taken it within 500 ms; it reports mode 12, gait "
       "0";
   EXPECT_THAT(log_, ::testing::Contains(HasSubstr(text)));
   board_.board.deaf = false;
   Stream(Milliseconds(1000));
   EXPECT_TRUE(response_.result) << "the board takes it now";
+}
+
+// The first frame after the hang is read before the board's report; the last one is of the time
+// before the walk.
+TEST_F(LcmChain, DoesNotReportToAStreamWhatTheBoardHadNotTakenBeforeAHang) {
+  RunFor(Milliseconds(500));
+  Stream(Milliseconds(1));
+  hangs_ = true;
+  RunFor(Milliseconds(700));
+  hangs_ = false;
+  Stream(Milliseconds(1));
+  EXPECT_EQ(response_.code, 0);
+  Stream(Milliseconds(1000));
+  EXPECT_THAT(log_, ::testing::Contains(HasSubstr("is stopped: the body lies")));
+  EXPECT_THAT(log_, ::testing::Not(::testing::Contains(HasSubstr("has not taken it"))));
 }
 
 TEST_F(LcmChain, RefusesMotionsWhileAnotherProgramCommandsTheBoard) {
