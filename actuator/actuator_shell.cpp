@@ -21,13 +21,13 @@ constexpr std::size_t kLongestName = 256;
 constexpr Duration kStatusDelay = Milliseconds(50);
 // The endpoints of a managed node are offered after those that a controller needs: after the first
 // time without a controller, after the second with one, when the start of the robot is over.
-// So many heartbeats of its controller in a row have not arrived: it is lost.
-constexpr int kMissedHeartbeats = 3;
 constexpr Duration kControllerDetected = Milliseconds(150);
 constexpr Duration kStartIsOver = Milliseconds(2000);
 // A ROS 2 manager queries the state once more after its shutdown.
 constexpr Duration kLastQueryTime = Milliseconds(1000);
 constexpr Duration kLastQueryPeriod = Milliseconds(5);
+// So many heartbeats of its controller in a row have not arrived: it is lost.
+constexpr int kMissedHeartbeats = 3;
 
 // Samples our own process; a simulated process has no sample.
 Checkpoints::Sample SampleOf(pid_t pid) {

@@ -162,7 +162,8 @@ void Controller::BeginAfter(Duration listen) {
 // controller before it has led, as after a takeover, and requests nothing.
 bool Controller::StandBy() {
   if (!standby_) return false;
-  if (shell_->machine_identity().id.empty()) TakeIdOfActuatorsForGood();
+  const bool has_id = !shell_->machine_identity().id.empty();
+  if (const std::string id = has_id ? "" : IdOfActuators(); !id.empty()) KeepIdentity(id);
   const std::string why = standby_->WhyNot();
   if (why.empty()) {
     led_before_ = standby_->last_status();
@@ -427,8 +428,7 @@ void Controller::WatchStopsHere() {
 void Controller::GoOnWith(const msg::MachineStatus& status, event::Begin& begin) const {
   begin.actuators = StoredActuatorsOf(config_, status);
   begin.epoch = std::max(begin.epoch, Epoch(status.epoch));
-  begin.stop_intent =
-      status.phase == PhaseName(Phase::kStopping) || status.phase == PhaseName(Phase::kStopped);
+  begin.stop_intent = status.phase == PhaseName(Phase::kStopping);
 }
 
 // The systemds that run processes of this machine: of other hosts, and of this one.
@@ -788,15 +788,6 @@ void Controller::TakeIdOfActuators() {
   shell_->SetMachineId(IdOfActuators());
 }
 
-void Controller::TakeIdOfActuatorsForGood() {
-  const std::string id = IdOfActuators();
-  if (id.empty()) return;
-  shell_->SetMachineId(id);
-  if (!store_) return;
-  store_->SetMachineId(id);
-  disk_.Do("machine", [store = store_] { return store->SaveMachineId(); });
-}
-
 // A machine has one id on all its hosts. A state folder without an id takes it from the replaced
 // controller, or from an actuator. If the folder cannot be used and no id is found, this run gets a
 // new id: with its name alone the controller would fence another robot of the same name.
@@ -806,6 +797,10 @@ void Controller::TakeIdentity() {
   if (const auto& rival = shell_->rival(); rival && (store_ || rival->here)) id = rival->machine.id;
   if (id.empty()) id = IdOfActuators();
   if (id.empty()) id = NewMachineId();
+  KeepIdentity(id);
+}
+
+void Controller::KeepIdentity(const std::string& id) {
   shell_->SetMachineId(id);
   if (!store_) return;
   store_->SetMachineId(id);

@@ -132,8 +132,8 @@ class Controller {
   Result<> RunsOnce() const;
   std::string IdOfActuators() const;
   void TakeIdOfActuators();
-  void TakeIdOfActuatorsForGood();
   void TakeIdentity();
+  void KeepIdentity(const std::string& id);
   void OpenLogs();
   void WatchNetwork();
   UserRules Rules();

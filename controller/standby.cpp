@@ -50,60 +50,72 @@ bool Standby::IsOurs(const std::string& name, const std::string& id) const {
   return SameMachine(identity_(), {name, id});
 }
 
+template <class Message, class OnMessage>
+Result<> Standby::Receive(const std::string& topic, const transport::Qos& qos,
+                          OnMessage on_message) {
+  auto subscription =
+      transport::MakeSubscription<Message>(node_, topic, std::move(on_message), qos);
+  if (!subscription) return subscription.error();
+  subscriptions_.push_back(std::move(subscription).value());
+  return Ok();
+}
+
 Result<> Standby::Open() {
+  using transport::SampleInfo;
   const std::string& name_space = config_.name_space;
-  auto controllers = transport::MakeSubscription<msg::ControllerHeartbeat>(
-      node_, transport::ControllerHeartbeatTopic(name_space),
-      [this](const msg::ControllerHeartbeat& heartbeat, const transport::SampleInfo& info) {
+  const bool with_keys = !config_.keys.empty();
+  const auto controllers = Receive<msg::ControllerHeartbeat>(
+      transport::ControllerHeartbeatTopic(name_space), transport::kLatchedFromManyQos,
+      [this](const msg::ControllerHeartbeat& heartbeat, const SampleInfo& info) {
         if (!transport::IsOwn(heartbeat.participant, info)) return;
         if (!IsOurs(heartbeat.machine, heartbeat.machine_id)) return;
         received_ = true;
         decision_.OnController(node_.loop().Now());
-      },
-      transport::kLatchedFromManyQos);
-  if (!controllers) return controllers.error();
-  subscriptions_.push_back(std::move(controllers).value());
+      });
+  if (!controllers) return controllers;
+  const auto machine = Receive<msg::MachineStatus>(
+      transport::MachineStatusTopic(name_space), transport::kLatchedFromManyQos,
+      [this](const msg::MachineStatus& status, const SampleInfo& info) {
+        if (transport::IsOwn(status.participant, info)) OnStatus(status);
+      });
+  if (!machine) return machine;
   transport::Qos statuses_qos = transport::kLatchedFromManyQos;
-  statuses_qos.partition = transport::ReaderPartition(!config_.keys.empty());
-  auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
-      node_, transport::ActuatorStatusTopic(name_space),
-      [this](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+  statuses_qos.partition = transport::ReaderPartition(with_keys);
+  const auto statuses = Receive<msg::ActuatorStatus>(
+      transport::ActuatorStatusTopic(name_space), statuses_qos,
+      [this](const msg::ActuatorStatus& status, const SampleInfo& info) {
         if (!transport::IsFrom(status, info)) return;
-        if (IsOurs(status.machine, status.machine_id)) {
-          participants_[status.name] = info.participant;
-        }
-      },
-      statuses_qos);
-  if (!statuses) return statuses.error();
-  subscriptions_.push_back(std::move(statuses).value());
-  transport::Qos qos = transport::kHeartbeatQos;
-  qos.partition = transport::ReaderPartition(!config_.keys.empty());
-  auto heartbeats = transport::MakeSubscription<msg::ActuatorHeartbeat>(
-      node_, transport::ActuatorHeartbeatTopic(name_space),
-      [this](const msg::ActuatorHeartbeat& heartbeat, const transport::SampleInfo& info) {
+        if (!IsOurs(status.machine, status.machine_id)) return;
+        participants_[status.name] = info.participant;
+      });
+  if (!statuses) return statuses;
+  transport::Qos heartbeats_qos = transport::kHeartbeatQos;
+  heartbeats_qos.partition = transport::ReaderPartition(with_keys);
+  return Receive<msg::ActuatorHeartbeat>(
+      transport::ActuatorHeartbeatTopic(name_space), heartbeats_qos,
+      [this](const msg::ActuatorHeartbeat& heartbeat, const SampleInfo& info) {
         const auto process = participants_.find(heartbeat.name);
         const auto index = config_.IndexOf(heartbeat.name);
         if (!index || process == participants_.end() || process->second != info.participant) return;
         decision_.OnActuator(*index, heartbeat.controller_lost, node_.loop().Now());
-      },
-      qos);
-  if (!heartbeats) return heartbeats.error();
-  subscriptions_.push_back(std::move(heartbeats).value());
-  auto machine = transport::MakeSubscription<msg::MachineStatus>(
-      node_, transport::MachineStatusTopic(name_space),
-      [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
-        if (!transport::IsOwn(status.participant, info)) return;
-        if (IsOurs(status.machine, status.machine_id)) status_ = status;
-      },
-      transport::kLatchedFromManyQos);
-  if (!machine) return machine.error();
-  subscriptions_.push_back(std::move(machine).value());
-  return Ok();
+      });
+}
+
+void Standby::OnStatus(const msg::MachineStatus& status) {
+  if (!IsOurs(status.machine, status.machine_id)) return;
+  if (status.phase != PhaseName(Phase::kStopped)) {
+    status_ = status;
+    return;
+  }
+  status_.reset();
+  received_ = false;
 }
 
 std::string Standby::WhyNot() {
   const std::string why = decision_.WhyNot(node_.loop().Now());
-  if (!received_ || !status_) return "no controller of this machine was received yet";
+  // The id may have been learned since: then the status may be of another robot of the name.
+  const bool is_ours = status_ && IsOurs(status_->machine, status_->machine_id);
+  if (!received_ || !is_ours) return "no controller of this machine was received yet";
   if (!why.empty()) return why;
   return identity_().id.empty() ? "no actuator of this host has shown the id of this machine" : "";
 }

@@ -36,7 +36,8 @@ class Standby {
   static Result<std::unique_ptr<Standby>> Make(transport::Node& node, const MachineConfig& config,
                                                IdentityOf identity);
 
-  // See StandbyDecision. To be called several times a second.
+  // See StandbyDecision. To be called several times a second. A machine whose TearDown is complete
+  // is led by none: what a person starts of it later has to have a controller first.
   std::string WhyNot();
   // The last status of the controller that is gone; nullopt: none was received.
   const std::optional<msg::MachineStatus>& last_status() const { return status_; }
@@ -44,6 +45,9 @@ class Standby {
  private:
   Standby(transport::Node& node, const MachineConfig& config, IdentityOf identity);
   Result<> Open();
+  template <class Message, class OnMessage>
+  Result<> Receive(const std::string& topic, const transport::Qos& qos, OnMessage on_message);
+  void OnStatus(const msg::MachineStatus& status);
   bool IsOurs(const std::string& name, const std::string& id) const;
 
   transport::Node& node_;

@@ -235,6 +235,11 @@ Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptio
                  "--standby needs failover_ms in [controller] of " + options.file +
                      ": after this time without a controller the standby leads"};
   }
+  if (options.standby && target.run) {
+    return Error{kCodeParametersInvalid,
+                 "--standby takes a state config, not an upgrade root: a version on trial boot "
+                 "would wait for a start that does not come"};
+  }
   if (options.standby && options.takeover) {
     return Error{kCodeParametersInvalid,
                  "--standby waits for a controller that fails, and --takeover replaces one that "

@@ -5,6 +5,7 @@
 //                       ┌ --detach: exits with 0
 //   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0; 1 if the TearDown was done-degraded
 //      ├─ SIGHUP, terminal closed ─▶ exits with 0; the controller continues, as with --detach
+//      ├─ stands by ─▶ stays, with --detach exits with 0; it may become usable much later
 //      ├─ failed ─▶ exits with 1; the controller and the actuators stay up for inspection
 //      ├─ not started ─▶ 2
 //      ├─ taken over by another controller, now or later ─▶ 1

@@ -293,7 +293,7 @@ void ControllerProcess::OnTrouble(const std::string& message) {
 void ControllerProcess::OnStandby(const std::string& why) {
   log_.Write("stands by: " + why, kCodeOk);
   service_manager_.StandsBy(why);
-  SendProgress(Progress::kStandby, config_.name + " is led elsewhere, this host stands by: " + why);
+  SendProgress(Progress::kStandby, "this host stands by for " + config_.name + ": " + why);
 }
 
 void ControllerProcess::OnSignal() {

@@ -32,7 +32,9 @@ void TakeOwnHosts(MachineConfig& config, const std::vector<std::string>& address
   for (const HostConfig& host : config.hosts) {
     if (std::ranges::count(addresses, host.address) == 0) continue;
     for (ActuatorConfig& actuator : config.actuators) {
-      if (actuator.host == host.name) actuator.host.clear();
+      if (actuator.host != host.name) continue;
+      actuator.host.clear();
+      if (actuator.cwd.empty()) actuator.cwd = "/";  // as where its host starts it
     }
   }
   std::erase_if(config.hosts, [&](const HostConfig& host) {

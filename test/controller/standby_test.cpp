@@ -1,16 +1,21 @@
-// What a standby goes on with: the last status of the controller that is gone.
+// What a standby receives, and what it goes on with: the last status of the controller that is
+// gone.
 
 #include "musher/controller/standby.hpp"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::standby_test {
 
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -71,6 +76,121 @@ TEST_F(GoingOn, DoesNotHoldDownWhatIsStartedByHand) {
   config_.actuators[*config_.IndexOf("a")].command.clear();
   Of("a").presence = "absent";
   EXPECT_EQ(Stored().at(0).stays_down, StaysDown::kNo);
+}
+
+// A controller and an actuator on two hosts, as a standby on a third one receives them.
+class Listening : public ::testing::Test {
+ protected:
+  static constexpr const char* kId = "id-1";
+
+  Listening() {
+    config_.name = "dog";
+    config_.failover = Milliseconds(3000);
+    standby_ = musher::Standby::Make(*desk_, config_, [this] { return identity_; }).value();
+    ActuatorConfig& legs = config_.actuators[0];
+    msg::ActuatorStatus status;
+    status.name = legs.name;
+    status.machine = "dog";
+    status.machine_id = kId;
+    status.participant = legs_->participant().value();
+    EXPECT_TRUE(statuses_->Publish(status));
+  }
+
+  void PublishMachine(const std::string& phase, const std::string& id = kId) {
+    msg::MachineStatus status;
+    status.machine = "dog";
+    status.machine_id = id;
+    status.phase = phase;
+    status.epoch = 7;
+    status.participant = brain_->participant().value();
+    ASSERT_TRUE(machines_->Publish(status));
+    network_.RunFor(Milliseconds(50));
+  }
+  // With heartbeats of both, as far as they are there; returns why the standby does not lead.
+  std::string For(Duration time, bool controller, bool actuator) {
+    std::string why;
+    for (Duration passed{}; passed < time; passed += Milliseconds(100)) {
+      if (controller) {
+        msg::ControllerHeartbeat heartbeat;
+        heartbeat.machine = "dog";
+        heartbeat.machine_id = kId;
+        heartbeat.epoch = 7;
+        heartbeat.participant = brain_->participant().value();
+        EXPECT_TRUE(controllers_->Publish(heartbeat));
+      }
+      if (actuator) {
+        msg::ActuatorHeartbeat heartbeat;
+        heartbeat.name = config_.actuators[0].name;
+        heartbeat.controller_lost = !controller;
+        EXPECT_TRUE(heartbeats_->Publish(heartbeat));
+      }
+      network_.RunFor(Milliseconds(100));
+      why = standby_->WhyNot();
+      if (why.empty()) return why;
+    }
+    return why;
+  }
+
+  MachineConfig config_ = MachineOf(1);
+  MachineIdentity identity_{"dog", kId};
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  std::unique_ptr<transport::Node> brain_ = network_.MakeNode("brain");
+  std::unique_ptr<transport::Node> legs_ = network_.MakeNode("legs");
+  std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> controllers_ =
+      transport::MakePublisher<msg::ControllerHeartbeat>(
+          *brain_, transport::ControllerHeartbeatTopic(""), transport::kLatchedQos)
+          .value();
+  std::unique_ptr<transport::Publisher<msg::MachineStatus>> machines_ =
+      transport::MakePublisher<msg::MachineStatus>(*brain_, transport::MachineStatusTopic(""),
+                                                   transport::kLatchedQos)
+          .value();
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> statuses_ =
+      transport::MakePublisher<msg::ActuatorStatus>(*legs_, transport::ActuatorStatusTopic(""),
+                                                    transport::kLatchedQos)
+          .value();
+  std::unique_ptr<transport::Publisher<msg::ActuatorHeartbeat>> heartbeats_ =
+      transport::MakePublisher<msg::ActuatorHeartbeat>(
+          *legs_, transport::ActuatorHeartbeatTopic(""), transport::kHeartbeatQos)
+          .value();
+  std::unique_ptr<musher::Standby> standby_;
+};
+
+TEST_F(Listening, LeadsOnceTheControllerIsGoneAndKnowsItsLastStatus) {
+  PublishMachine("running");
+  EXPECT_THAT(For(Milliseconds(2000), true, true), HasSubstr("a controller leads"));
+  EXPECT_THAT(For(Milliseconds(5000), false, true), IsEmpty());
+  EXPECT_EQ(standby_->last_status()->epoch, 7U);
+}
+
+TEST_F(Listening, LeadsNothingThatHasHadNoController) {
+  EXPECT_THAT(For(Milliseconds(10'000), false, true), HasSubstr("was received yet"));
+}
+
+// A person tears the robot down, and starts a module by hand: it would be taken over.
+TEST_F(Listening, LeadsNothingOfARobotThatWasTornDown) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  PublishMachine("stopped");
+  EXPECT_THAT(For(Milliseconds(10'000), false, true), HasSubstr("was received yet"));
+}
+
+// Its folder is new: until an actuator of its host shows the id, only the name is known.
+TEST_F(Listening, LeadsNothingByTheStatusOfAnotherRobotOfTheName) {
+  identity_.id.clear();
+  PublishMachine("running", "id-2");
+  For(Milliseconds(2000), true, true);
+  identity_.id = kId;
+  EXPECT_THAT(For(Milliseconds(10'000), false, true), HasSubstr("was received yet"));
+  PublishMachine("running");
+  EXPECT_THAT(For(Milliseconds(2000), true, true), HasSubstr("a controller leads"));
+  EXPECT_THAT(For(Milliseconds(5000), false, true), IsEmpty());
+}
+
+TEST_F(Listening, LeadsNothingWhereNoActuatorSaysThatItHasLostItsController) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  EXPECT_THAT(For(Milliseconds(10'000), false, false), HasSubstr("only 0 of 1"));
 }
 
 }  // namespace musher::testing::standby_test

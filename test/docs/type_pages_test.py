@@ -125,9 +125,9 @@ class Reader:
         return wrong
 
     def leave(self) -> None:
-        """A page that fails half-way leaves its robot up."""
-        for _ in range(2):
-            subprocess.run(["musher", "down"], env=self.environment, capture_output=True, timeout=300, check=False)
+        """A page that fails half-way leaves its robot up, or actuators whose controller was replaced."""
+        for more in ([], [], ["--without-controller"]):
+            subprocess.run(["musher", "down", *more], env=self.environment, capture_output=True, timeout=300, check=False)
         shutil.rmtree(self.root, ignore_errors=True)
 
 

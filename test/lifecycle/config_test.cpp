@@ -97,6 +97,7 @@ TEST(Config, OfAComputerHasTheActuatorsOfItsOwnAddressAsTheControllersOwn) {
   TakeOwnHosts(config, {"192.168.1.7", "motion.local"});
   EXPECT_EQ(config.actuators[*config.IndexOf("voice")].host, "brain");
   EXPECT_EQ(config.actuators[*config.IndexOf("wheels")].host, "");
+  EXPECT_EQ(config.actuators[*config.IndexOf("wheels")].cwd, "/") << "as where its host starts it";
   EXPECT_EQ(config.hosts, std::vector<HostConfig>{brain});
 }
 

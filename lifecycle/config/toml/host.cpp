@@ -101,15 +101,16 @@ void ReadDevices(TableReader& reader, ProcessLimits& limits) {
 }
 
 // What nothing would keep there.
-void FaultOnOwnHost(TableReader& reader, std::string_view key) {
+void FaultOnOwnHost(TableReader& reader, std::string_view key, bool has_standby) {
   std::string instead = "has no such limit";
   if (key == "user") instead = "runs as the user of the controller";
   if (key == "sandbox") instead = "has none";
   if (key == "devices") instead = "opens what the controller may";
   reader.Fault(reader.At(key), key,
                "needs systemd, which keeps it: a child of the controller " + instead +
-                   "; set units = \"always\" in [controller], or give the actuator a "
-                   "[host.<name>]");
+                   "; set units = \"always\" in [controller]" +
+                   (has_standby ? ", since with failover_ms each host may be the controller's own"
+                                : ", or give the actuator a [host.<name>]"));
 }
 
 // What the process needs, and does not see in its sandbox.
@@ -224,9 +225,9 @@ void ReadLimits(TableReader& reader, ActuatorConfig& config, const Draft& draft)
     if (!reader.Has(key)) continue;
     if (!reader.Has("command")) {
       reader.Warn(reader.At(key), key, "has no effect without a command");
-    } else if (!reader.Has("host") && !draft.config.own_units && key != "nice" &&
-               key != "realtime_priority") {
-      FaultOnOwnHost(reader, key);
+    } else if ((!reader.Has("host") || draft.config.failover) && !draft.config.own_units &&
+               key != "nice" && key != "realtime_priority") {
+      FaultOnOwnHost(reader, key, draft.config.failover.has_value());
     }
   }
 }
