@@ -928,7 +928,9 @@ void Scenario::RepairActuators() {
     const ActuatorReport* report = robot_.ReportOf(i, known.report);
     const bool finished = (report != nullptr && report->state == kTearDown) ||  // it may run
                           checker_.ReportsTearDownFalsely(config_.actuators[i].name);
-    const bool well = report != nullptr && !report->busy() && !known.fault && !finished;
+    // Its last status was false: where none commands it, only its successor corrects that.
+    const bool lies = report != nullptr && report->state != known.report.state;
+    const bool well = report != nullptr && !report->busy() && !known.fault && !finished && !lies;
     if (well) continue;
     Note("the operator restarts " + actuator.name);
     EndElsewhere(actuator);

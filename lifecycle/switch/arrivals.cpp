@@ -14,6 +14,13 @@ bool IsOfTaken(const KnownActuator& known, const ActuatorReport& report) {
   return taken && taken->pid == report.pid && taken->host == report.host;
 }
 
+// The known process hangs, or is to restart, and is ended: one on another host waits for that. Else
+// its end would be forgotten, and the frozen process stay in the state that it is in.
+bool EndsSoon(const KnownActuator& known) {
+  const auto& termination = known.process.termination;
+  return termination && !termination->for_silence && !termination->overdue;
+}
+
 }  // namespace
 
 void Arrivals::On(const event::StatusSeen& seen) {
@@ -56,6 +63,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
     if (IsImpostor(seen.actuator, report)) return;
     commands_.Lose(seen.actuator, texts::Replaced(), known.cause);
   }
+  if (!same && EndsSoon(known) && IsImpostor(seen.actuator, report)) return;
   if (second) known.other.reset();  // it is the one in use from now on
   if (!same && MayRunBeside(seen.actuator, report)) {
     NoteOther(seen.actuator, ActuatorReport(known.report), report.pid);
@@ -172,6 +180,7 @@ void Arrivals::TakeUpOthers() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     KnownActuator& known = Of(i);
     if (!known.other || known.presence != Presence::kLost || known.control.again) continue;
+    if (EndsSoon(known)) continue;
     On(event::StatusSeen{i, *std::exchange(known.other, std::nullopt)});
   }
 }

@@ -483,6 +483,16 @@ TEST(FoundScenario, OfThePermitsThatComeTogetherTheLastOneCounts) {
   EXPECT_EQ(ViolationOf(258136, {2, 3, 5, 6, 7, 10}), "");
 }
 
+// It was taken for the second one of a host that had just been rebooted, and was never ended.
+TEST(FoundScenario, AFrozenActuatorIsEndedBeforeASecondOneIsTaken) {
+  EXPECT_EQ(ViolationOf(735219, {12, 14, 15, 16, 18, 19}), "");
+}
+
+// The operator of the scenario saw no reason to restart it.
+TEST(FoundScenario, AnActuatorWhoseLastStatusIsFalseIsRestartedByThePersonWhoRepairs) {
+  EXPECT_EQ(ViolationOf(724248, {20, 22, 23}), "");
+}
+
 TEST(FoundScenario, AReleasedStopThatAnActuatorReportsDuringAnotherReleaseIsOver) {
   simulation::Coverage coverage;
   ExpectInvariantsHold(61999, coverage);

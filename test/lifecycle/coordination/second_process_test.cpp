@@ -117,4 +117,21 @@ TEST_F(SecondProcess, IsTheOneInUseWhereThatIsLostForGood) {
   EXPECT_FALSE(Of(0).other);
 }
 
+// Its end was forgotten: the frozen process stayed in Active, and after the other host had gone the
+// controller waited for it without end.
+TEST_F(SecondProcess, WaitsUntilTheFrozenOneInUseIsEnded) {
+  Say(0, Second(kActive));
+  config_.actuators[0].command = {"a"};
+  config_.actuators[0].restart.policy = RestartPolicy::kAlways;
+  Do(event::ProcessStarted{0, 700, ""});
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "its process is stopped"});
+  ASSERT_EQ(Did<action::TakeBacktrace>().size(), 1U);
+  Say(0, Second(kActive));
+  Do(event::BacktraceTaken{0, 700, ""});
+  EXPECT_THAT(Did<action::SignalProcess>(), ElementsAre(action::SignalProcess{0, 700, true}));
+  EXPECT_EQ(Of(0).report.host, "here");
+  Do(event::ProcessEnded{0, 700, false, "killed by SIGKILL"});
+  EXPECT_EQ(Of(0).report.host, "dock");
+}
+
 }  // namespace musher::testing::second_process_test
