@@ -90,10 +90,13 @@ class Middle {
                       kOfWidth * line.width * (1 + 2 * continued));
   }
 
+  // Between the lines of a lane along which it looks, one that lies across bounds nothing.
   void Choose(const std::vector<YellowLine>& lines) {
     const YellowLine *inner_left = nullptr, *inner_right = nullptr;
-    left_ = right_ = &lines.front();
+    const YellowLine* along = OneOfALane(lines);
+    left_ = right_ = along != nullptr ? along : &lines.front();
     for (const YellowLine& line : lines) {
+      if (along != nullptr && line.lies_across) continue;
       const double x = line.place.x;
       if (x < left_->place.x) left_ = &line;
       if (x > right_->place.x) right_ = &line;
@@ -107,16 +110,31 @@ class Middle {
     right_ = inner_right;
   }
 
+  bool IsLane(const YellowLine& one, const YellowLine& other) const {
+    constexpr double kMostOff = 0.2;  // of the lane's width
+    const auto gap_m = Gap(one, other, floor_);
+    return gap_m && std::abs(*gap_m - parameters_.lane_m) <= kMostOff * parameters_.lane_m;
+  }
+
+  // Of two that lead away, as far apart as those of a lane; null: no two do.
+  const YellowLine* OneOfALane(const std::vector<YellowLine>& lines) const {
+    if (!floor_.in_metres()) return nullptr;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      for (std::size_t j = i + 1; j < lines.size(); ++j) {
+        if (lines[i].leads_away && lines[j].leads_away && IsLane(lines[i], lines[j])) {
+          return &lines[i];
+        }
+      }
+    }
+    return nullptr;
+  }
+
   // Of lines that all lead away: two as far apart as those of a lane, the nearest to the centre.
   void ChooseLane(const std::vector<YellowLine>& lines) {
-    constexpr double kMostOff = 0.2;  // of the lane's width
     std::optional<double> nearest;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       for (std::size_t j = i + 1; j < lines.size(); ++j) {
-        const auto gap_m = Gap(lines[i], lines[j], floor_);
-        if (!gap_m || std::abs(*gap_m - parameters_.lane_m) > kMostOff * parameters_.lane_m) {
-          continue;
-        }
+        if (!IsLane(lines[i], lines[j])) continue;
         const double off = std::abs((lines[i].place.x + lines[j].place.x) / 2 - center_x_);
         if (nearest && off >= *nearest) continue;
         nearest = off;

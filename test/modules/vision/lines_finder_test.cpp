@@ -430,6 +430,30 @@ TEST(LineAcross, IsNoneOfALaneAlongWhichTheCameraLooks) {
   EXPECT_EQ(lines(0.25).ycy, "left");
 }
 
+// At the end of a bay: its end was inside the region, and beside the centre, as soon as the robot
+// came nearer. The middle between it and a line of the bay was in the middle, 0.25 m beside it.
+TEST(LineAcross, AheadIsNoneOfTheTwoBesideTheCentre) {
+  world::Scene lane = Lane();
+  world::Line across;
+  across.points_m = {{-0.5, -0.34}, {-0.5, 0.34}};
+  lane.lines.push_back(across);
+  const auto scenery = world::SceneryOf(lane);
+  LinesParameters parameters = Mounted();
+  parameters.region = {0.6, 0.8, 0, 1};
+  parameters.ycy_pair = LanePair::kInnermost;
+  int with_it = 0;
+  for (double x_m = -2.4; x_m < -1.2; x_m += 0.05) {
+    for (const double y_m : {-0.25, 0.25}) {
+      const auto lines =
+          FindLines(SceneShot(*scenery, CourseCamera::kFront, At(x_m, y_m, 0)), parameters).lines;
+      if (lines.contours == 3) ++with_it;
+      EXPECT_EQ(lines.ycy, y_m < 0 ? "right" : "left") << x_m << ", " << y_m << lines.doubt;
+      EXPECT_NEAR(lines.middle_m, y_m, 0.05) << x_m << ", " << y_m;
+    }
+  }
+  EXPECT_GT(with_it, 5);
+}
+
 TEST(LinesAlong, ThatAreNoLaneApartAreADoubt) {
   world::Scene lane = Lane();
   lane.lines.pop_back();
