@@ -324,12 +324,14 @@ void Commands::StayDown(ActuatorIndex i) {
   known.held = true;
 }
 
-// The state in which it is, or to which it may have come since its last report.
+// The state in which it is, or to which it may have come since its last report. A command that was
+// superseded may have led it anywhere out of a step of a start.
 State Commands::MostActiveOf(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   State most = known.state();
   if (Rises(config_, most, known.report.target)) most = known.report.target;
   if (known.command && Rises(config_, most, known.command->target)) most = known.command->target;
+  if (known.free_by && !config_.RankOf(most)) return State(kUnknownState);
   return most;
 }
 
@@ -348,7 +350,9 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   if (was_led_down) known.kept_in = known.command->target;
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;
-  if (!torn_down && config_.RankOf(in)) known.lost_in = in;  // in a step of a start nothing is on
+  const bool in_use =
+      config_.RankOf(in) || in == kUnknownState;  // in a step of a start nothing is on
+  if (!torn_down && in_use) known.lost_in = in;
   known.control.again.reset();
   known.checked = false;
   known.held = known.held && torn_down;  // an actuator torn down alone stays detached

@@ -488,6 +488,11 @@ TEST(FoundScenario, AFrozenActuatorIsEndedBeforeASecondOneIsTaken) {
   EXPECT_EQ(ViolationOf(735219, {12, 14, 15, 16, 18, 19}), "");
 }
 
+// Its Active was superseded by Error, and then its link was cut.
+TEST(FoundScenario, AnActuatorThatIsEndedAfterASupersededCommandMakesNoTearDownDone) {
+  EXPECT_EQ(ViolationOf(789459, {2, 4, 5}), "");
+}
+
 // The operator of the scenario saw no reason to restart it.
 TEST(FoundScenario, AnActuatorWhoseLastStatusIsFalseIsRestartedByThePersonWhoRepairs) {
   EXPECT_EQ(ViolationOf(724248, {20, 22, 23}), "");

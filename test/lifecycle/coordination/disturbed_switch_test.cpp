@@ -182,6 +182,21 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
   }
 }
 
+// Its Active was superseded by Error before it was answered, and its link was cut. TearDown was
+// reported as done, although it had been in Active and was ended in Error without a TearDown.
+TEST_F(BackInASwitch, AnActuatorThatIsLostAfterASupersededCommandMayBeInAnyState) {
+  Begin();
+  for (const ActuatorIndex i : config_.actuators.Indices()) Come(i);
+  for (const ActuatorIndex i : config_.actuators.Indices()) Obey(i);
+  ASSERT_EQ(Of(0).command->target, kActive);
+  Do(event::SetStateRequested{1, kError, {}});
+  ASSERT_EQ(Of(0).command->target, kError);
+  now_ += config_.TimeFor(0, kActive);
+  Do(event::TimePassed{});
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  EXPECT_EQ(Of(0).lost_in, kUnknownState);
+}
+
 // Error was reported as done beside legs that had been lost, were back in Active, and took part in
 // nothing.
 TEST_F(BackInASwitch, AnActuatorThatIsBackInAnotherStateIsMissingInTheOutcome) {
