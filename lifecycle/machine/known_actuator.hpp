@@ -39,6 +39,14 @@ struct PendingCommand {
   friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
 };
 
+// The last command that was superseded before it was answered: the actuator may follow it first.
+struct SupersededCommand {
+  CommandNumber number = 0;
+  State target;
+
+  friend bool operator==(const SupersededCommand&, const SupersededCommand&) = default;
+};
+
 // A process that is to end: decided, and not reported as exited yet.
 struct Termination {
   std::int32_t pid = 0;
@@ -143,7 +151,8 @@ struct KnownActuator {
   ControlState control;
   std::optional<Time> set_up_by;  // not present by then: given up for now
   std::optional<Time> free_by;    // it is busy with a command that no switch waits for
-  std::optional<Time> exit_by;    // lost, and its process may have exited: known by then
+  std::optional<SupersededCommand> superseded;  // none, or the actuator was free since
+  std::optional<Time> exit_by;  // lost, and its process may have exited: known by then
 
   // How it follows the machine.
   bool checked = false;     // passed its self-check since its process started
@@ -180,6 +189,13 @@ struct KnownActuator {
   std::optional<std::string> elsewhere;
 
   const State& state() const { return report.state; }
+  // To where the command before the next one leads: the one under way, or one that was superseded.
+  // None: nowhere, as a self-check.
+  std::optional<State> BeforeNext() const {
+    if (!command && !superseded) return std::nullopt;
+    const State& target = command ? command->target : superseded->target;
+    return target == kSelfCheck ? std::nullopt : std::optional(target);
+  }
 
   friend bool operator==(const KnownActuator&, const KnownActuator&) = default;
 };
@@ -212,6 +228,12 @@ inline constexpr std::tuple kFields<PendingCommand> = {
     Field{"queries", &PendingCommand::queries},
     Field{"detached", &PendingCommand::detached},
     Field{"clock_ahead", &PendingCommand::clock_ahead},
+};
+
+template <>
+inline constexpr std::tuple kFields<SupersededCommand> = {
+    Field{"number", &SupersededCommand::number},
+    Field{"target", &SupersededCommand::target},
 };
 
 template <>
@@ -298,6 +320,7 @@ inline constexpr std::tuple kFields<KnownActuator> = {
     Field{"health", &KnownActuator::health},
     Field{"suspended", &KnownActuator::suspended},
     Field{"free_by", &KnownActuator::free_by},
+    Field{"superseded", &KnownActuator::superseded},
     Field{"exit_by", &KnownActuator::exit_by},
     Field{"elsewhere", &KnownActuator::elsewhere},
 };

@@ -300,12 +300,8 @@ void Arrivals::CheckDeadlines() {
 // A callback that it was found busy with, or that was superseded, has its deadline, too.
 void Arrivals::EvaluateFoundBusy(ActuatorIndex i) {
   KnownActuator& known = Of(i);
-  if (known.command) {  // until that is answered, one that was superseded may run
-    known.free_by = known.command->deadline;
-    return;
-  }
   known.free_by.reset();
-  if (!known.report.busy() || known.presence != Presence::kPresent) return;
+  if (!known.report.busy() || known.command || known.presence != Presence::kPresent) return;
   const State& target = known.report.target;
   Degrade(i, kCodeTimeout, texts::FoundBusy(target, config_.TimeFor(i, target)));
   Do(action::SendQuery{i, {machine_.epoch, known.report.number, true}});

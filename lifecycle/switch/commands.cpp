@@ -56,6 +56,8 @@ void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
                               report.outcome_number != known.report.outcome_number);
   const bool came_free = was_busy && !report.busy() && !known.command;
   if (!report.busy()) known.free_by.reset();
+  const bool followed = known.superseded && report.number >= known.superseded->number;
+  if (!report.busy() && followed) known.superseded.reset();
   // In the run phase a check leaves the state as it is.
   const bool passed_late = (report.state == kSelfCheck && known.report.state != kSelfCheck) ||
                            (known.report.target == kSelfCheck && report.outcome_code == kCodeOk);
@@ -324,14 +326,14 @@ void Commands::StayDown(ActuatorIndex i) {
   known.held = true;
 }
 
-// The state in which it is, or to which it may have come since its last report. A command that was
-// superseded may have led it anywhere out of a step of a start.
+// The state in which it is, or to which it may have come since its last report.
 State Commands::MostActiveOf(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   State most = known.state();
   if (Rises(config_, most, known.report.target)) most = known.report.target;
   if (known.command && Rises(config_, most, known.command->target)) most = known.command->target;
-  if (known.free_by && !config_.RankOf(most)) return State(kUnknownState);
+  const auto& superseded = known.superseded;
+  if (superseded && Rises(config_, most, superseded->target)) most = superseded->target;
   return most;
 }
 
@@ -350,9 +352,7 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   if (was_led_down) known.kept_in = known.command->target;
   if (known.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   known.presence = Presence::kLost;
-  const bool in_use =
-      config_.RankOf(in) || in == kUnknownState;  // in a step of a start nothing is on
-  if (!torn_down && in_use) known.lost_in = in;
+  if (!torn_down && config_.RankOf(in)) known.lost_in = in;  // in a step of a start nothing is on
   known.control.again.reset();
   known.checked = false;
   known.held = known.held && torn_down;  // an actuator torn down alone stays detached
@@ -360,6 +360,7 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   known.restart.reset_at.reset();
   known.control.rival_until.reset();
   known.free_by.reset();
+  known.superseded.reset();
   known.report.target = {};
   known.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;

@@ -255,11 +255,10 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
   // the command before this one leads to.
   const bool by_itself = s.purpose == Purpose::kFallback || s.purpose == Purpose::kPolicy;
   const bool held = s.stopped || (by_itself && MustBeSetAgain(machine_, known));
-  const bool goes_elsewhere = known.command && known.command->target != kSelfCheck;
-  const bool switches_on =
-      MaySwitchOn(config_, leg.from, leg.target) ||
-      SwitchesOnAgain(config_, leg.from, leg.target) ||
-      (goes_elsewhere && MaySwitchOn(config_, known.command->target, leg.target));
+  const std::optional<State> before = known.BeforeNext();
+  const bool switches_on = MaySwitchOn(config_, leg.from, leg.target) ||
+                           SwitchesOnAgain(config_, leg.from, leg.target) ||
+                           (before && MaySwitchOn(config_, *before, leg.target));
   if (held && level && switches_on && RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
                          texts::RefusedByEmergencyStop(), false};
@@ -482,6 +481,7 @@ bool Switches::EndsHolds(const Switch& s) {
 void Switches::Hold(const Switch& s, const Leg& leg) {
   KnownActuator& known = Of(leg.actuator);
   known.held = s.only && leg.target != machine_.state;
+  if (known.held) known.due = false;  // as before its check: after the hold it may not be checked
   if (known.held || EndsHolds(s)) {
     known.kept_in = known.held && IsPlace(leg.target) ? leg.target : State();
   }
@@ -559,8 +559,10 @@ void Switches::Supersede(CommandNumber by, const State& target, RecordId cause) 
   RecordEnd(s, result, cause);
   for (const Leg& leg : s.driven_legs()) {
     if (leg.progress != Leg::Progress::kUnderWay) continue;
-    Of(leg.actuator).command.reset();
-    Of(leg.actuator).free_by = now_ + config_.TimeFor(leg.actuator, leg.target);
+    KnownActuator& known = Of(leg.actuator);
+    if (known.command) known.superseded = {known.command->number, known.command->target};
+    known.command.reset();
+    known.free_by = now_ + config_.TimeFor(leg.actuator, leg.target);
   }
   Answer(s.requests, result);
   memory_.OnSuperseded(s);

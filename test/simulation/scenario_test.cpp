@@ -493,6 +493,16 @@ TEST(FoundScenario, AnActuatorThatIsEndedAfterASupersededCommandMakesNoTearDownD
   EXPECT_EQ(ViolationOf(789459, {2, 4, 5}), "");
 }
 
+// A fallback to LowPower superseded its switch to Error, after a stop: it would have raised it.
+TEST(FoundScenario, AFallbackRaisesNoActuatorOutOfTheStateOfASupersededCommand) {
+  EXPECT_EQ(ViolationOf(876412, {7, 8, 9}), "");
+}
+
+// It had been about to join when a person set it to Error, and joined without a check afterwards.
+TEST(FoundScenario, AnActuatorThatWasSetAloneJoinsNotWithoutItsCheck) {
+  EXPECT_EQ(ViolationOf(901546, {3, 4, 8, 11}), "");
+}
+
 // The operator of the scenario saw no reason to restart it.
 TEST(FoundScenario, AnActuatorWhoseLastStatusIsFalseIsRestartedByThePersonWhoRepairs) {
   EXPECT_EQ(ViolationOf(724248, {20, 22, 23}), "");

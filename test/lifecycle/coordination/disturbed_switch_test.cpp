@@ -184,7 +184,7 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
 
 // Its Active was superseded by Error before it was answered, and its link was cut. TearDown was
 // reported as done, although it had been in Active and was ended in Error without a TearDown.
-TEST_F(BackInASwitch, AnActuatorThatIsLostAfterASupersededCommandMayBeInAnyState) {
+TEST_F(BackInASwitch, AnActuatorThatIsLostAfterASupersededCommandMayHaveFollowedIt) {
   Begin();
   for (const ActuatorIndex i : config_.actuators.Indices()) Come(i);
   for (const ActuatorIndex i : config_.actuators.Indices()) Obey(i);
@@ -194,7 +194,25 @@ TEST_F(BackInASwitch, AnActuatorThatIsLostAfterASupersededCommandMayBeInAnyState
   now_ += config_.TimeFor(0, kActive);
   Do(event::TimePassed{});
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
-  EXPECT_EQ(Of(0).lost_in, kUnknownState);
+  EXPECT_EQ(Of(0).lost_in, kActive);
+}
+
+// Its status from before the superseded command was late.
+TEST_F(BackInASwitch, AnOlderStatusDoesNotMeanThatASupersededCommandIsOver) {
+  Begin();
+  for (const ActuatorIndex i : config_.actuators.Indices()) Come(i);
+  for (const ActuatorIndex i : config_.actuators.Indices()) Obey(i);
+  const CommandNumber number = Of(0).command->number;
+  Do(event::SetStateRequested{1, kError, {}});
+  ActuatorReport report = Of(0).report;
+  report.number = number - 1;
+  report.stamp = now_;
+  Say(0, report);
+  ASSERT_TRUE(Of(0).superseded);
+  EXPECT_EQ(Of(0).superseded->target, kActive);
+  report.number = number;
+  Say(0, report);
+  EXPECT_FALSE(Of(0).superseded);
 }
 
 // Error was reported as done beside legs that had been lost, were back in Active, and took part in

@@ -16,6 +16,7 @@
 #include "musher/modules/vision/course/marker_finder.hpp"
 #include "musher/modules/world/render/render.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/modules/world/simulation/referee_report.hpp"
 #include "musher/test/modules/race/drive/check_places.hpp"
 #include "musher/test/modules/race/drive/other_halls.hpp"
 #include "musher/test/support/nightly.hpp"
@@ -424,7 +425,8 @@ TEST_P(WholeCourseOfAnotherHall, IsDrivenOrEndsWithItsReason) {
     EXPECT_EQ(result.state, "END") << result.reason << "\n" << Joined(result.log);
   }
   if (result.state == "END") {
-    EXPECT_TRUE(referee.finished()) << "a zone is missing\n" << Joined(result.log);
+    EXPECT_TRUE(referee.finished()) << RefereeText(result.world->scene(), referee, result.took)
+                                    << Joined(result.log);
   } else {
     EXPECT_EQ(result.state, "ERROR") << Joined(result.log);
     EXPECT_FALSE(result.reason.empty()) << Joined(result.log);
