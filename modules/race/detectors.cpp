@@ -3,6 +3,16 @@
 #include <utility>
 
 namespace musher::race {
+namespace {
+
+// Beside the sightings of musher-vision-manager; another node may publish none.
+std::optional<std::string> DoubtTopicOf(const std::string& sightings) {
+  constexpr std::string_view kLast = "/sighting";
+  if (!sightings.ends_with(kLast)) return std::nullopt;
+  return sightings.substr(0, sightings.size() - kLast.size()) + "/doubt";
+}
+
+}  // namespace
 
 Detectors::Detectors(transport::Node& node, std::string name_space, const Course& course,
                      Handlers handlers)
@@ -53,6 +63,12 @@ void Detectors::Subscribe(Index detector) {
     Subscribe<msg::Sighting>(detector, [this, detector](const msg::Sighting& sighting) {
       handlers_.on_sighting(detector, sighting);
     });
+    if (const auto topic = DoubtTopicOf(rule.topic)) {
+      open.endpoints->Subscribe<msg::String>(
+          *topic,
+          [this, detector](const msg::String& why) { handlers_.on_doubt(detector, why.data); },
+          transport::kSensorDataQos);
+    }
   } else if (rule.kind == Detector::Kind::kText) {
     Subscribe<msg::String>(detector, [this, detector](const msg::String& text) {
       handlers_.on_text(detector, text.data);

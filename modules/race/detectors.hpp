@@ -24,6 +24,8 @@ class Detectors {
     std::function<void(Index detector, const msg::Sighting&)> on_sighting;
     std::function<void(Index detector, const msg::YellowLines&)> on_lines;
     std::function<void(Index detector, const std::string& text)> on_text;
+    // Why a picture of a detector of sightings says nothing.
+    std::function<void(Index detector, const std::string& why)> on_doubt;
     // Samples of two publishers are received alternately.
     std::function<void(Index detector)> on_two_publishers;
     std::function<void(const std::string&)> log;

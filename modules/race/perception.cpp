@@ -23,6 +23,7 @@ bool Perception::Takes(Index detector, Detector::Kind kind, Time taken, Time tim
   watched.stamped = taken;
   if (again) return true;
   watched.received = true;
+  watched.doubt.clear();
   ++watched.pictures;
   watched.taken = std::min(taken, time);
   return true;
@@ -35,6 +36,10 @@ void Perception::OnSighting(Index detector, Sighting sighting, Time taken, Time 
 
 void Perception::OnLines(Index detector, const Lines& lines, Time taken, Time time) {
   if (Takes(detector, Detector::Kind::kLines, taken, time)) watched_[detector].lines = lines;
+}
+
+void Perception::OnDoubt(Index detector, std::string why) {
+  if (detector < open_.size() && open_[detector]) watched_[detector].doubt = std::move(why);
 }
 
 void Perception::BeginTick() {
@@ -61,6 +66,7 @@ std::optional<Index> Perception::EndTick(Duration now, Time time) {
       open_[i] = watched.wanted;
       watched.stamped.reset();
       watched.taken.reset();
+      watched.doubt.clear();
       watched.received_at = now;
     }
     const bool is_old = watched.taken && time - *watched.taken >= course_.check.silent;

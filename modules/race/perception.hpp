@@ -45,6 +45,8 @@ class Perception {
   // be ahead of `time`: then the picture counts as one of now.
   void OnSighting(Index detector, Sighting sighting, Time taken, Time time);
   void OnLines(Index detector, const Lines& lines, Time taken, Time time);
+  // A picture of it says nothing, for that reason. It counts as none.
+  void OnDoubt(Index detector, std::string why);
 
   // --- each tick ---
 
@@ -62,6 +64,8 @@ class Perception {
   // time of the one before, or one that is so old itself, does not count. `time` is that of the
   // actuator's clock.
   std::optional<Index> EndTick(Duration now, Time time);
+  // The reason of the last picture in doubt since its last sample; empty: none is known.
+  const std::string& DoubtOf(Index detector) const { return watched_[detector].doubt; }
 
   // None is needed any more.
   void Close();
@@ -76,6 +80,7 @@ class Perception {
     std::uint64_t pictures = 0;
     Sighting sighting;
     Lines lines;
+    std::string doubt;
   };
 
   bool Takes(Index detector, Detector::Kind kind, Time taken, Time time);

@@ -193,6 +193,16 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
                                now);
 }
 
+// Each picture in doubt says the same: recorded is what is new.
+void Race::OnDoubt(Index detector, std::string_view why, Time now) {
+  now_ = now;
+  if (detector >= course_.detectors.size()) return;
+  const std::string text = Printable(why, kMostText);
+  if (runner_.perception().DoubtOf(detector) == text) return;
+  Record(input::kDoubt, {std::to_string(detector), text});
+  runner_.perception().OnDoubt(detector, text);
+}
+
 // Where odometry does not count it is not recorded.
 void Race::OnOdometry(std::int64_t stamp_ns, const navigation::Pose& pose, Time taken, Time now) {
   if (!course_.odometry.used() || !runner_.WantsOdometry(now)) return;

@@ -55,6 +55,8 @@ class Race : private fsm::Listener, private fsm::InputListener {
   // `doubt`: why the words mean nothing; empty: they do.
   void OnLines(Index detector, std::uint32_t contours, std::string_view ycy, std::string_view dy,
                double middle_offset, Time taken, Time now, std::string_view doubt = {});
+  // Why a picture of a detector of sightings says nothing.
+  void OnDoubt(Index detector, std::string_view why, Time now);
   void OnWalkerStatus(Index walk, std::string_view status, Time now);
   void OnMotionDone(std::uint64_t number, const Result<>& done, Time now);
   void OnSpoken(std::uint64_t number, const Result<>& spoken, Time now);

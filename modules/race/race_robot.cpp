@@ -158,6 +158,8 @@ Detectors::Handlers RaceRobot::DetectorHandlers() {
               },
           .on_text = [this](Index detector,
                             const std::string& text) { race_.OnText(detector, text, Now()); },
+          .on_doubt = [this](Index detector,
+                             const std::string& why) { race_.OnDoubt(detector, why, Now()); },
           .on_two_publishers =
               [this](Index detector) {
                 race_.OnTwoPublishers(race_.course().detectors[detector].topic, Now());

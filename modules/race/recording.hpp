@@ -21,6 +21,7 @@ inline constexpr std::string_view kSighting = "sighting";
 // detector, when it was taken in ns, contours, ycy, dy, middle offset, doubt (a recording of an
 // earlier version has none)
 inline constexpr std::string_view kLines = "lines";
+inline constexpr std::string_view kDoubt = "doubt";             // detector, why
 inline constexpr std::string_view kWalker = "walker";           // walk, status
 inline constexpr std::string_view kMotionDone = "motion_done";  // number, code, message
 inline constexpr std::string_view kSpoken = "spoken";           // number, code, message

@@ -10,8 +10,9 @@ struct Kind {
   std::string_view name;
   std::size_t words;
 };
-constexpr std::array<Kind, 14> kKinds = {{{input::kSighting, 8},
+constexpr std::array<Kind, 15> kKinds = {{{input::kSighting, 8},
                                           {input::kLines, 7},
+                                          {input::kDoubt, 2},
                                           {input::kWalker, 2},
                                           {input::kMotionDone, 3},
                                           {input::kSpoken, 3},
@@ -96,6 +97,8 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
   } else if (input == input::kLines) {
     OnLines(numbers.Integer<Index>(0), numbers.Integer<std::uint32_t>(2), words[3], words[4],
             numbers.Real(5), taken(), now, words[6]);
+  } else if (input == input::kDoubt) {
+    OnDoubt(numbers.Integer<Index>(0), words[1], now);
   } else if (input == input::kWalker) {
     OnWalkerStatus(numbers.Integer<Index>(0), words[1], now);
   } else if (input == input::kMotionDone) {

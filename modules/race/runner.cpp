@@ -256,9 +256,11 @@ std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
   if (!blind_) SeesAgain();
   const std::optional<Index> silent = perception_.EndTick(now, time);
   if (next || !silent) return next;
+  const std::string& doubt = perception_.DoubtOf(*silent);
   return Fail("no sample of the detector " + course_.detectors[*silent].name + " for " +
-              std::to_string(ToMilliseconds(course_.check.silent)) +
-              " ms: its camera or the detector is lost, or it is in doubt about each picture");
+              std::to_string(ToMilliseconds(course_.check.silent)) + " ms: " +
+              (doubt.empty() ? "its camera or the detector is lost"
+                             : "it is in doubt about each picture: " + doubt));
 }
 
 std::optional<Index> Runner::RunSteps(Duration now, Time time) {

@@ -203,7 +203,7 @@ std::string RegionKeyOf(CourseKind kind) {
 
 std::vector<std::string> CourseOutputs::All() const {
   std::vector<std::string> all;
-  for (const auto& topic : {text, sighting, lines}) {
+  for (const auto& topic : {text, sighting, doubt, lines}) {
     if (topic) all.push_back(*topic);
   }
   all.push_back(debug_image);
@@ -221,6 +221,7 @@ CourseOutputs CourseEntry::Outputs() const {
   const std::string first = slash == std::string::npos ? "" : publish.substr(0, slash + 1);
   outputs.text = publish;
   outputs.sighting = first + "sighting";
+  outputs.doubt = first + "doubt";
   outputs.debug_image = first + "debug_image";
   return outputs;
 }

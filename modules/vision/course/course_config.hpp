@@ -40,6 +40,7 @@ struct CourseFactory {
 struct CourseOutputs {
   std::optional<std::string> text;      // std_msgs/String
   std::optional<std::string> sighting;  // musher_msgs/Sighting
+  std::optional<std::string> doubt;     // std_msgs/String: why a picture has no sighting
   std::optional<std::string> lines;     // musher_msgs/YellowLines
   std::string debug_image;              // sensor_msgs/Image
 

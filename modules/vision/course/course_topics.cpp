@@ -46,6 +46,7 @@ CourseTopics::CourseTopics(const Dependencies& dependencies,
     sightings_ =
         endpoints_.Advertise<msg::Sighting>(*topics.sighting, transport::kDefaultQos, matched);
   }
+  if (topics.doubt) doubts_ = endpoints_.Advertise<msg::String>(*topics.doubt);
   drawings_ = endpoints_.Advertise<msg::Image>(topics.debug_image, kDrawingQos, matched);
 }
 
@@ -107,6 +108,9 @@ void CourseTopics::OnResult(const DetectionResult<CourseProcessor>& result) {
   }
   if (found.sight.sighting && sightings_ != nullptr) {
     static_cast<void>(sightings_->Publish(*found.sight.sighting));
+  }
+  if (!found.sight.doubt.empty() && doubts_ != nullptr) {
+    static_cast<void>(doubts_->Publish({found.sight.doubt}));
   }
   if (found.sight.lines && lines_ != nullptr) {
     static_cast<void>(lines_->Publish(*found.sight.lines));

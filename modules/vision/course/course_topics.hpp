@@ -70,6 +70,7 @@ class CourseTopics {
   // Null: this kind of detector does not publish it.
   transport::Publisher<msg::String>* texts_ = nullptr;
   transport::Publisher<msg::Sighting>* sightings_ = nullptr;
+  transport::Publisher<msg::String>* doubts_ = nullptr;
   transport::Publisher<msg::YellowLines>* lines_ = nullptr;
   transport::Publisher<msg::Image>* drawings_ = nullptr;
   PictureFeed feed_;

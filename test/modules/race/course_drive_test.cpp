@@ -425,8 +425,8 @@ TEST_P(WholeCourseOfAnotherHall, IsDrivenOrEndsWithItsReason) {
     EXPECT_EQ(result.state, "END") << result.reason << "\n" << Joined(result.log);
   }
   if (result.state == "END") {
-    EXPECT_TRUE(referee.finished()) << RefereeText(result.world->scene(), referee, result.took)
-                                    << Joined(result.log);
+    EXPECT_TRUE(referee.finished())
+        << RefereeText(result.world->scene(), referee, result.took) << Joined(result.log);
   } else {
     EXPECT_EQ(result.state, "ERROR") << Joined(result.log);
     EXPECT_FALSE(result.reason.empty()) << Joined(result.log);

@@ -32,6 +32,7 @@ class DetectorsTest : public test::ModuleOnNetwork {
 
   const Index qr_ = FindByName(TheCourse().detectors, "qr").value();
   int received_ = 0;
+  std::string doubt_;
   std::vector<Index> doubled_;
   Detectors detectors_{*robot_,
                        "dog1",
@@ -39,6 +40,7 @@ class DetectorsTest : public test::ModuleOnNetwork {
                        {.on_sighting = [this](Index, const msg::Sighting&) { ++received_; },
                         .on_lines = [](Index, const msg::YellowLines&) {},
                         .on_text = [](Index, const std::string&) {},
+                        .on_doubt = [this](Index, const std::string& why) { doubt_ = why; },
                         .on_two_publishers = [this](Index found) { doubled_.push_back(found); },
                         .log = [](const std::string& line) { ADD_FAILURE() << line; }}};
 };
@@ -51,6 +53,15 @@ TEST_F(DetectorsTest, TakeADetectorThatIsRestartedForAnotherOne) {
   }
   EXPECT_EQ(received_, 6);
   EXPECT_THAT(doubled_, IsEmpty());
+}
+
+TEST_F(DetectorsTest, SayWhyAPictureHasNoSighting) {
+  const auto doubts = Publisher<msg::String>("dog1/qr_detector/doubt");
+  Run(Milliseconds(500));  // discovery
+  EXPECT_TRUE(doubts->Publish({"the floor has the colour of the light"}));
+  Run(Milliseconds(100));
+  EXPECT_EQ(doubt_, "the floor has the colour of the light");
+  EXPECT_EQ(received_, 0);
 }
 
 TEST_F(DetectorsTest, ReportTwoPublishersThatTakeTurns) {

@@ -100,6 +100,32 @@ TEST(RaceFault, OfASilentCameraLeadsToTheError) {
   ExpectError(rig, std::chrono::seconds(11), "no sample of the detector qr for 10000 ms");
 }
 
+// The error said that the camera may be lost, whose pictures all came.
+TEST(RaceFault, OfADetectorInDoubtAboutEachPictureNamesTheDoubt) {
+  Rig rig;
+  rig.script.cameras = false;
+  rig.Command("START:IN_QR_A");
+  rig.Run(std::chrono::seconds(1));
+  const Index qr = FindByName(rig.course_.detectors, "qr").value();
+  for (int i = 0; i < 2; ++i) rig.race->OnDoubt(qr, "all has the colour of the light", rig.now);
+  ExpectError(rig, std::chrono::seconds(11),
+              "no sample of the detector qr for 10000 ms: it is in doubt about each picture: all "
+              "has the colour of the light");
+  ExpectReplays(rig);
+}
+
+// A sample since then: what is silent now was in no doubt.
+TEST(RaceFault, OfACameraThatIsLostAfterADoubtNamesNoDoubt) {
+  Rig rig;
+  rig.Command("START:IN_QR_A");
+  const Index qr = FindByName(rig.course_.detectors, "qr").value();
+  rig.script.cameras = false;
+  rig.Run(Milliseconds(200));
+  rig.race->OnDoubt(qr, "all has the colour of the light", rig.now);
+  rig.race->OnSighting(qr, {}, rig.now, rig.now);
+  ExpectError(rig, std::chrono::seconds(12), "its camera or the detector is lost");
+}
+
 // The race believed both, in turn.
 TEST(RaceFault, OfTwoPublishersOfADetectorNamesIt) {
   Rig rig;

@@ -90,6 +90,20 @@ TEST_F(CourseTopicsTest, PublishNoTextWhileTheDetectorIsSilent) {
   EXPECT_THAT(sightings_, SizeIs(1));
 }
 
+// A race that waited for a sighting knew no reason.
+TEST_F(CourseTopicsTest, SayWhyAPictureHasNoSighting) {
+  worker_.found.sight = {};
+  worker_.found.sight.doubt = "a near round thing may shine";
+  Start();
+  std::vector<msg::String> doubts;
+  const auto doubt = Listen("qr_detector/doubt", doubts);
+  const auto sighting = Listen("qr_detector/sighting", sightings_);
+  Shoot(2);
+  ASSERT_THAT(doubts, SizeIs(2));
+  EXPECT_EQ(doubts[0].data, "a near round thing may shine");
+  EXPECT_THAT(sightings_, IsEmpty());
+}
+
 // What was seen a minute ago, in another place, is nothing that is tracked.
 TEST_F(CourseTopicsTest, StartTheDetectorAgainAfterEachPauseAndJump) {
   Start();

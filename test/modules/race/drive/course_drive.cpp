@@ -356,6 +356,8 @@ void CourseDrive::Look(DetectorChannel& channel, const cv::Mat& picture) {
                         seen.x + seen.width / 2 - 0.5, seen.confidence},
                        taken, now);
       channel.shown_to_race = taken;
+    } else if (channel.wanted_by_race && channel.of_race && !sight.doubt.empty()) {
+      race_.OnDoubt(*channel.of_race, sight.doubt, now);
     }
   });
 }
