@@ -2,13 +2,19 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <set>
 #include <string_view>
 #include <system_error>
 
+#include "musher/base/files.hpp"
+#include "musher/base/toml/names.hpp"
 #include "musher/base/words.hpp"
+#include "musher/controller/storage/computer.hpp"
+#include "musher/controller/storage/other_starts.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher {
 namespace {
@@ -54,6 +60,61 @@ std::vector<MachinePlace> PlacesHere() {
     if (place) places.insert(*place);
   }
   return {places.begin(), places.end()};
+}
+
+bool MeantPlace::MayBe(const MachinePlace& place) const {
+  if (place == own) return false;
+  if (place.name_space != own.name_space && names_namespace) return false;
+  return place.domain == own.domain || !names_domain;
+}
+
+std::vector<MachinePlace> PlacesToStop(const MeantPlace& meant,
+                                       const std::vector<MachinePlace>& running,
+                                       const std::function<bool(const MachinePlace&)>& has_files) {
+  const int domain = meant.own.domain;
+  const bool own_runs = std::ranges::count(running, meant.own) != 0;
+  std::vector<MachinePlace> places;
+  for (const MachinePlace& place : running) {
+    if (meant.MayBe(place)) places.push_back(place);
+  }
+  const bool in_domain = own_runs || std::ranges::count(places, domain, &MachinePlace::domain) != 0;
+  std::erase_if(places, [&](const MachinePlace& place) {
+    return place.domain != domain && (in_domain || !has_files(place));
+  });
+  return places;
+}
+
+std::vector<MachineFolder> MachineFolders() {
+  namespace fs = std::filesystem;
+  std::vector<std::string> folders;
+  std::error_code error;
+  if (fs::is_regular_file("robot.toml", error)) {
+    const auto config = ReadConfigFile("robot.toml").config;
+    if (config) folders.push_back(config->state_dir);
+  }
+  const fs::path by_user = fs::path(config_toml::DefaultStateDir("any", "")).parent_path();
+  for (const fs::path& place : std::set<fs::path>{by_user, fs::path(kServicePlace)}) {
+    for (const fs::path& folder : EntriesOf(place)) folders.push_back(folder);
+  }
+  const std::vector<std::string> computer = ComputerParts();
+  std::vector<MachineFolder> found;
+  for (const std::string& folder : folders) {
+    auto origin = LoadOrigin(folder);
+    if (!origin || !fs::exists(origin->file, error)) continue;
+    if (IsOtherComputer(origin->computer, computer)) continue;
+    found.emplace_back(folder, std::move(*origin));
+  }
+  // That of the working directory is the most likely one.
+  const fs::path here = fs::absolute("robot.toml", error).lexically_normal();
+  std::stable_partition(found.begin(), found.end(),
+                        [&](const auto& one) { return one.second.file == here; });
+  return found;
+}
+
+bool HasFolder(const std::vector<MachineFolder>& folders, const MachinePlace& place) {
+  return std::ranges::any_of(folders, [&place](const MachineFolder& folder) {
+    return MachinePlace{folder.second.domain, folder.second.name_space} == place;
+  });
 }
 
 std::string WhyNotFrom(const MachinePlace& own, const std::vector<MachinePlace>& places,

@@ -2,11 +2,15 @@
 // Where machines run on this host: a person there who does not say which machine is meant means the
 // one that runs here, in whatever namespace, and no other one in range.
 //
-// Threads: any; reads the kernel's table of sockets.
+// Threads: any; reads the kernel's table of sockets. MachineFolders() reads the disk.
 
 #include <compare>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "musher/controller/storage/machine_origin.hpp"
 
 namespace musher {
 
@@ -25,6 +29,29 @@ struct MachinePlace {
 
 // Where a controller or an actuator runs on this host; sorted.
 std::vector<MachinePlace> PlacesHere();
+
+// What a person or a program says of where its machine is.
+struct MeantPlace {
+  MachinePlace own;              // where it speaks to a machine
+  bool names_namespace = false;  // expressly: then no other namespace is meant …
+  bool names_domain = false;     // … and no other domain
+
+  // Whether a machine there, beside the own place, may be meant.
+  bool MayBe(const MachinePlace& place) const;
+};
+
+// Those of `running` that a stop without an express name has to reach beside its own place: of this
+// domain, and of the others where nothing runs in this one. `has_files`: whether there is a machine
+// with files on this host, called for other domains only: a simulation of a colleague has none.
+std::vector<MachinePlace> PlacesToStop(const MeantPlace& meant,
+                                       const std::vector<MachinePlace>& running,
+                                       const std::function<bool(const MachinePlace&)>& has_files);
+
+// The state folders of machines that were started on this computer by a config that is still
+// there: of robot.toml in the working directory, and in the default places.
+using MachineFolder = std::pair<std::string, MachineOrigin>;
+std::vector<MachineFolder> MachineFolders();
+bool HasFolder(const std::vector<MachineFolder>& folders, const MachinePlace& place);
 
 // Why a program that was given neither a machine nor a namespace acts on none of another host:
 // "the machine of this host runs in namespace 'dogA', …". "": of `places` none is in the domain
