@@ -4,13 +4,14 @@ import contextlib
 import dataclasses
 import datetime
 import errno
+import functools
 import logging
 import os
 import select
 import sys
 import threading
 import time
-from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple, TypeVar
+from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple, TypeVar, Union
 
 from musher import _native
 from musher._errors import Failure
@@ -20,6 +21,8 @@ from musher.musher_msgs.msg import HistoryEntry, MachineStatus
 from musher.musher_msgs.srv import (GetHistory, GetPlan, ReleaseEmergencyStop, RestartActuator, SetState)
 
 T = TypeVar("T")
+_Place = Tuple[int, str]  # domain and namespace
+_BesideEnd = Union[None, List[str], Failure]  # of a stop in another one: which actuators have stopped, or why not all
 _NEWS, _END = range(2)  # as in native/client.cpp
 _TIMEOUT = 107  # Robot (100) + TIMEOUT
 _NET_ERROR = 105
@@ -35,6 +38,7 @@ _PUBLISHER = ("import sys; sys.path.insert(0, sys.argv[1]); import _native; "
               "_native.publish_stop(*sys.argv[2:7], int(sys.argv[7]), *sys.argv[8:])")
 _RELEASED_S = 1.0  # from the answer to a release until its publication is received
 _AGAIN_S = 0.02
+_BESIDE_S = 3.0  # to join another namespace or domain, beside the time of the stop
 _SEARCH_S = 1.0  # for the controller of this host, before a stop goes to each machine
 
 
@@ -110,6 +114,9 @@ class Machine:
         self._status_topic = "/" + _native.machine_status_topic(self.node.namespace)
         self._find_at_most_s: Optional[float] = None  # of a test
         self._secured = bool(keys or os.environ.get("MUSHER_KEYS"))
+        self._names_namespace = namespace is not None or bool(self.node.namespace)
+        self._joined_with = {"keys": keys, "identity": identity, "interface": interface}
+        self._beside: Dict[_Place, Machine] = {}  # that an emergency stop has reached, too
 
     @property
     def _find_s(self) -> float:
@@ -237,17 +244,30 @@ class Machine:
             raise Failure(reply.code, reply.reason)
 
     def estop(self, reason: str = "", *, timeout_s: float = 2.0, by: str = "") -> List[str]:
-        """Engages the emergency stop, with or without a controller. Returns the actuators that have stopped;
-        raises musher.Failure if one of them or the controller has not confirmed it in time, or if the machine may have
-        more of them. The stop stays engaged in any case, and reaches actuators that join until this machine is
+        """Engages the emergency stop, with or without a controller. Without a namespace it also stops the machines
+        that run on this host in other ones, as `musher estop` does. Returns the actuators that have stopped, those of
+        another namespace as "namespace/name"; raises musher.Failure if one of them or a controller has not confirmed it
+        in time, or if a machine may have more of them. The stop stays engaged in any case, and reaches actuators that join until this machine is
         closed. One that not all have confirmed is then published for a minute by a process of its own, however this
         one ends; so is one that is on no disk, because no controller leads or its disk fails: a warning of the logger
         "musher" says so."""
         end = time.monotonic() + timeout_s
         engaged = _native.NewStop(by or default_by(), reason)
-        native = self._native()
+        self._native()  # raises where it is closed
         if not self._secured:
             engaged.hand_over(self.node.namespace, self._domain, self._name)
+        beside = _StopsBeside(lambda: self._hand_over_beside(engaged),
+                              lambda place: self._machine_at(place)._stop_own(engaged, end, timeout_s))
+        own: "List[str] | Failure"
+        try:
+            own = self._stop_own(engaged, end, timeout_s)
+        except Failure as failure:
+            own = failure
+        return self._with_beside(own, beside.ended(end + _BESIDE_S))
+
+    def _stop_own(self, engaged: _native.NewStop, end: float, timeout_s: float) -> List[str]:
+        """Of the machine of its namespace."""
+        native = self._native()
         meant = self._to_stop()
         mailbox = _native.Mailbox()
         stop = _native.Stop(native, engaged, mailbox, *meant, self._domain, self._config, self._name)
@@ -264,7 +284,7 @@ class Machine:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
         if not actuators and not (unknown and stop.searches()):
             silent = None if led else _found_within(_SEARCH_S, self._silent)
-            raise silent or self._nothing("no actuator")
+            raise silent or _NothingFound(_NET_ERROR, self._nothing("no actuator").reason)
         if not over and not unknown:
             unknown = ("not confirmed by the controller" if led else
                        f"in {timeout_s} s without a controller not every actuator may have been found")
@@ -278,6 +298,56 @@ class Machine:
         else:
             stop.confirm()
         return [name for name, _, _, _ in actuators]
+
+    def _hand_over_beside(self, engaged: _native.NewStop) -> "List[_Place]":
+        """To the controllers of this host that are meant beside the one of its namespace; where they are."""
+        places = self._places_to_stop()
+        for domain, name_space in places if not self._secured else []:
+            engaged.hand_over(name_space, domain, self._name if self._given else "")
+        return places
+
+    def _places_to_stop(self) -> "List[_Place]":
+        """Reads the disk only where nothing runs in its domain, and other processes only for a name."""
+        places = _native.places_to_stop(self.node.namespace, self._domain, self._names_namespace)
+        if not self._given:
+            return places
+        of_places = ((place, _native.machine_here(place[1], place[0])) for place in places)
+        return [place for place, (name, id) in of_places
+                if name == self._name or (len(self._name) >= _SHORTEST_ID and id.startswith(self._name))]
+
+    def _machine_at(self, place: "_Place") -> "Machine":
+        known = self._beside.get(place)
+        if known is None:
+            known = Machine(namespace=place[1], domain=place[0], machine=self._name if self._given else "",
+                            **self._joined_with)
+            self._beside[place] = known
+        return known
+
+    def _with_beside(self, own: "List[str] | Failure", beside: "Optional[Dict[_Place, _BesideEnd]]") -> List[str]:
+        """The actuators of all. Raises musher.Failure where one of the machines is not stopped."""
+        stopped: List[str] = []
+        failures: List[str] = []
+        if beside is None:
+            failures.append("this host is still being searched for machines in other namespaces")
+        for (domain, name_space), end in (beside or {}).items():
+            if isinstance(end, list):
+                stopped += [f"{name_space}/{name}" if name_space else name for name in end]
+            else:
+                where = _native.place_text(domain, name_space, self._domain)
+                failures.append(f"the machine of this host in {where}: {end.reason if end else 'not confirmed in time'}")
+        if isinstance(own, _NothingFound) and beside:
+            for stop in self._stops[-1:]:  # none that comes later is meant
+                stop.confirm()
+                stop.close()
+            self._stops = self._stops[:-1]
+            own = []
+        if isinstance(own, Failure):
+            if failures:
+                raise Failure(own.code, "; ".join([own.reason, *failures]))
+            raise own
+        if failures:
+            raise Failure(_TIMEOUT, "; ".join(failures))
+        return [*own, *stopped]
 
     def _publisher(self) -> List[str]:
         """The program of the process that goes on to publish a stop. It loads nothing but the extension."""
@@ -344,6 +414,9 @@ class Machine:
         for stop in self._stops:
             stop.close()
         self._stops = []
+        for machine in list(self._beside.values()):
+            machine.close()
+        self._beside = {}
 
     def __enter__(self) -> "Machine":
         return self
@@ -515,6 +588,51 @@ class Machine:
         place = f"namespace '{self.node.namespace}'" if self.node.namespace else "the default namespace"
         return Failure(_NET_ERROR, f"{what} in {place}; is the machine up "
                                    "(`musher up robot.toml`), and are namespace and ROS_DOMAIN_ID right?")
+
+
+class _NothingFound(Failure):
+    """There was no machine to stop."""
+
+
+class _StopsBeside:
+    """Emergency stops of the machines of this host in other namespaces and domains. Each has a thread of its own: none
+    waits for another one, nor for the search for them."""
+
+    def __init__(self, search: "Callable[[], List[_Place]]", stop: "Callable[[_Place], List[str]]") -> None:
+        self._search, self._stop = search, stop
+        self._ends: Optional[Dict[_Place, _BesideEnd]] = None
+        self._thread = _begin(self._run)
+
+    def ended(self, end: float) -> "Optional[Dict[_Place, _BesideEnd]]":
+        """What they have done until then; None: the search goes on."""
+        if self._thread is not None:
+            self._thread.join(max(end - time.monotonic(), 0.0))
+        return None if self._ends is None else dict(self._ends)
+
+    def _run(self) -> None:
+        places = self._search()
+        ends: Dict[_Place, _BesideEnd] = {place: None for place in places}
+        self._ends = ends
+        for thread in [_begin(functools.partial(self._stop_at, place, ends)) for place in places]:
+            if thread is not None:
+                thread.join()
+
+    def _stop_at(self, place: "_Place", ends: "Dict[_Place, _BesideEnd]") -> None:
+        try:
+            ends[place] = self._stop(place)
+        except Failure as failure:
+            ends[place] = failure
+
+
+def _begin(work: Callable[[], None]) -> Optional[threading.Thread]:
+    """On a thread of its own; None: none is left, and it is done."""
+    thread = threading.Thread(target=work, daemon=True)
+    try:
+        thread.start()
+    except RuntimeError:
+        work()
+        return None
+    return thread
 
 
 class _Statuses(Subscription[MachineStatus]):

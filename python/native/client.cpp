@@ -459,6 +459,29 @@ std::string WhyNotHere(const std::string& found, std::optional<int> domain) {
   return WithoutGil([&] { return WhyNotFrom({*id, ""}, PlacesHere(), found); });
 }
 
+// (domain, namespace) of each machine of this host that a stop without an express name has to reach
+// beside its own.
+std::vector<std::pair<int, std::string>> PlacesBeside(const std::string& name_space,
+                                                      std::optional<int> domain,
+                                                      bool names_namespace) {
+  std::vector<std::pair<int, std::string>> beside;
+  const auto id = DomainOf(domain);
+  if (!id) return beside;
+  const MeantPlace meant{{*id, name_space}, names_namespace, domain.has_value()};
+  const auto places = WithoutGil([&] {
+    return PlacesToStop(meant, PlacesHere(), [](const MachinePlace& place) {
+      return HasFolder(MachineFolders(), place);
+    });
+  });
+  for (const MachinePlace& place : places) beside.emplace_back(place.domain, place.name_space);
+  return beside;
+}
+
+// "namespace 'dogA'", with the domain where it is another one than the caller's.
+std::string PlaceText(int domain, const std::string& name_space, std::optional<int> own_domain) {
+  return MachinePlace{domain, name_space}.Text(DomainOf(own_domain).value_or(domain));
+}
+
 }  // namespace
 
 void AddClient(py::module_& native) {
@@ -468,6 +491,8 @@ void AddClient(py::module_& native) {
   native.def("machine_here", &FindMachineHere);
   native.def("machines_here", &FindMachinesHere);
   native.def("why_not_here", &WhyNotHere);
+  native.def("places_to_stop", &PlacesBeside);
+  native.def("place_text", &PlaceText);
   native.def("host_id", &HostId);
   native.def("leads_here", &LeadsHere);
   native.def("leader_here", &LeaderHere);

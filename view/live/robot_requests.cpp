@@ -34,24 +34,13 @@ std::string ResponseType() {
   return std::string(S::kTypeName) + "Response_";
 }
 
-// What does not stand, as a sentence; empty: all does. `searched`: what this host has of the
-// machine is known.
+// `searched`: what this host has of the machine is known.
 std::string NotStopped(const EstopReport& report, bool searched) {
-  std::string sentence;
-  for (const EstopReport::Actuator& actuator : report.actuators) {
-    if (actuator.stopped) continue;
-    sentence += (sentence.empty() ? "not stopped: " : ", ") + actuator.name;
-    if (!actuator.trouble.empty()) sentence += " (" + actuator.trouble + ")";
-  }
-  const auto add = [&sentence](const std::string& more) {
-    sentence += (sentence.empty() ? "" : "; ") + more;
-  };
-  if (report.controller && !report.controller_latched) add("the controller has not latched it");
-  if (const std::string lost = report.WhyNotHeld(); !lost.empty()) add(lost);
-  if (!report.unknown.empty()) add(report.unknown);
+  std::string sentence = WhyNotStopped(report);
   // The list of a controller needs no search.
-  if (!report.controller && !searched) add("this host is still being searched for its actuators");
-  return sentence;
+  if (report.controller || searched) return sentence;
+  return sentence + (sentence.empty() ? "" : "; ") +
+         "this host is still being searched for its actuators";
 }
 
 // The requester, as status and history have it.
@@ -134,8 +123,8 @@ std::optional<Error> RobotRequests::WhyNotMeant() const {
   }
   if (IsIn(*own_, watch.machine())) return std::nullopt;
   if (options_.places && options_.name_space.empty()) {
-    const MachinePlace place{options_.stops.domain_id, options_.name_space};
-    const std::string why = WhyNotFrom(place, options_.places(), MachineText(watch.machine()));
+    const std::string why =
+        WhyNotFrom(own_place(), options_.places(), MachineText(watch.machine()));
     if (!why.empty()) {
       return Error{kCodeNetError, why + "; `musher view --namespace` chooses its namespace"};
     }
@@ -314,9 +303,30 @@ void RobotRequests::Stop(const Caller& caller, const std::string& reason,
   stopping.drop_at = now + kStopKept;
   stopping.scope = options_.stops;
   stopping.address = address;
+  StopBeside::Options beside{own_place(), options_.host, options_.machine, options_.with_keys,
+                             options_.stops.lan};
+  for (const MachinePlace& place : PlacesBeside()) {
+    stopping.beside.push_back(std::make_unique<StopBeside>(node_, place, stop, beside));
+  }
   stopping.searched = !options_.find;
   stopping.search = SearchHost();  // after the stop is published
   if (!stop_timer_) stop_timer_ = node_.loop().Every(kStopPeriod, [this] { LookAtStops(); });
+}
+
+// Where machines of this host run that may be meant beside that of the page's namespace. In the
+// page's domain: of another one only the disk says whether it is a robot.
+std::vector<MachinePlace> RobotRequests::PlacesBeside() const {
+  if (!options_.places) return {};
+  const MeantPlace meant{own_place(), !options_.name_space.empty(), /*names_domain=*/true};
+  std::vector<MachinePlace> places =
+      PlacesToStop(meant, options_.places(), [](const MachinePlace&) { return false; });
+  if (options_.machine.empty()) return places;
+  std::erase_if(places, [this](const MachinePlace& place) {
+    const auto origin = OriginHere(place.domain, place.name_space);
+    return !origin || (origin->name != options_.machine &&
+                       !BeginsIdOf({origin->name, origin->id}, options_.machine));
+  });
+  return places;
 }
 
 // One that was answered, if there is one: a later one has reached what runs, and stays published.
@@ -369,14 +379,20 @@ void RobotRequests::AnswerStop(EstopCall& stop, const EstopReport& report,
                                const std::string& why_early) {
   const http::Respond respond = std::exchange(stop.respond, nullptr);
   std::string missing = NotStopped(report, stop.searched);
-  if (!why_early.empty()) missing += (missing.empty() ? "" : "; ") + why_early;
-  if (!report.found()) {
+  const bool only_beside = !report.found() && !stop.beside.empty();
+  if (only_beside) missing.clear();
+  const auto add = [&missing](const std::string& more) {
+    if (!more.empty()) missing += (missing.empty() ? "" : "; ") + more;
+  };
+  for (const auto& beside : stop.beside) add(beside->WhyNot());
+  add(why_early);
+  if (!report.found() && !only_beside) {
     respond(http::ErrorResponse(503, kCodeNetError,
                                 "neither a controller nor an actuator was there to stop"));
   } else if (!missing.empty()) {
     RespondCode(respond, kCodeFailed, missing);
   } else {
-    RespondCode(respond, kCodeOk, report.controller ? "" : kNotOnDisk);
+    RespondCode(respond, kCodeOk, report.controller || only_beside ? "" : kNotOnDisk);
   }
 }
 
@@ -387,7 +403,11 @@ void RobotRequests::LookAtStops() {
     const EstopReport report = ReportOf(stop);
     const bool known = report.controller || stop.searched;
     const bool over = now >= stop.answer_by;
-    if (over || (known && report.found() && stop.latch->IsOver(report))) AnswerStop(stop, report);
+    const bool is_done = known && report.found() && stop.latch->IsOver(report) &&
+                         std::ranges::all_of(stop.beside, [](const auto& beside) {
+                           return beside->WhyNot().empty();
+                         });
+    if (over || is_done) AnswerStop(stop, report);
   }
   std::erase_if(stops_, [now](const EstopCall& stop) { return now >= stop.drop_at; });
   if (stops_.empty()) stop_timer_.reset();

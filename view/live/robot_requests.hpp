@@ -10,7 +10,8 @@
 // A switch that is refused, undone or degraded is an answer, no error.
 //
 // What acts is refused where another machine may be meant than the one that is followed. An
-// emergency stop is never refused: there it is for each machine that may be meant.
+// emergency stop is never refused: there it is for each machine that may be meant, also for one
+// that runs on this host in another namespace.
 
 #include <cstdint>
 #include <functional>
@@ -30,6 +31,7 @@
 #include "musher/messages/musher_msgs/tree.hpp"
 #include "musher/view/http/server.hpp"
 #include "musher/view/json/message_json.hpp"
+#include "musher/view/live/stop_beside.hpp"
 
 namespace musher::view {
 
@@ -107,6 +109,7 @@ class RobotRequests {
   };
   struct EstopCall {
     std::unique_ptr<StopLatch> latch;
+    std::vector<std::unique_ptr<StopBeside>> beside;
     http::Respond respond;  // empty: it was answered
     Time answer_by;
     Time drop_at;  // until then it reaches actuators that join, unless it is released
@@ -131,6 +134,8 @@ class RobotRequests {
   bool HasActuator(const std::string& actuator, const http::Respond& respond);
   bool HasActuatorsOfAnother() const;
   StopAddress AddressOfStop(const MachineIdentity& shown) const;
+  MachinePlace own_place() const { return {options_.stops.domain_id, options_.name_space}; }
+  std::vector<MachinePlace> PlacesBeside() const;
   std::uint64_t SearchHost();
   void OnMachines(const std::vector<MachineHere>& machines);
   void DropOldestStop();

@@ -3,6 +3,7 @@
 // namespaces of this computer, with a link between them.
 
 #include <memory>
+#include <regex>
 
 #include "musher/test/fault_injection/host/isolation.hpp"
 #include "musher/test/fault_injection/host/link.hpp"
@@ -39,18 +40,28 @@ class MachineBeside : public MachineByCli {
   void TearDown() override {
     unsetenv("CYCLONEDDS_URI");
     unsetenv("XDG_STATE_HOME");
+    unsetenv("PYTHONPATH");
   }
 
   // dog in its namespace, and cat where `shell` looks, which are words for `env`.
   void Start(std::vector<std::string> shell, const std::string& cat_name_space) {
     shell_ = std::move(shell);
     const std::string cat = OtherRobot("cat", cat_name_space, folder_ / "cat_state");
+    const std::string toml = std::regex_replace(ReadFile(cat), std::regex("legs_of_dog"), "legs");
+    std::ofstream(cat) << toml;
     ASSERT_EQ(dog_host_->Run({"up", config_, "--detach"}).exit, 0);
     ASSERT_EQ(InShell(*cat_host_, {"up", cat, "--detach"}).exit, 0);
     ASSERT_TRUE(Until([this] { return Cat()["state"] == "Active"; }));
     ASSERT_TRUE(Until([this] { return Dog()["state"] == "Active"; }));
   }
-  void StartInTheDefaultNamespace() { Start({"-u", "MUSHER_NAMESPACE"}, ""); }
+  // `legs`: what that actuator of dog alone does.
+  void StartInTheDefaultNamespace(const std::string& legs = "") {
+    if (!legs.empty()) {
+      Replace("legs.toml", "legs_of_dog.toml");
+      Does("legs_of_dog", legs);
+    }
+    Start({"-u", "MUSHER_NAMESPACE"}, "");
+  }
   Ended InShell(const Host& host, std::vector<std::string> words) const {
     std::vector<std::string> line = {"env", "--chdir=" + folder_.path()};
     line.insert(line.end(), shell_.begin(), shell_.end());
@@ -59,6 +70,34 @@ class MachineBeside : public MachineByCli {
   }
   // What a person types on the robot.
   Ended Type(std::vector<std::string> words) const { return InShell(*dog_host_, std::move(words)); }
+  // A program of that line, with a Machine() of these words.
+  Ended Python(const std::string& line, const std::string& words = "") const {
+    std::vector<std::string> program = {"env", "--chdir=" + folder_.path()};
+    program.insert(program.end(), shell_.begin(), shell_.end());
+    program.insert(program.end(), {"python3", "-c",
+                                   "import musher\nwith musher.Machine(" + words +
+                                       ") as robot:\n    " + line + "\n"});
+    return dog_host_->Do(std::move(program));
+  }
+  std::string OfDog(const std::string& actuator) const { return name_space_ + "/" + actuator; }
+  // The page of the other robot, which a person on this one has opened; null: it shows none.
+  std::unique_ptr<Process> OpenPage() const {
+    std::vector<std::string> words = {"env", "--chdir=" + folder_.path()};
+    words.insert(words.end(), shell_.begin(), shell_.end());
+    words.insert(words.end(), {BinDir() + "/musher-view", "--no-link", "--port", "8765"});
+    auto view = std::make_unique<Process>(dog_host_->Here(std::move(words)));
+    if (view->LineWith("The page is at").empty()) return nullptr;
+    const bool follows =
+        Until([this] { return Post("plan", R"({"target":"LowPower"})")["status"] == 200; });
+    return follows ? std::move(view) : nullptr;
+  }
+  nlohmann::json Post(const std::string& what, const std::string& body) const {
+    return Json(dog_host_
+                    ->Do({"python3", SourceDir() + "/test/integration/network/http_request.py",
+                          "POST", "http://127.0.0.1:8765/api/" + what, body})
+                    .out);
+  }
+  nlohmann::json Press() const { return Post("estop", R"({"machine":"cat","reason":"smoke"})"); }
   nlohmann::json Dog() const { return dog_host_->Status(); }
   nlohmann::json Cat() const {
     const Ended status = InShell(*cat_host_, {"status", "--json"});
@@ -156,6 +195,79 @@ TEST_F(MachineBeside, ThatIsOutOfRangeLeavesTheStopToTheRobotThatRunsHere) {
   EXPECT_EQ(stop.exit, 0) << stop.out << stop.err;
   EXPECT_EQ(stop.err, "");
   EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
+}
+
+// `estop()` returned the actuators of the other robot, and the motors of this one went on.
+TEST_F(MachineBeside, IsNotStoppedByAProgramInPythonInPlaceOfTheRobotThatRunsHere) {
+  setenv("PYTHONPATH", (BinDir() + "/../python").c_str(), 1);
+  if (RunToEnd({"python3", "-c", "import musher"}).exit != 0) {
+    GTEST_SKIP() << "this build has no Python package";
+  }
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  const Ended stop = Python("print(*robot.estop('smoke', timeout_s=60))");
+  EXPECT_EQ(stop.out,
+            "legs voice eyes " + OfDog("legs") + " " + OfDog("voice") + " " + OfDog("eyes") + "\n")
+      << stop.err;
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
+  EXPECT_EQ(Cat()["emergency_stop"]["engaged"], true) << "it may be the one that is meant";
+}
+
+// "no controller in the default namespace", beside the robot that went on.
+TEST_F(MachineBeside, ThatIsOutOfRangeLeavesTheStopOfAProgramInPythonToTheRobotThatRunsHere) {
+  setenv("PYTHONPATH", (BinDir() + "/../python").c_str(), 1);
+  if (RunToEnd({"python3", "-c", "import musher"}).exit != 0) {
+    GTEST_SKIP() << "this build has no Python package";
+  }
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  ASSERT_EQ(InShell(*cat_host_, {"down"}).exit, 0);
+  const Ended stop = Python("print(*robot.estop('smoke', timeout_s=4))");
+  EXPECT_EQ(stop.out, OfDog("legs") + " " + OfDog("voice") + " " + OfDog("eyes") + "\n")
+      << stop.err;
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
+}
+
+TEST_F(MachineBeside, IsTheOnlyOneThatAProgramInPythonStopsWhichNamesIt) {
+  setenv("PYTHONPATH", (BinDir() + "/../python").c_str(), 1);
+  if (RunToEnd({"python3", "-c", "import musher"}).exit != 0) {
+    GTEST_SKIP() << "this build has no Python package";
+  }
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  EXPECT_EQ(Python("print(*robot.estop('smoke', timeout_s=60))", "machine='cat'").out,
+            "legs voice eyes\n");
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], false);
+  EXPECT_EQ(Cat()["emergency_stop"]["engaged"], true);
+  EXPECT_EQ(Python("print(*robot.estop('smoke', timeout_s=4))", "machine='dog'").out,
+            OfDog("legs") + " " + OfDog("voice") + " " + OfDog("eyes") + "\n");
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
+}
+
+// The button said that the robot is stopped: the other one was.
+TEST_F(MachineBeside, IsNotStoppedByThePageInPlaceOfTheRobotThatRunsHere) {
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  const auto view = OpenPage();
+  ASSERT_NE(view, nullptr);
+  const nlohmann::json stop = Press();
+  EXPECT_EQ(stop["status"], 200);
+  EXPECT_THAT(stop["body"].dump(), HasSubstr("\\\"code\\\":0")) << stop;
+  EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
+  EXPECT_EQ(Cat()["emergency_stop"]["engaged"], true) << "it may be the one that is meant";
+}
+
+// They confirmed what the other robot had done.
+TEST_F(MachineBeside, IsNamedByThePageAndByPythonWhereItDoesNotConfirmTheStop) {
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace(
+      "[emergency_stop]\nrun = [\"false\"]\n[state.OTA]\nrun = [\"true\"]\n"));
+  const auto view = OpenPage();
+  ASSERT_NE(view, nullptr);
+  EXPECT_THAT(Press()["body"].dump(),
+              AllOf(HasSubstr("in namespace '" + name_space_ + "': not stopped: legs"),
+                    Not(HasSubstr("\\\"code\\\":0"))));
+  setenv("PYTHONPATH", (BinDir() + "/../python").c_str(), 1);
+  if (RunToEnd({"python3", "-c", "import musher"}).exit != 0) return;
+  const Ended program = Python("robot.estop('smoke')");
+  EXPECT_EQ(program.exit, 1) << program.out;
+  EXPECT_THAT(program.err, AllOf(HasSubstr("in namespace '" + name_space_ + "'"),
+                                 HasSubstr("not confirmed by legs")));
 }
 
 // "found '' (cat), 'dogs' (dog) - use --machine cat".
