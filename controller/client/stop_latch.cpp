@@ -172,6 +172,7 @@ Result<std::unique_ptr<StopLatch>> StopLatch::Begin(transport::Node& node,
       std::erase_if(processes, [writer](const Received& one) { return one.writer == writer; });
     }
     std::erase_if(self->received_, [](const auto& received) { return received.second.empty(); });
+    std::erase_if(self->not_counted_, [writer](const auto& one) { return one.second == writer; });
     if (self->options_.on_change) self->options_.on_change();
   };
   transport::Qos qos = transport::kLatchedFromManyQos;
@@ -359,6 +360,16 @@ bool StopLatch::IsReleasedFor(const MachineIdentity& machine) const {
 void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
   const MachineIdentity theirs{status.machine, status.machine_id};
   Meet(theirs, status.host);
+  // What is torn down is off, and latches nothing any more: it neither confirms nor prevents.
+  const bool is_off = status.emergency_stop == 0 && status.state == kTearDown &&
+                      status.target.empty() && status.stop_trouble.empty();
+  const bool counts = IsMeant(theirs) && !is_off;
+  if (counts) {
+    not_counted_.erase(status.name);
+  } else if (!status.host.empty() && status.host == HostId() &&
+             not_counted_.size() < kMostOrigins) {
+    not_counted_[status.name] = info.writer;
+  }
   if (!IsMeant(theirs)) return;
   Note(machines_, theirs);
   std::vector<Received>& processes = received_[status.name];
@@ -374,9 +385,6 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
   std::erase_if(processes, [&](const Received& last) {
     return last.writer == info.writer || last.host == status.host;
   });
-  // What is torn down is off, and latches nothing any more: it neither confirms nor prevents.
-  const bool is_off = latched == 0 && status.state == kTearDown && status.target.empty() &&
-                      status.stop_trouble.empty();
   if (!is_off) {
     processes.push_back(
         {info.writer, latched, has_it, status.stop_trouble, loop_.Now() - begun_, status.host});
@@ -493,15 +501,19 @@ bool StopLatch::IsHeld(const EstopReport& report,
          });
 }
 
-// A controller reports which actuators belong to the machine. Without a controller there may be
+// A controller reports which actuators belong to the machine. What its config lists no more may
+// still run, or have crashed while it was on: this host knows. Without a controller there may be
 // more than the counted ones: actuators with a process on this host, actuators whose status is
 // received, and actuators that may run on other hosts according to the files of this host.
 EstopReport StopLatch::Report(const StopView& view) const {
   // A controller of another host may be of another machine than what runs here.
   const bool lists_all = view.controller && (named() || view.controller->host == HostId());
-  EstopReport report =
-      Report(view.controller, lists_all ? std::vector<std::string>() : view.running_here);
-  if (!view.controller) {
+  EstopReport report = Report(view.controller, lists_all ? UnlistedHere(view) : view.running_here);
+  if (view.controller) {
+    for (const MachineHere* machine : MachinesOf(view)) {
+      AddLost(report, Unlisted(machine->lost, *view.controller));
+    }
+  } else {
     for (const MachineHere* machine : MachinesOf(view)) {
       AddElsewhere(report, machine->elsewhere);
       if (machine->lan) AddElsewhere(report, machine->actuators);
@@ -511,6 +523,19 @@ EstopReport StopLatch::Report(const StopView& view) const {
   }
   report.unknown = WhyUnknown(view);
   return report;
+}
+
+// Processes of this host that its controller does not list: an earlier config did. Not those that
+// answer as actuators of another machine, or as torn down.
+std::vector<std::string> StopLatch::UnlistedHere(const StopView& view) const {
+  if (view.controller->host != HostId()) return {};
+  std::vector<std::string> unlisted;
+  for (const std::string& name : view.running_here) {
+    const bool listed =
+        std::ranges::count(view.controller->actuators, name, &msg::ActuatorInfo::name) != 0;
+    if (!listed && !not_counted_.contains(name)) unlisted.push_back(name);
+  }
+  return unlisted;
 }
 
 // The machines of this host that the stop is for.
@@ -587,6 +612,14 @@ void StopLatch::AddLost(EstopReport& report, const std::vector<StoredActuator>& 
     actuator.trouble = WhereEnded(one.lost_in);
     actuator.ended = true;
   }
+}
+
+std::vector<StoredActuator> StopLatch::Unlisted(std::vector<StoredActuator> actuators,
+                                                const msg::MachineStatus& controller) {
+  std::erase_if(actuators, [&controller](const StoredActuator& one) {
+    return std::ranges::count(controller.actuators, one.name, &msg::ActuatorInfo::name) != 0;
+  });
+  return actuators;
 }
 
 bool StopLatch::IsOver(const EstopReport& report) const {

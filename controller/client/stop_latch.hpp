@@ -223,6 +223,9 @@ class StopLatch {
   void WithdrawIfReleased();
   std::vector<const MachineHere*> MachinesOf(const StopView& view) const;
   std::string WhyUnknown(const StopView& view) const;
+  std::vector<std::string> UnlistedHere(const StopView& view) const;
+  static std::vector<StoredActuator> Unlisted(std::vector<StoredActuator> actuators,
+                                              const msg::MachineStatus& controller);
   static void AddLost(EstopReport& report, const std::vector<StoredActuator>& lost);
   static void AddElsewhere(EstopReport& report, const std::vector<std::string>& names);
   bool MayBeReleased(const Received& one,
@@ -242,6 +245,9 @@ class StopLatch {
   DetachedPublisher* publisher_ = nullptr;
   // By actuator. Two processes of one actuator may run, on two hosts: each has to be stopped.
   std::map<std::string, std::vector<Received>> received_;
+  // Actuators of this host whose last status neither confirms nor prevents: of another machine, or
+  // torn down.
+  std::map<std::string, transport::EndpointId> not_counted_;
   std::vector<MachineIdentity> machines_;   // of the received statuses; no two are the same
   std::vector<Found> found_;                // that are meant
   std::vector<MachineIdentity> addressed_;  // by their ids, whole

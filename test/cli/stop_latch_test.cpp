@@ -422,6 +422,42 @@ TEST_F(Stop, IsNotCompleteByAControllerOfAnotherHostWithoutWhatRunsHere) {
   EXPECT_THAT(latch_->Report(view).Missing(), ElementsAre("arm"));
 }
 
+// The config of its controller has them no longer: the stop was complete beside one that hung.
+TEST_F(Stop, IsNotCompleteWithoutAProcessOfThisHostThatTheControllerDoesNotList) {
+  msg::EmergencyStop stop{7, true, "alice@desk", "smoke"};
+  stop.machine = "robot";
+  latch_ = StopLatch::Begin(*desk_, "pack", stop).value();
+  StopView view = OnTheRobot({{"robot", ""}, false, {}, {"legs", "eyes"}});
+  view.running_here.push_back("arm");
+  AfterASecond();
+  view.controller = Controller();
+  view.controller->host = HostId();
+  EXPECT_THAT(latch_->Report(view).Missing(), ElementsAre("arm"));
+  EXPECT_FALSE(latch_->Report(view).settled());
+  Listener arm(*dog_, "arm");
+  arm.BelongTo("another", "", "another host");
+  AfterASecond();
+  EXPECT_THAT(latch_->Report(view).Missing(), ElementsAre("arm")) << "one of another host";
+  arm.BelongTo("another", "", HostId());
+  AfterASecond();
+  EXPECT_TRUE(latch_->Report(view).complete()) << "it answers as an actuator of another machine";
+}
+
+TEST_F(Stop, IsNotCompleteBesideALostActuatorThatTheControllerDoesNotList) {
+  Engage();
+  AfterASecond();
+  StopView view = OnTheRobot({{"robot", ""}, false, {}, {"legs", "eyes"}});
+  view.controller = Controller();
+  view.controller->host = HostId();
+  view.machines[0].lost = {{"arm", StaysDown::kNo, State("Active")},
+                           {"legs", StaysDown::kNo, State("Active")}};
+  const EstopReport report = latch_->Report(view);
+  EXPECT_THAT(report.Missing(), ElementsAre("arm")) << "the controller knows of the other one";
+  EXPECT_TRUE(report.settled()) << "it latches nothing, however long it is awaited";
+  view.machines[0].lost[0].lost_in = State("LowPower");
+  EXPECT_TRUE(latch_->Report(view).complete());
+}
+
 TEST_F(Stop, IsNotCompleteWhereTheConfigOfAnActuatorIsNotKnown) {
   Engage();
   AfterASecond();

@@ -170,4 +170,40 @@ TEST_F(WithoutController, AnActuatorThatHangsIsNamedByDownUntilItIsEnded) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
+// `musher estop` ended with exit code 0: the new controller does not list it.
+TEST_F(WithoutController, AnActuatorThatHangsAndIsNotInTheConfigAnyMoreIsNamedByTheStop) {
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  DropEyes();
+  ASSERT_EQ(UpDetached().exit, 0);
+  const pid_t eyes = before_["actuators"]["eyes"]["pid"];
+  kill(eyes, SIGSTOP);
+  const Ended stop = Musher({"estop", "--timeout", "3"});
+  EXPECT_EQ(stop.exit, 1) << stop.out;
+  EXPECT_THAT(stop.err, HasSubstr("eyes"));
+  EXPECT_THAT(stop.out, HasSubstr("eyes   stop not confirmed"));
+  kill(eyes, SIGCONT);
+  const Ended again = Musher({"estop", "--timeout", "60"});
+  EXPECT_EQ(again.exit, 0) << again.out << again.err;
+  kill(eyes, SIGKILL);
+  ASSERT_TRUE(Until([] { return Musher({"estop"}).exit == 0; })) << "its process is gone";
+}
+
+// What it had switched on may be on: without a controller, and at `musher down`, it was named.
+TEST_F(WithoutController, AnActuatorThatCrashedAndIsNotInTheConfigAnyMoreIsNamedByTheStop) {
+  Replace("stage = 2\n", "stage = 2\nrestart = \"no\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  before_ = AwaitStatus(AllHaveArrived);
+  kill(before_["actuators"]["eyes"]["pid"].get<pid_t>(), SIGKILL);
+  ASSERT_TRUE(Until([] { return Status()["actuators"]["eyes"]["presence"] == "lost"; }));
+  const pid_t controller = before_["pid"];
+  kill(controller, SIGKILL);
+  waitpid(controller, nullptr, 0);
+  DropEyes();
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended stop = Musher({"estop"});
+  EXPECT_EQ(stop.exit, 1) << stop.out;
+  EXPECT_THAT(stop.out, HasSubstr("eyes   its process has ended, and what it had switched on may "
+                                  "be on: it was in Active"));
+}
+
 }  // namespace musher::testing::without_controller_test
