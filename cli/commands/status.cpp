@@ -103,6 +103,19 @@ Uncontrolled AwaitUnlisted(Link& link, const RunningActuators& running,
   return NotIn(status, running.Now());
 }
 
+// Of the machine that --machine means, as far as a status says so. `led`: a controller leads here.
+// Then what has sent no status is its own, and that one is not meant.
+Uncontrolled OnlyMeant(Uncontrolled running, const std::string& word, bool led) {
+  if (word.empty()) return running;
+  std::erase_if(running, [&](const auto& one) {
+    const msg::ActuatorStatus& status = one.second.status;
+    const MachineIdentity machine{status.machine, status.machine_id};
+    if (!one.second.has_status) return led;
+    return machine.name != word && !BeginsIdOf(machine, word);
+  });
+  return running;
+}
+
 // `led`: a controller leads them here, but cannot be reached.
 ExitCode WithoutController(Failure failure, const Uncontrolled& running, bool led,
                            Console& console) {
@@ -248,8 +261,10 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
     answer = link->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   }
   if (const auto* failure = std::get_if<Failure>(&answer)) {
-    return WithoutController(*failure, running ? running->Now() : Uncontrolled{},
-                             link->LeaderHere() != 0, console);
+    const bool led = link->LeaderHere() != 0;
+    const Uncontrolled others =
+        OnlyMeant(running ? running->Now() : Uncontrolled{}, global.machine, led);
+    return WithoutController(*failure, others, led, console);
   }
   msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
   if (!running && (transport::ReachesOtherHosts() || HasUnlistedHere(status))) {

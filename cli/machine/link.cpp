@@ -611,6 +611,8 @@ Failure Link::NotFound(const std::string& what) const {
   } else if (const auto here = MachinesBeside(global_); !here.empty() && here.front().runs) {
     message += "; " + here.front().Text(global_) + " - use " +
                here.front().place.Options(PlaceOf(global_));
+  } else if (const auto other = global_.machine.empty() ? std::nullopt : SilentHere()) {
+    message += "; " + *other;
   } else if (machines_.empty()) {
     message += fmt::format(
         " of DDS domain {}; `musher up FILE` starts one, --transport lan searches other hosts",
@@ -619,6 +621,16 @@ Failure Link::NotFound(const std::string& what) const {
     message += OthersText();
   }
   return {ExitCode::kNoController, {kCodeNetError, message}};
+}
+
+// The machine whose controller leads here and answers nothing, for a person who has named another
+// one.
+std::optional<std::string> Link::SilentHere() const {
+  const pid_t holder = LeaderHere();
+  const auto origin = holder == 0 ? std::nullopt : OriginOfProcess(holder);
+  if (!origin || !machines_.empty()) return std::nullopt;
+  return MachineText({origin->name, origin->id}) + " leads here (pid " + std::to_string(holder) +
+         "), and does not answer";
 }
 
 pid_t Link::LeaderHere() const {

@@ -198,6 +198,7 @@ class Link {
   static bool AreOne(const std::vector<Found>& candidates);  // none of another machine
   static std::string TextOf(const std::vector<Found>& candidates);
   std::string OthersText() const;
+  std::optional<std::string> SilentHere() const;
   static Failure OpenChoice(const std::vector<Found>& candidates, const std::string& what);
   transport::ParticipantId Leader() const;
   pid_t SpokenToHere() const;  // the controller of this host that is spoken to; 0: none

@@ -45,6 +45,30 @@ TEST_F(Finding, NamesTheControllersOfOtherNamespaces) {
   EXPECT_EQ(Musher({"status", "--namespace", name_space_}).exit, 0);
 }
 
+// The table listed the actuators of the machine that ran, as if they had no controller.
+TEST_F(Finding, NamesTheMachineThatRunsWhereAnotherOneIsMeantAndShowsItsActuatorsForNoOther) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended status = Musher({"status", "--machine", "nope"});
+  EXPECT_EQ(status.exit, 3);
+  EXPECT_EQ(status.out, "");
+  EXPECT_THAT(status.err, HasSubstr("no controller of machine nope in namespace '" + name_space_ +
+                                    "'; found '" + name_space_ + "' (robot)"));
+  const Ended json = Musher({"status", "--machine", "nope", "--json"});
+  EXPECT_EQ(json.exit, 3);
+  EXPECT_THAT(json.out, Not(HasSubstr("legs")));
+  // "`musher up FILE` starts one".
+  const pid_t controller = Status()["pid"];
+  kill(controller, SIGSTOP);
+  const Ended silent = Musher({"status", "--machine", "nope"});
+  kill(controller, SIGCONT);
+  EXPECT_EQ(silent.exit, 3);
+  EXPECT_EQ(silent.out, "");
+  EXPECT_THAT(silent.err, AllOf(HasSubstr("robot"),
+                                HasSubstr("leads here (pid " + std::to_string(controller) +
+                                          "), and does not answer"),
+                                Not(HasSubstr("`musher up FILE` starts one"))));
+}
+
 TEST_F(Finding, ShowsTheStatusForPeopleAndForPrograms) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended text = Musher({"status"});
