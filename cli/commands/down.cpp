@@ -41,7 +41,15 @@ std::variant<MachineIdentity, Failure> MachineToEnd(const Link& link,
   const std::vector<MachineIdentity> here = running.Machines(true);
   if (!here.empty()) return here.front();
   const std::vector<MachineIdentity> elsewhere = running.Machines(false);
-  if (const auto of_files = MachineOfFilesHere(global)) {
+  const auto of_files = MachineOfFilesHere(global);
+  const auto beside = [&]() -> std::optional<Failure> {
+    const auto machines = MachinesBeside(global, of_files);
+    if (machines.empty()) return std::nullopt;
+    const std::string others = "actuators of " + MachineText(elsewhere.front());
+    return Failure{ExitCode::kNoController,
+                   {kCodeNetError, machines.front().InsteadOf(others, global)}};
+  };
+  if (of_files) {
     const bool its_own = std::any_of(elsewhere.begin(), elsewhere.end(), [&](const auto& machine) {
       return SameMachine(machine, *of_files);
     });
@@ -50,14 +58,11 @@ std::variant<MachineIdentity, Failure> MachineToEnd(const Link& link,
       return one.second.status.host == HostId();
     });
     if (its_own || elsewhere.empty() || any_here) return *of_files;
+    if (auto failure = beside()) return *std::move(failure);
     return link.NotHere(*of_files, "actuators of " + MachineText(elsewhere.front()));
   }
   if (elsewhere.empty()) return MachineIdentity{};
-  if (const auto beside = MachinesBeside(global); !beside.empty()) {
-    const std::string others = "actuators of " + MachineText(elsewhere.front());
-    return Failure{ExitCode::kNoController,
-                   {kCodeNetError, beside.front().InsteadOf(others, global)}};
-  }
+  if (auto failure = beside()) return *std::move(failure);
   if (elsewhere.size() == 1) return elsewhere.front();
   return Failure{
       ExitCode::kUsage,

@@ -362,14 +362,15 @@ std::optional<Failure> Link::ChooseElsewhere(const std::vector<Found>& candidate
   const MachineIdentity other = candidates.front().machine();
   const auto here = MachineOfFilesHere(global_);
   const bool another = here && !SameMachine(*here, other);
-  if (another && purpose == Purpose::kAct) return NotHere(*here, TextOf(candidates));
-  const auto beside = here ? std::vector<MachineBeside>() : MachinesBeside(global_);
+  const auto beside =
+      here && !another ? std::vector<MachineBeside>() : MachinesBeside(global_, here);
   if (!beside.empty() && purpose == Purpose::kAct) {
     return Failure{ExitCode::kNoController,
                    {kCodeNetError, beside.front().InsteadOf(TextOf(candidates), global_)}};
   }
+  if (another && purpose == Purpose::kAct) return NotHere(*here, TextOf(candidates));
   machine_ = other;
-  if (another && console_ != nullptr) {
+  if (another && beside.empty() && console_ != nullptr) {
     console_->PrintError("the machine of this host, " + MachineText(*here) +
                          ", does not run; this is " + TextOf(candidates));
   } else if (!beside.empty() && console_ != nullptr) {

@@ -79,6 +79,13 @@ std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global) {
   return machines;
 }
 
+std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global,
+                                          const std::optional<MachineIdentity>& of_files) {
+  std::vector<MachineBeside> machines = MachinesBeside(global);
+  if (of_files) std::erase_if(machines, [](const MachineBeside& one) { return !one.runs; });
+  return machines;
+}
+
 std::vector<MachinePlace> PlacesOfRemoteActuators(const GlobalOptions& global) {
   std::set<MachinePlace> found;
   const MachinePlace own = PlaceOf(global);

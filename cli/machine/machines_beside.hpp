@@ -14,6 +14,7 @@
 //
 // Threads: any; reads the disk.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,11 @@ struct MachineBeside {
 
 // The running ones first. With --machine: those that it may mean, in any namespace and domain.
 std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global);
+
+// The same, where this host has files of a machine in the command's own namespace, which does not
+// run: they hide none that runs in another one.
+std::vector<MachineBeside> MachinesBeside(const GlobalOptions& global,
+                                          const std::optional<MachineIdentity>& of_files);
 
 // Machines in this domain that do not run here, but have actuators on other hosts.
 std::vector<MachinePlace> PlacesOfRemoteActuators(const GlobalOptions& global);

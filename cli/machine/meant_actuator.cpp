@@ -105,13 +105,14 @@ std::optional<Failure> MeantActuator::CheckFound(const Statuses& found, const Wo
       std::ranges::any_of(found, [](const auto& one) { return one.host == HostId(); });
   if (!global_.machine.empty() || runs_here) return std::nullopt;
   const auto here = MachineOfFilesHere(global_);
-  const auto beside = here ? std::vector<MachineBeside>() : MachinesBeside(global_);
+  if (here && SameMachine(*here, MachineOf(found.front()))) return std::nullopt;
+  const auto beside = MachinesBeside(global_, here);
   if (!beside.empty()) {
     return Failure{
         ExitCode::kNoController,
         {kCodeNetError, beside.front().InsteadOf("actuators of " + MachinesText(found), global_)}};
   }
-  if (!here || SameMachine(*here, MachineOf(found.front()))) return std::nullopt;
+  if (!here) return std::nullopt;
   return Failure{ExitCode::kNoController,
                  {kCodeNetError,
                   "the machine of this host, " + MachineText(*here) + words.lacks + where +

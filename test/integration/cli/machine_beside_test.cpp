@@ -170,6 +170,23 @@ TEST_F(MachineBeside, IsNotActedOnInPlaceOfTheRobotOfAnotherDomainThatRunsHere) 
   EXPECT_EQ(Dog()["emergency_stop"]["engaged"], true);
 }
 
+// "the machine of this host, old, does not run": the files of a machine that had been tried there
+// hid the robot that runs.
+TEST_F(MachineBeside, IsNotHiddenByTheFilesOfAMachineThatDoesNotRun) {
+  const std::string toml = ReadFile(OtherRobot("old", "", folder_ / "musher/old"));
+  std::ofstream(folder_ / "old.toml") << toml;
+  const std::vector<std::string> shell = {"env", "-u", "MUSHER_NAMESPACE"};
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"up", folder_ / "old.toml", "--detach"}, {"down"}}) {
+    std::vector<std::string> line = shell;
+    for (std::string& word : Command(words)) line.push_back(std::move(word));
+    ASSERT_EQ(dog_host_->Do(line).exit, 0);
+  }
+  ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
+  ExpectNoCommandActsOnTheCat("--namespace " + name_space_ + ", or MUSHER_NAMESPACE, speaks to it");
+  EXPECT_THAT(Type({"status"}).err, HasSubstr("the machine of this host, dog"));
+}
+
 // "2 actuators are stopped", of the other robot, and the motors of this one went on.
 TEST_F(MachineBeside, IsNotStoppedInPlaceOfTheRobotOfAnotherNamespaceThatRunsHere) {
   ASSERT_NO_FATAL_FAILURE(StartInTheDefaultNamespace());
