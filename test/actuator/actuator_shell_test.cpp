@@ -149,6 +149,7 @@ TEST(ActuatorShell, ATransitionThatWaitedWhileItsProcessWasStoppedSwitchesNothin
   network.Resume(*node);
   network.RunFor(Milliseconds(500));
   EXPECT_THAT(remarks, ::testing::Contains(testing::HasRefusal(Refusal::kActuatorMayBeLate)));
+  EXPECT_THAT(remarks, ::testing::Contains(::testing::HasSubstr("could not run for 20 s")));
   EXPECT_EQ(worker.runs, 2) << "SetUp and SelfCheck only";
   network.RunFor(std::chrono::seconds(2));
   request(kActivate);
