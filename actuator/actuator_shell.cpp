@@ -421,8 +421,7 @@ void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
   if (hooks_.ros2 != Hooks::Ros2::kNothing) {
     const Time now = node_.loop().Now();
     offer_later_ = node_.loop().At(now + kControllerDetected, [this, now] {
-      const bool controlled = !core_.announced.empty() || core_.report.epoch != 0;
-      if (controlled) return OfferToRos2At(now + kStartIsOver);
+      if (!core_.announced.empty()) return OfferToRos2At(now + kStartIsOver);
       OfferToRos2();
     });
   }
