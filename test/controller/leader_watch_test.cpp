@@ -5,7 +5,11 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -71,13 +75,36 @@ class LeaderWatches : public ::testing::Test {
     watch_ = LeaderWatch::Make(
                  *desk_, options,
                  [this](const msg::MachineStatus& status) { taken_.push_back(status.pid); },
-                 [](const msg::MachineStatus&, const std::string&) {})
+                 [this](const msg::MachineStatus&, const std::string& how) {
+                   ends_.push_back(how);
+                   ended_at_ = network_.now();
+                 })
                  .value();
+  }
+
+  // Of the machine "dog", whose controller runs elsewhere with that pid.
+  void Heartbeat(transport::Node& from, std::int32_t pid, std::uint64_t participant,
+                 Duration period = Milliseconds(125)) {
+    auto publisher = transport::MakePublisher<msg::ControllerHeartbeat>(
+                         from, transport::ControllerHeartbeatTopic(""), transport::kLatchedQos)
+                         .value();
+    msg::ControllerHeartbeat heartbeat;
+    heartbeat.machine = "dog";
+    heartbeat.host = "elsewhere";
+    heartbeat.pid = pid;
+    heartbeat.period_ns = period.count();
+    heartbeat.participant = participant;
+    EXPECT_TRUE(publisher->Publish(heartbeat));
+    network_.RunFor(Milliseconds(100));
+    heartbeats_.push_back(std::move(publisher));
   }
 
   static constexpr std::int32_t kExited = 9;  // a process that has exited
 
   transport::sim::Network network_{1};
+  std::vector<std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>>> heartbeats_;
+  std::vector<std::string> ends_;  // how each leader has ended
+  Time ended_at_{};                // the last one
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
   std::map<std::int32_t, std::function<void()>> watchers_;
   std::vector<std::int32_t> taken_;  // pids of the controllers
@@ -225,6 +252,93 @@ TEST_F(LeaderWatches, KeepTheirControllerBesideTheStatusOfAProcessThatHasExited)
   const auto of_no_process = Leads("dog", "uuid-a", 7, kExited);
   EXPECT_THAT(taken_, ElementsAre(1));
   EXPECT_TRUE(watch_->leader());
+}
+
+TEST_F(LeaderWatches, TakeNoExitedControllerAgainByItsLatchedStatus) {
+  Watch();
+  const auto killed = Leads("dog", "uuid-a", 7, 1);
+  ReportExit(1);
+  msg::MachineStatus status;
+  status.machine = "dog";
+  status.epoch = 7;
+  status.pid = 1;
+  status.host = "here";
+  EXPECT_TRUE(killed.status->Publish(status));  // was on its way
+  network_.RunFor(seconds(1));
+  EXPECT_THAT(taken_, ElementsAre(1));
+  EXPECT_FALSE(watch_->leader());
+}
+
+TEST_F(LeaderWatches, TakeNoProcessOfTheirHostThatHasExited) {
+  Watch();
+  const auto of_no_process = Leads("dog", "uuid-a", 7, kExited);
+  EXPECT_THAT(taken_, ::testing::IsEmpty());
+  EXPECT_THAT(ends_, ElementsAre("has exited"));
+  EXPECT_FALSE(watch_->leader());
+}
+
+TEST_F(LeaderWatches, TakeASuccessorWithTheSameEpoch) {
+  Watch();
+  const auto first = Leads("dog", "uuid-a", 7, 1);
+  const auto second = Leads("dog", "uuid-a", 7, 2);
+  EXPECT_THAT(taken_, ElementsAre(1, 2));
+}
+
+TEST_F(LeaderWatches, LoseTheirControllerWithTheWriterOfItsStatus) {
+  Watch();
+  auto present = Leads("dog", "uuid-a", 7, 1);
+  present.status.reset();
+  network_.RunFor(Milliseconds(200));
+  EXPECT_THAT(ends_, ElementsAre("no longer leads"));
+  EXPECT_FALSE(watch_->leader());
+}
+
+// Its exit is not known: it may have withdrawn its status only.
+TEST_F(LeaderWatches, TakeAControllerAgainThatNoLongerLed) {
+  Watch();
+  const auto first = Leads("dog", "uuid-a", 7, 1);
+  const auto second = Leads("dog", "uuid-a", 8, 2);
+  ReportExit(2);
+  msg::MachineStatus status;
+  status.machine = "dog";
+  status.epoch = 9;
+  status.pid = 1;
+  status.host = "here";
+  EXPECT_TRUE(first.status->Publish(status));
+  network_.RunFor(seconds(1));
+  EXPECT_THAT(taken_, ElementsAre(1, 2, 1));
+}
+
+TEST_F(LeaderWatches, LoseASilentControllerOfAnotherHostAndTakeItAgainByItsHeartbeat) {
+  Watch();
+  const auto remote = Leads("dog", "uuid-a", 7, 1, 0, "elsewhere");
+  Heartbeat(*remote.node, 1, 0);
+  const Time last = network_.now();
+  network_.RunFor(seconds(3));
+  EXPECT_THAT(ends_, ElementsAre("sends no heartbeat"));
+  EXPECT_GE(ended_at_ - last, Milliseconds(600)) << "a heartbeat may be lost";
+  EXPECT_LE(ended_at_ - last, Milliseconds(800));
+  Heartbeat(*remote.node, 1, 0);
+  EXPECT_THAT(taken_, ElementsAre(1, 1));
+  EXPECT_TRUE(watch_->leader());
+}
+
+TEST_F(LeaderWatches, WaitForAsLongAsTheHeartbeatsOfTheirControllerTake) {
+  Watch();
+  const auto remote = Leads("dog", "uuid-a", 7, 1, 0, "elsewhere");
+  Heartbeat(*remote.node, 1, 0, seconds(1));
+  network_.RunFor(seconds(3));
+  EXPECT_THAT(ends_, ::testing::IsEmpty());
+  network_.RunFor(seconds(2));
+  EXPECT_THAT(ends_, ElementsAre("sends no heartbeat"));
+}
+
+TEST_F(LeaderWatches, DoNotWaitForHeartbeatsThatAnotherParticipantRepeats) {
+  Watch();
+  const auto remote = Leads("dog", "uuid-a", 7, 1, 0, "elsewhere");
+  const auto bridge = network_.MakeNode("bridge");
+  for (int i = 0; i < 40; ++i) Heartbeat(*bridge, 1, remote.node->participant().value());
+  EXPECT_THAT(ends_, ElementsAre("sends no heartbeat"));
 }
 
 }  // namespace musher::testing::leader_watch_test

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -71,6 +72,17 @@ TEST_F(GoingOn, LeavesNothingDownThatWasOutOfReachOrBeingRestarted) {
   EXPECT_THAT(Stored(), IsEmpty());
 }
 
+TEST_F(GoingOn, KnowsNoStateOfOneThatWasNotThere) {
+  Of("a").presence = "absent";
+  EXPECT_EQ(Stored().at(0), (StoredActuator{"a", StaysDown::kGivenUp, {}, {}}));
+}
+
+TEST_F(GoingOn, IgnoresAnActuatorThatIsNotInTheConfig) {
+  Of("a").name = "unknown";
+  status_.actuators[0].state = "TearDown";
+  EXPECT_THAT(Stored(), IsEmpty());
+}
+
 // It is down until a person starts it by hand: then it is not torn down.
 TEST_F(GoingOn, DoesNotHoldDownWhatIsStartedByHand) {
   config_.actuators[*config_.IndexOf("a")].command.clear();
@@ -108,22 +120,50 @@ class Listening : public ::testing::Test {
   }
   // With heartbeats of both, as far as they are there; returns why the standby does not lead.
   std::string For(Duration time, bool controller, bool actuator) {
+    return While(time, [&] {
+      EXPECT_TRUE(!controller || controllers_->Publish(Heartbeat()));
+      EXPECT_TRUE(!actuator || heartbeats_->Publish(HeartbeatOfLegs(!controller)));
+    });
+  }
+  // The controller is gone, and the bridge sends that heartbeat of a controller.
+  std::string Beside(const msg::ControllerHeartbeat& heartbeat) {
+    const auto controllers =
+        transport::MakePublisher<msg::ControllerHeartbeat>(
+            *bridge_, transport::ControllerHeartbeatTopic(""), transport::kLatchedQos)
+            .value();
+    return While(Milliseconds(5000), [&] {
+      EXPECT_TRUE(controllers->Publish(heartbeat));
+      EXPECT_TRUE(heartbeats_->Publish(HeartbeatOfLegs(true)));
+    });
+  }
+  msg::ControllerHeartbeat Heartbeat() const {
+    msg::ControllerHeartbeat heartbeat;
+    heartbeat.machine = "dog";
+    heartbeat.machine_id = kId;
+    heartbeat.epoch = 7;
+    heartbeat.participant = brain_->participant().value();
+    return heartbeat;
+  }
+  msg::ActuatorHeartbeat HeartbeatOfLegs(bool controller_lost) const {
+    msg::ActuatorHeartbeat heartbeat;
+    heartbeat.name = config_.actuators[0].name;
+    heartbeat.controller_lost = controller_lost;
+    return heartbeat;
+  }
+  // What the bridge has published as long as it lives.
+  template <class Message>
+  std::unique_ptr<transport::Publisher<Message>> FromBridge(const std::string& topic,
+                                                            const Message& message) {
+    auto publisher =
+        transport::MakePublisher<Message>(*bridge_, topic, transport::kLatchedQos).value();
+    EXPECT_TRUE(publisher->Publish(message));
+    network_.RunFor(Milliseconds(500));
+    return publisher;
+  }
+  std::string While(Duration time, const std::function<void()>& publish) {
     std::string why;
     for (Duration passed{}; passed < time; passed += Milliseconds(100)) {
-      if (controller) {
-        msg::ControllerHeartbeat heartbeat;
-        heartbeat.machine = "dog";
-        heartbeat.machine_id = kId;
-        heartbeat.epoch = 7;
-        heartbeat.participant = brain_->participant().value();
-        EXPECT_TRUE(controllers_->Publish(heartbeat));
-      }
-      if (actuator) {
-        msg::ActuatorHeartbeat heartbeat;
-        heartbeat.name = config_.actuators[0].name;
-        heartbeat.controller_lost = !controller;
-        EXPECT_TRUE(heartbeats_->Publish(heartbeat));
-      }
+      publish();
       network_.RunFor(Milliseconds(100));
       why = standby_->WhyNot();
       if (why.empty()) return why;
@@ -137,6 +177,7 @@ class Listening : public ::testing::Test {
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
   std::unique_ptr<transport::Node> brain_ = network_.MakeNode("brain");
   std::unique_ptr<transport::Node> legs_ = network_.MakeNode("legs");
+  std::unique_ptr<transport::Node> bridge_ = network_.MakeNode("bridge");
   std::unique_ptr<transport::Publisher<msg::ControllerHeartbeat>> controllers_ =
       transport::MakePublisher<msg::ControllerHeartbeat>(
           *brain_, transport::ControllerHeartbeatTopic(""), transport::kLatchedQos)
@@ -191,6 +232,110 @@ TEST_F(Listening, LeadsNothingWhereNoActuatorSaysThatItHasLostItsController) {
   PublishMachine("running");
   For(Milliseconds(2000), true, true);
   EXPECT_THAT(For(Milliseconds(10'000), false, false), HasSubstr("only 0 of 1"));
+}
+
+TEST_F(Listening, LeadsNothingThatIsLedOutOfItsReach) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  const auto led = [this] { EXPECT_TRUE(heartbeats_->Publish(HeartbeatOfLegs(false))); };
+  EXPECT_THAT(While(Milliseconds(10'000), led), HasSubstr("only 0 of 1"));
+}
+
+TEST_F(Listening, LeadsNothingOfWhichItHasReceivedTheStatusAlone) {
+  PublishMachine("running");
+  EXPECT_THAT(For(Milliseconds(10'000), false, true), HasSubstr("was received yet"));
+}
+
+TEST_F(Listening, LeadsNothingThatWasTornDownAndWhoseNextControllerIsGoneBeforeItsFirstStatus) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  PublishMachine("stopped");
+  EXPECT_FALSE(standby_->last_status());
+  For(Milliseconds(1000), true, true);
+  EXPECT_THAT(For(Milliseconds(10'000), false, true), HasSubstr("was received yet"));
+}
+
+TEST_F(Listening, LeadsNothingThatWasTornDownWhereOnlyAStatusComesAfterThat) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  PublishMachine("stopped");
+  PublishMachine("running");
+  EXPECT_THAT(For(Milliseconds(10'000), false, true), HasSubstr("was received yet"));
+}
+
+TEST_F(Listening, LeadsNothingWhoseIdNoActuatorOfItsHostHasShown) {
+  identity_.id.clear();
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  EXPECT_THAT(For(Milliseconds(10'000), false, true), HasSubstr("has shown the id"));
+}
+
+// A bridge between two networks, or another robot in range: nothing of it counts.
+TEST_F(Listening, LeadsBesideHeartbeatsOfItsControllerThatAreRepeated) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  EXPECT_THAT(Beside(Heartbeat()), IsEmpty());
+}
+
+TEST_F(Listening, LeadsBesideTheControllerOfAnotherRobot) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  msg::ControllerHeartbeat other = Heartbeat();
+  other.machine = "cat";
+  other.machine_id = "id-2";
+  other.participant = bridge_->participant().value();
+  EXPECT_THAT(Beside(other), IsEmpty());
+}
+
+TEST_F(Listening, LeadsAfterAStoppedStatusOfItsControllerThatIsRepeated) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  msg::MachineStatus stopped;
+  stopped.machine = "dog";
+  stopped.machine_id = kId;
+  stopped.phase = "stopped";
+  stopped.participant = brain_->participant().value();
+  const auto latched = FromBridge(transport::MachineStatusTopic(""), stopped);
+  EXPECT_THAT(For(Milliseconds(5000), false, true), IsEmpty());
+}
+
+TEST_F(Listening, KeepsTheLastStatusOfItsMachineBesideThatOfAnotherRobot) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  msg::MachineStatus other;
+  other.machine = "cat";
+  other.machine_id = "id-2";
+  other.phase = "running";
+  other.participant = bridge_->participant().value();
+  const auto latched = FromBridge(transport::MachineStatusTopic(""), other);
+  EXPECT_EQ(standby_->last_status()->machine, "dog");
+  EXPECT_THAT(For(Milliseconds(5000), false, true), IsEmpty());
+}
+
+TEST_F(Listening, KnowsTheProcessOfAnActuatorBesideARepeatedStatusAndOneOfAnotherRobot) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  msg::ActuatorStatus status;
+  status.name = config_.actuators[0].name;
+  status.machine = "dog";
+  status.machine_id = kId;
+  status.participant = legs_->participant().value();
+  const auto repeated = FromBridge(transport::ActuatorStatusTopic(""), status);
+  status.machine_id = "id-2";
+  status.participant = bridge_->participant().value();
+  const auto of_other = FromBridge(transport::ActuatorStatusTopic(""), status);
+  EXPECT_THAT(For(Milliseconds(5000), false, true), IsEmpty());
+}
+
+TEST_F(Listening, LeadsNothingByTheHeartbeatsOfAnotherProcess) {
+  PublishMachine("running");
+  For(Milliseconds(2000), true, true);
+  const auto heartbeats =
+      transport::MakePublisher<msg::ActuatorHeartbeat>(
+          *bridge_, transport::ActuatorHeartbeatTopic(""), transport::kHeartbeatQos)
+          .value();
+  const auto lost = [&] { EXPECT_TRUE(heartbeats->Publish(HeartbeatOfLegs(true))); };
+  EXPECT_THAT(While(Milliseconds(10'000), lost), HasSubstr("only 0 of 1"));
 }
 
 }  // namespace musher::testing::standby_test

@@ -27,6 +27,7 @@ class Kernel {
  public:
   WatchProcess Watch() {
     return [this](std::int32_t pid, std::function<void()> on_end) -> transport::LoopHandlePtr {
+      if (pid == exited) return nullptr;
       watchers_[pid] = std::move(on_end);
       return std::make_unique<Handle>(*this, pid);
     };
@@ -35,6 +36,7 @@ class Kernel {
     const auto watcher = watchers_.extract(pid);
     if (!watcher.empty()) watcher.mapped()();
   }
+  std::int32_t exited = 0;  // a process that has exited before it is watched
 
  private:
   class Handle : public transport::LoopHandle {
@@ -56,11 +58,10 @@ class SwitchClients : public TwoControllers {
   // `host`: the client's.
   void Request(const std::string& target, const std::string& host = kSimHost,
                std::optional<msg::MachineStatus> exited = std::nullopt) {
-    SwitchClient::Options options;
-    options.exited = std::move(exited);
-    options.leader = {"", host, kernel_.Watch()};
+    options_.exited = std::move(exited);
+    options_.leader = {"", host, kernel_.Watch()};
     client_ = SwitchClient::Make(
-                  *desk_, options, target, "",
+                  *desk_, options_, target, actuator_,
                   [this](const std::string& news) {
                     news_.push_back(news);
                     reported_at_ = network_.now();
@@ -98,6 +99,8 @@ class SwitchClients : public TwoControllers {
   }
 
   Kernel kernel_;
+  SwitchClient::Options options_;
+  std::string actuator_;  // that is to switch; empty: the machine
   std::unique_ptr<SwitchClient> client_;
   std::vector<std::string> news_;
   std::optional<SwitchEnd> end_;
@@ -397,19 +400,36 @@ class SentBy {
     status.participant = node_->participant().value();
   }
   void Publish() { ASSERT_TRUE(statuses_->Publish(status)); }
-  // Never answers.
+  // Answers with Reply() only.
   void TakeRequests() {
-    set_state_ =
-        transport::MakeServer<msg::SetState>(*node_, transport::MachineService("", "set_state"),
-                                             [this](const auto&, const auto&) { ++requests; })
-            .value();
+    set_state_ = transport::MakeServer<msg::SetState>(
+                     *node_, transport::MachineService("", "set_state"),
+                     [this](const msg::SetState::Request& received, auto reply) {
+                       ++requests;
+                       request = received;
+                       reply_ = std::move(reply);
+                     })
+                     .value();
+  }
+  void Reply(const std::string& outcome) {
+    msg::SetState::Response answer;
+    answer.outcome = outcome;
+    reply_(answer);
   }
   void TakeQueries(std::optional<msg::GetSwitch::Response> answer) {
     get_switch_ = transport::MakeServer<msg::GetSwitch>(
                       *node_, transport::MachineService("", "get_switch"),
-                      [this, answer = std::move(answer)](const auto&, const auto& reply) {
+                      [this, answer = std::move(answer)](const msg::GetSwitch::Request& received,
+                                                         const auto& reply) {
                         ++queries;
-                        if (answer) reply(*answer);
+                        query = received;
+                        if (queries <= under_way) {
+                          msg::GetSwitch::Response not_yet;
+                          not_yet.outcome = msg::GetSwitch::kUnderWay;
+                          reply(not_yet);
+                        } else if (answer) {
+                          reply(*answer);
+                        }
                       })
                       .value();
   }
@@ -417,8 +437,12 @@ class SentBy {
   msg::MachineStatus status;
   int requests = 0;
   int queries = 0;
+  int under_way = 0;  // so many queries find the switch under way
+  msg::SetState::Request request;
+  msg::GetSwitch::Request query;
 
  private:
+  std::function<void(const msg::SetState::Response&)> reply_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Publisher<msg::MachineStatus>> statuses_;
   std::unique_ptr<transport::Server<msg::SetState>> set_state_;
@@ -428,13 +452,29 @@ class SentBy {
 class ClientsOfASuccessor : public SwitchClients {
  protected:
   // The first controller gets a request for LowPower, and exits before it begins the switch.
-  void RequestFromOneThatExits() {
-    leader_.TakeRequests();
-    leader_.Publish();
-    Request("LowPower");
-    ASSERT_TRUE(RunUntil([this] { return leader_.requests == 1; }));
+  void RequestFromOneThatExits(const std::string& target = "LowPower") {
+    ASSERT_NO_FATAL_FAILURE(RequestFromLeader(target));
     kernel_.ReportEnd(4711);
     ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  }
+  void RequestFromLeader(const std::string& target, const std::string& host = kSimHost) {
+    leader_.TakeRequests();
+    leader_.Publish();
+    Request(target, host);
+    ASSERT_TRUE(RunUntil([this] { return leader_.requests == 1; }));
+  }
+  // Publishes that of the leader which is called, and it is received.
+  void Publish() {
+    leader_.Publish();
+    network_.RunFor(Milliseconds(100));
+  }
+  void ExitStopped(const std::string& phase = "stopped") {
+    leader_.status.phase = phase;
+    leader_.status.state = "TearDown";
+    leader_.status.target.clear();
+    leader_.status.switch_number = 5;
+    Publish();
+    kernel_.ReportEnd(4711);
   }
   static msg::GetSwitch::Response Done(std::uint64_t number, const std::string& actuator) {
     msg::GetSwitch::Response answer;
@@ -480,6 +520,274 @@ TEST_F(ClientsOfASuccessor, QueryTheNextOneWhereTheSuccessorExitsToo) {
   next.TakeQueries(Done(5, ""));
   next.Publish();
   EXPECT_EQ(End().result.outcome, "done") << end_->result.reason;
+}
+
+TEST_F(ClientsOfASuccessor, RequestAndQueryExactlyWhatIsMeant) {
+  for (SentBy* one : {&leader_, &successor_}) {
+    one->status.machine = "dog";
+    one->status.machine_id = "id-1";
+  }
+  options_.by = "anna";
+  actuator_ = "arm";
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("LowPower"));
+  EXPECT_EQ(leader_.request, (msg::SetState::Request{"LowPower", "arm", "anna", "dog", "id-1"}));
+  leader_.status.epoch = 7;  // it has learned of a higher one
+  leader_.status.target = "LowPower";
+  leader_.status.switch_number = 6;
+  Publish();
+  kernel_.ReportEnd(4711);
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  successor_.status.epoch = 8;
+  auto answer = Done(6, "arm");
+  answer.code = 17;
+  answer.outcome = "failed";
+  successor_.TakeQueries(answer);
+  successor_.Publish();
+  EXPECT_EQ(End().result.outcome, "failed");
+  EXPECT_EQ(end_->result.code, 17);
+  EXPECT_EQ(end_->result.actuator, "arm");
+  EXPECT_EQ(successor_.query, (msg::GetSwitch::Request{7, 6, "dog", "id-1"}));
+}
+
+TEST_F(ClientsOfASuccessor, TakeTheAnswersOfTheLeaderOnlyBesideTheServicesOfAnotherController) {
+  leader_.status.machine = successor_.status.machine = "dog";
+  SentBy other(network_, "other", 1, 4714);  // has crashed, and its services are still matched
+  other.TakeRequests();
+  other.TakeQueries(Done(9, ""));
+  leader_.Publish();
+  Request("LowPower");
+  network_.RunFor(std::chrono::seconds(2));
+  leader_.TakeRequests();
+  ASSERT_TRUE(RunUntil([this] { return leader_.requests == 1; }));
+  ASSERT_TRUE(RunUntil([&] { return other.requests == 1; }));
+  other.Reply("refused");
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_FALSE(end_);
+  kernel_.ReportEnd(4711);
+  successor_.Publish();
+  network_.RunFor(std::chrono::seconds(2));
+  successor_.TakeQueries(Done(5, ""));
+  EXPECT_EQ(End().result.switch_number, 5U) << end_->result.reason;
+}
+
+TEST_F(ClientsOfASuccessor, TakeOneThatLeadsAlreadyWhenTheExitIsNoticed) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("LowPower"));
+  successor_.TakeQueries(Done(5, ""));
+  kernel_.ReportEnd(4711);
+  successor_.Publish();  // within the time in which a reply may still arrive
+  EXPECT_EQ(End(std::chrono::seconds(2)).result.outcome, "done") << end_->result.reason;
+  EXPECT_THAT(news_[0], HasSubstr("the controller (pid 4711, epoch 3)"));
+}
+
+TEST_F(ClientsOfASuccessor, DoNotTakeAControllerOfAnotherMachineForOne) {
+  leader_.status.machine = "dog";
+  successor_.status.machine = "cat";
+  EXPECT_EQ(EndAfter(Done(5, "")).kind, Kind::kUnknown);
+  EXPECT_THAT(end_->result.reason, HasSubstr("no successor"));
+  EXPECT_EQ(successor_.queries, 0);
+}
+
+TEST_F(ClientsOfASuccessor, KnowTheirSwitchByItsNumber) {
+  leader_.status.target = "LowPower";  // number 4: requested by another client as well
+  EXPECT_EQ(EndAfter(Done(4, "")).result.outcome, "done");
+  EXPECT_THAT(news_[0], HasSubstr("during switch 4 to LowPower"));
+}
+
+TEST_F(ClientsOfASuccessor, KnowTheNumberOfTheirOwnSwitchOnly) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("LowPower"));
+  leader_.status.target = "SelfCheck";
+  leader_.status.switch_number = 9;
+  Publish();
+  kernel_.ReportEnd(4711);
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  EXPECT_THAT(news_[0], HasSubstr("before it reported the number of the switch to LowPower"));
+}
+
+TEST_F(ClientsOfASuccessor, GetAnUnknownOutcomeWhereAnotherSwitchHasTheirNumber) {
+  leader_.status.target = "LowPower";
+  auto answer = Done(4, "arm");
+  answer.reason = "the reason of the successor";
+  EXPECT_EQ(EndAfter(answer).kind, Kind::kUnknown);
+  EXPECT_THAT(end_->result.reason, HasSubstr("the reason of the successor"));
+  EXPECT_EQ(end_->result.code, kCodeNetError);
+}
+
+TEST_F(ClientsOfASuccessor, GetAnUnknownOutcomeWhereNothingWasFound) {
+  auto answer = Done(5, "");
+  answer.found = false;
+  answer.reason = "no record";
+  actuator_ = "";
+  EXPECT_EQ(EndAfter(answer).kind, Kind::kUnknown);
+  EXPECT_THAT(end_->result.reason, HasSubstr("no record"));
+}
+
+TEST_F(ClientsOfASuccessor, DoNotTakeASwitchToAnotherStateForTheirs) {
+  auto answer = Done(5, "");
+  answer.target = "Active";
+  EXPECT_EQ(EndAfter(answer).result.outcome, "interrupted");
+  EXPECT_EQ(end_->result.code, kCodeNetError);
+}
+
+TEST_F(ClientsOfASuccessor, QueryASwitchUntilItIsNoLongerUnderWay) {
+  successor_.under_way = 3;
+  EXPECT_EQ(EndAfter(Done(5, "")).result.outcome, "done");
+  EXPECT_EQ(successor_.queries, 4);
+}
+
+TEST_F(ClientsOfASuccessor, GetAnUnknownOutcomeFromOneThatDoesNotAnswer) {
+  actuator_ = "arm";
+  ASSERT_NO_FATAL_FAILURE(RequestFromOneThatExits());
+  successor_.TakeQueries(std::nullopt);
+  successor_.Publish();
+  EXPECT_EQ(End(std::chrono::seconds(12)).kind, Kind::kUnknown);
+  EXPECT_THAT(end_->result.reason, HasSubstr("did not report the outcome within 10 s"));
+  EXPECT_EQ(end_->result.actuator, "arm");
+  EXPECT_EQ(end_->result.code, kCodeNetError);
+}
+
+TEST_F(ClientsOfASuccessor, DoNotRequestTheTearDownOfOneActuatorAgain) {
+  actuator_ = "arm";
+  ASSERT_NO_FATAL_FAILURE(RequestFromOneThatExits("TearDown"));
+  successor_.TakeRequests();
+  auto answer = Done(5, "arm");
+  answer.target = "TearDown";
+  successor_.TakeQueries(answer);
+  successor_.Publish();
+  EXPECT_EQ(End().result.outcome, "done");
+  EXPECT_EQ(successor_.requests, 0);
+}
+
+TEST_F(ClientsOfASuccessor, QueryTheSameControllerWhereItLeadsAgain) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("LowPower", "desk"));  // it sends no heartbeat
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  leader_.TakeQueries(Done(5, ""));
+  leader_.Publish();
+  EXPECT_EQ(End(std::chrono::seconds(4)).result.outcome, "done") << end_->result.reason;
+}
+
+TEST_F(ClientsOfASuccessor, EndOnceAlsoWhereAnAnswerComesLater) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromOneThatExits());
+  EXPECT_EQ(End().kind, Kind::kUnknown);
+  leader_.Reply("done");
+  network_.RunFor(std::chrono::minutes(2));
+  EXPECT_EQ(ends_, 1);
+}
+
+TEST_F(ClientsOfASuccessor, EndOnceAfterTheirTime) {
+  options_.timeout = std::chrono::seconds(5);
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("LowPower"));
+  EXPECT_EQ(End(Milliseconds(5100)).kind, Kind::kUnknown);
+  EXPECT_EQ(end_->result.code, kCodeTimeout);
+  network_.RunFor(std::chrono::minutes(2));
+  EXPECT_EQ(ends_, 1);
+}
+
+TEST_F(ClientsOfASuccessor, TakeAnAnswerThatArrivesAfterTheExitWithoutAWord) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("LowPower"));
+  leader_.Reply("done");
+  kernel_.ReportEnd(4711);
+  EXPECT_EQ(End().kind, Kind::kAnswered);
+  network_.RunFor(std::chrono::minutes(2));
+  EXPECT_THAT(news_, IsEmpty());
+  EXPECT_EQ(ends_, 1);
+}
+
+TEST_F(ClientsOfASuccessor, AreNotifiedAtOnceWhereASuccessorExitsAtOnceToo) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("LowPower"));
+  kernel_.ReportEnd(4711);
+  const Time exited = network_.now();
+  successor_.Publish();
+  network_.RunFor(Milliseconds(150));
+  kernel_.ReportEnd(4712);
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  EXPECT_LT(network_.now() - exited, Milliseconds(250));
+}
+
+TEST_F(ClientsOfASuccessor, DoNotTakeTheEndOfTheMachineForAnotherSwitch) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("LowPower"));
+  ExitStopped();
+  EXPECT_EQ(End().kind, Kind::kUnknown);
+}
+
+TEST_F(ClientsOfASuccessor, DoNotTakeTheEndOfTheMachineForThatOfAnActuator) {
+  actuator_ = "arm";
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("TearDown"));
+  ExitStopped();
+  EXPECT_EQ(End().kind, Kind::kUnknown);
+}
+
+TEST_F(ClientsOfASuccessor, DoNotTakeTheEndOfTheSuccessorForThatOfTheControllerThatTheyCalled) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("TearDown"));
+  kernel_.ReportEnd(4711);
+  successor_.status.epoch = leader_.status.epoch;  // without the disk of the first
+  successor_.status.phase = "stopped";
+  successor_.Publish();
+  EXPECT_EQ(End().kind, Kind::kUnknown) << end_->result.outcome;
+}
+
+TEST_F(ClientsOfASuccessor, ReadInTheLastStatusWhatWasLeftOut) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromLeader("TearDown"));
+  const auto add = [this](const std::string& name, bool degraded, std::int32_t code,
+                          const std::string& message) {
+    msg::ActuatorInfo info;
+    info.name = name;
+    info.degraded = degraded;
+    info.code = code;
+    info.message = message;
+    leader_.status.actuators.push_back(info);
+  };
+  add("legs", false, 1, "of long ago");
+  add("arm", true, 17, "does not answer");
+  add("eye", true, 18, "is dark");
+  leader_.status.degraded = {"arm", "eye"};
+  ExitStopped();
+  EXPECT_EQ(End(std::chrono::seconds(1)).kind, Kind::kReported);
+  EXPECT_EQ(end_->result.outcome, "done-degraded");
+  EXPECT_EQ(end_->result.degraded, leader_.status.degraded);
+  EXPECT_EQ(end_->result.code, 17);
+  EXPECT_EQ(end_->result.reason, "arm: does not answer");
+}
+
+TEST_F(ClientsOfASuccessor, KnowTheSwitchOfAControllerThatWasCalledInAnotherWay) {
+  leader_.status.target = "LowPower";
+  Request("LowPower", kSimHost, leader_.status);
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  EXPECT_THAT(news_[0], HasSubstr("during switch 4 to LowPower"));
+}
+
+TEST_F(ClientsOfASuccessor, RequestFromAControllerWhoseServiceComesALittleLater) {
+  options_.find = std::chrono::seconds(2);
+  leader_.Publish();
+  Request("LowPower");
+  network_.RunFor(std::chrono::seconds(4));
+  leader_.TakeRequests();
+  EXPECT_TRUE(RunUntil([this] { return leader_.requests == 1; }, std::chrono::seconds(2)));
+  EXPECT_FALSE(end_);
+}
+
+TEST_F(ClientsOfASuccessor, RequestNothingFromAControllerWhoseServiceComesTooLate) {
+  options_.find = std::chrono::seconds(2);
+  SentBy other(network_, "other", 1, 4714);  // has crashed, and its services are still matched
+  other.TakeRequests();
+  leader_.Publish();
+  Request("LowPower");
+  network_.RunFor(std::chrono::seconds(10));
+  leader_.TakeRequests();
+  EXPECT_EQ(End().kind, Kind::kUnknown);
+  EXPECT_THAT(end_->result.reason, HasSubstr("nothing was requested"));
+  EXPECT_EQ(leader_.requests, 0);
+}
+
+TEST_F(SwitchClients, EndWithinTheTimeToFindAController) {
+  options_.find = std::chrono::seconds(5);
+  Request("LowPower");
+  EXPECT_THAT(End(Milliseconds(5100)).result.reason, HasSubstr("no controller found within 5 s"));
+}
+
+TEST_F(SwitchClients, EndWithinTheirTimeWhereTheyMayLookForAControllerForLonger) {
+  options_.timeout = std::chrono::seconds(5);
+  Request("LowPower");
+  EXPECT_THAT(End(Milliseconds(5100)).result.reason, HasSubstr("no answer within 5 s"));
 }
 
 }  // namespace musher::testing::switch_client_test

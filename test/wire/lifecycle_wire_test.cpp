@@ -56,4 +56,31 @@ TEST(LifecycleWire, ClampsAStampThatIsOutOfRange) {
   EXPECT_GT(Stamped(INT64_MAX).stamp - now + std::chrono::hours(1), Duration::zero());
 }
 
+// With keys an actuator can write in the partition of its name only.
+TEST(LifecycleWire, TakesWhatNamesAnActuatorFromThePartitionOfThatActuatorOnly) {
+  SampleInfo info;
+  info.participant = ParticipantId(7);
+  msg::ActuatorStatus status;
+  status.name = "arm";
+  EXPECT_TRUE(IsFrom("arm", info)) << "without keys there is no partition";
+  EXPECT_TRUE(IsFrom(status, info));
+  info.partition = "legs";
+  EXPECT_FALSE(IsFrom("arm", info));
+  EXPECT_FALSE(IsFrom(status, info));
+  info.partition = "arm";
+  EXPECT_TRUE(IsFrom("arm", info));
+  EXPECT_TRUE(IsFrom(status, info));
+}
+
+TEST(LifecycleWire, TakesWhatNamesAParticipantFromThatParticipantOnly) {
+  SampleInfo info;
+  info.participant = ParticipantId(7);
+  EXPECT_TRUE(IsOwn(0, info)) << "an older version names none";
+  EXPECT_TRUE(IsOwn(7, info));
+  EXPECT_FALSE(IsOwn(8, info));
+  msg::ActuatorStatus status;
+  status.participant = 8;
+  EXPECT_FALSE(IsFrom(status, info));
+}
+
 }  // namespace musher::transport::lifecycle_wire_test
