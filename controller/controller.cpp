@@ -23,6 +23,7 @@
 #include "musher/controller/process/network_namespace.hpp"
 #include "musher/controller/storage/other_starts.hpp"
 #include "musher/controller/storage/private_folder.hpp"
+#include "musher/controller/storage/stored_power.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/refusal.hpp"
 #include "musher/lifecycle/step/emergency_stops.hpp"
@@ -609,6 +610,7 @@ void Controller::Begin() {
   begin.supervised = options_.supervised;
   begin.at_boot = options_.supervised && !options_.restarted && !began_in_this_boot_;
   begin.stops = LoadStops();
+  const std::string no_power_off = WhyPowerForgottenIn(config_.state_dir);
   begin.policy = LoadPolicy();
   begin.stop_intent =
       store_ ? store_->LoadStopIntent() : StateStore::StopIntentIn(config_.state_dir);
@@ -616,6 +618,7 @@ void Controller::Begin() {
   begin.actuators = LoadActuators();
   if (led_before_) GoOnWith(*led_before_, begin);
   shell_->Begin(std::move(begin), children);
+  if (!no_power_off.empty()) shell_->Remark(kCodeStateInvalid, no_power_off);
   if (led_before_) {
     shell_->Remark(kCodeNetError, "this standby leads now: the controller of " +
                                       led_before_->machine + " (epoch " +
@@ -684,6 +687,11 @@ StoredStops Controller::LoadStops() {
 // folder takes a level of another folder over once, and stores it: samples may lift it later.
 StoredPolicy Controller::LoadPolicy() {
   StoredPolicy policy = StateStore::PolicyIn(config_.state_dir);
+  const bool forgets = !WhyPowerForgottenIn(config_.state_dir).empty();
+  if (forgets && store_) {  // with the key of the policy's saves: see below
+    disk_.Do(std::string(StoredName(Stored::kPolicy)),
+             [store = store_, policy] { return store->SavePolicy(policy); });
+  }
   if (!config_.policy || !config_.policy->battery) return policy;
   const auto taken = StateStore::LevelsTakenIn(config_.state_dir);
   std::vector<std::uint64_t> marks;

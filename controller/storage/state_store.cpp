@@ -20,6 +20,7 @@
 #include "musher/controller/storage/computer.hpp"
 #include "musher/controller/storage/private_folder.hpp"
 #include "musher/controller/storage/slot_file.hpp"
+#include "musher/controller/storage/stored_power.hpp"
 
 namespace musher {
 namespace {
@@ -526,10 +527,9 @@ std::vector<StoredActuator> StateStore::ActuatorsIn(const std::string& dir,
 
 constexpr std::string_view kProtectedWord = "protected";
 constexpr std::string_view kLowPowerWord = "low_power";
-constexpr std::string_view kOffWord = "off";
-constexpr std::string_view kRebootWord = "reboot";
 
-// "low_power on", "lowered Active Protected 7", the last the epoch, "level protected", "power off".
+// "low_power on", "lowered Active Protected 7", the last the epoch, "level protected", and the line
+// of storage/stored_power.hpp.
 Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
   std::string text;
   if (policy.low_power)
@@ -543,8 +543,7 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
     text += "level " + std::string(is_protected ? kProtectedWord : kLowPowerWord) + "\n";
   }
   if (policy.power != PowerAhead::kNone) {
-    text +=
-        "power " + std::string(policy.power == PowerAhead::kReboot ? kRebootWord : kOffWord) + "\n";
+    text += PowerLine(policy.power, SavedText(PolicyFile()));
   }
   return Replace(PolicyFile(), text);
 }
@@ -564,13 +563,11 @@ StoredPolicy StateStore::PolicyIn(const std::string& dir) {
     } else if (word == "level" && text >> word) {
       if (word == kProtectedWord) policy.level = BatteryLevel::kProtected;
       if (word == kLowPowerWord) policy.level = BatteryLevel::kLowPower;
-    } else if (word == "power" && text >> word) {
-      if (word == kOffWord) policy.power = PowerAhead::kOff;
-      if (word == kRebootWord) policy.power = PowerAhead::kReboot;
     } else if (word == "lowered" && text >> from >> to >> epoch) {
       policy.lowering = BatteryFallback{State(from), State(to), Epoch(epoch)};
     }
   }
+  policy.power = PowerIn(content ? content->text : "");
   return policy;
 }
 

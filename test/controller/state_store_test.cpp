@@ -14,6 +14,9 @@
 #include <stdexcept>
 
 #include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+#include "musher/controller/process/host_uptime.hpp"
+#include "musher/controller/storage/stored_power.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::state_store_test {
@@ -68,6 +71,54 @@ TEST_F(Store, KeepsAndDeletesTheValuesOfThePolicy) {
   const StoredPolicy off{false, std::nullopt, BatteryLevel::kLowPower};
   ASSERT_TRUE(store.SavePolicy(off).ok());
   EXPECT_EQ(store.LoadPolicy(), off);
+}
+
+// A controller that was killed after the decision, and started again hours or a boot later, powered
+// the robot off at once.
+TEST_F(Store, ForgetsAPowerOffOfAnEarlierBootOrOlderThanTheBound) {
+  StateStore store = MustOpen();
+  const StoredPolicy off{.power = PowerAhead::kOff};
+  ASSERT_TRUE(store.SavePolicy(off));
+  EXPECT_EQ(store.LoadPolicy(), off);
+  EXPECT_EQ(WhyPowerForgottenIn(dir_), "");
+  const std::string host = HostId();
+  const std::string boot = host.substr(0, host.find('/'));
+  const auto decided = [&](const std::string& in_boot, Duration ago) {
+    const std::string stamp = in_boot + " " + std::to_string(ToMilliseconds(SinceBoot() - ago));
+    std::ofstream(dir_ + "/policy") << "level protected\npower reboot " << stamp << "\n";
+    EXPECT_EQ(store.LoadPolicy().level, BatteryLevel::kProtected) << "the rest counts";
+    return store.LoadPolicy().power;
+  };
+  EXPECT_EQ(decided(boot, std::chrono::minutes(9)), PowerAhead::kReboot);
+  EXPECT_EQ(decided(boot, std::chrono::minutes(75)), PowerAhead::kNone);
+  EXPECT_EQ(WhyPowerForgottenIn(dir_),
+            "a reboot that was decided 75 min ago is forgotten: it outlasts its controller for 10 "
+            "min");
+  EXPECT_EQ(decided(boot, -std::chrono::minutes(1)), PowerAhead::kNone) << "another clock";
+  EXPECT_EQ(decided("another-boot", std::chrono::minutes(1)), PowerAhead::kNone);
+  EXPECT_EQ(WhyPowerForgottenIn(dir_),
+            "a reboot that was decided before this computer was booted is forgotten");
+  std::ofstream(dir_ + "/policy") << "power off\n";
+  EXPECT_EQ(store.LoadPolicy().power, PowerAhead::kNone);
+  EXPECT_THAT(WhyPowerForgottenIn(dir_), HasSubstr("its time is not known"));
+}
+
+TEST_F(Store, KeepsTheTimeOfAPowerOffOverLaterSaves) {
+  StateStore store = MustOpen();
+  const std::string host = HostId();
+  const auto stamp = std::to_string(ToMilliseconds(SinceBoot() - std::chrono::minutes(9)));
+  const std::string line = "power off " + host.substr(0, host.find('/')) + " " + stamp + "\n";
+  std::ofstream(dir_ + "/policy") << line;
+  ASSERT_TRUE(store.SavePolicy({.level = BatteryLevel::kLowPower, .power = PowerAhead::kOff}));
+  EXPECT_THAT(ReadFile(dir_ + "/policy"), HasSubstr(line));
+}
+
+TEST_F(Store, GivesAPowerOffThatIsDecidedAgainANewTime) {
+  StateStore store = MustOpen();
+  std::ofstream(dir_ + "/policy") << "power off another-boot 1000\n";
+  ASSERT_EQ(store.LoadPolicy().power, PowerAhead::kNone);
+  ASSERT_TRUE(store.SavePolicy({.power = PowerAhead::kOff}));
+  EXPECT_EQ(store.LoadPolicy().power, PowerAhead::kOff);
 }
 
 // With a full disk `musher down` was forgotten: the next start by a supervisor led to Active.

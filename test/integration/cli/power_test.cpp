@@ -1,7 +1,13 @@
 // A robot that is powered off as its app does it, by the real program.
 
+#include <signal.h>
+
+#include <filesystem>
+#include <fstream>
 #include <future>
 
+#include "musher/base/host.hpp"
+#include "musher/controller/process/host_uptime.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 #include "musher/transport/dds/node_thread.hpp"
@@ -53,6 +59,36 @@ TEST_F(PowerOff, WithoutACommandIsATearDown) {
   EXPECT_EQ(up_->Wait().exit, 0);
   EXPECT_THAT(Musher({"history", "--journal", folder_ / "state" + "/journal.sqlite"}).out,
               ::testing::HasSubstr("no command is configured"));
+}
+
+// What the state folder has, as a controller that was killed has left it.
+TEST_F(PowerOff, OfAnEarlierBootIsForgottenByAControllerThatItsSupervisorRestarts) {
+  const std::string mark = folder_ / "off";
+  ASSERT_NO_FATAL_FAILURE(Start("command = [\"touch\", \"" + mark + "\"]\n"));
+  const pid_t controller = Status()["pid"];
+  const auto restart_after = [&](const std::string& stored, pid_t killed) {
+    kill(killed, SIGKILL);
+    up_->Wait();
+    std::ofstream(folder_ / "state/policy") << stored;
+    up_ = std::make_unique<Process>(Command({"up", config_, "--restarted"}));
+  };
+  restart_after("power off an-earlier-boot 1000\n", controller);
+  ASSERT_TRUE(Until([] {
+    return Musher({"history"})
+               .out.find(
+                   "a power-off that was decided before this computer was "
+                   "booted is forgotten") != std::string::npos;
+  }));
+  const auto status = AwaitStatus(AllHaveArrived);
+  EXPECT_EQ(status["state"], "Active");
+  EXPECT_FALSE(std::filesystem::exists(mark));
+  // A crash in the meantime does not end a power-off that was decided just now.
+  const std::string host = HostId();
+  restart_after("power off " + host.substr(0, host.find('/')) + " " +
+                    std::to_string(ToMilliseconds(SinceBoot())) + "\n",
+                status["pid"]);
+  EXPECT_EQ(up_->Wait().exit, 0);
+  EXPECT_TRUE(AwaitFile(mark)) << "the command has not run";
 }
 
 }  // namespace musher::testing::power_test
