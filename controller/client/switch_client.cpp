@@ -102,9 +102,13 @@ void SwitchClient::OnStatus(const msg::MachineStatus& status) {
   }
 }
 
-// Keeps the last status of the called controller, which exits with its machine.
+// Keeps the last status of the called controller, which exits with its machine. The watch knows no
+// participant of a controller that no longer leads, but its status names it.
 void SwitchClient::TakeStopped(const msg::MachineStatus& status) {
-  if (status.phase == kStopped && watch_->participant() == called_) stopped_ = status;
+  const transport::ParticipantId from = status.participant != 0
+                                            ? transport::ParticipantId(status.participant)
+                                            : watch_->participant();
+  if (status.phase == kStopped && from == called_) stopped_ = status;
 }
 
 void SwitchClient::Call(const msg::MachineStatus& leader) {

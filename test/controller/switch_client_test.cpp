@@ -748,6 +748,21 @@ TEST_F(ClientsOfASuccessor, ReadInTheLastStatusWhatWasLeftOut) {
   EXPECT_EQ(end_->result.reason, "arm: does not answer");
 }
 
+// No process can be watched then: the client waited for a successor, and ended with an unknown
+// outcome.
+TEST_F(ClientsOfASuccessor, TakeTheLastStatusOfAControllerWhoseExitItComesAfter) {
+  kernel_.exited = 4711;
+  leader_.status.phase = "stopping";
+  Request("TearDown", kSimHost, leader_.status);
+  leader_.status.phase = "stopped";
+  leader_.status.state = "TearDown";
+  leader_.Publish();
+  const SwitchEnd end = End(std::chrono::seconds(1));
+  EXPECT_EQ(end.kind, Kind::kReported);
+  EXPECT_EQ(end.result.outcome, "done");
+  EXPECT_THAT(news_, IsEmpty());
+}
+
 TEST_F(ClientsOfASuccessor, KnowTheSwitchOfAControllerThatWasCalledInAnotherWay) {
   leader_.status.target = "LowPower";
   Request("LowPower", kSimHost, leader_.status);
