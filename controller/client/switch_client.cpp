@@ -116,7 +116,6 @@ void SwitchClient::Call(const msg::MachineStatus& leader) {
   epoch_ = Epoch(leader.epoch);
   pid_ = leader.pid;
   called_ = watch_->participant();
-  stopped_.reset();
   number_ = CommandNumber(leader.target == target_ ? leader.switch_number : 0);
   wait_ = nullptr;
   sent_ = false;
@@ -191,7 +190,7 @@ void SwitchClient::Orphan() {
 
 // A controller exits with its machine. If its reply is lost, its latched status has the outcome.
 bool SwitchClient::EndedWithItsMachine() const {
-  return target_ == kTearDown && actuator_.empty() && stopped_ && Epoch(stopped_->epoch) == epoch_;
+  return target_ == kTearDown && actuator_.empty() && stopped_;
 }
 
 SwitchEnd SwitchClient::EndByStatus() const {

@@ -763,6 +763,17 @@ TEST_F(ClientsOfASuccessor, TakeTheLastStatusOfAControllerWhoseExitItComesAfter)
   EXPECT_THAT(news_, IsEmpty());
 }
 
+// It was called at a lower epoch, and has learned of a higher one since.
+TEST_F(ClientsOfASuccessor, TakeTheLastStatusOfTheControllerThatTheyCalledAtAnyEpoch) {
+  leader_.status.phase = "stopping";
+  Request("TearDown", kSimHost, leader_.status);
+  leader_.status.epoch = 9;
+  leader_.status.phase = "stopped";
+  leader_.Publish();
+  EXPECT_EQ(End(std::chrono::seconds(1)).kind, Kind::kReported);
+  EXPECT_THAT(news_, IsEmpty());
+}
+
 TEST_F(ClientsOfASuccessor, KnowTheSwitchOfAControllerThatWasCalledInAnotherWay) {
   leader_.status.target = "LowPower";
   Request("LowPower", kSimHost, leader_.status);
