@@ -109,7 +109,7 @@ TEST_F(Store, KeepsTheTimeOfAPowerOffOverLaterSaves) {
   const auto stamp = std::to_string(ToMilliseconds(SinceBoot() - std::chrono::minutes(9)));
   const std::string line = "power off " + host.substr(0, host.find('/')) + " " + stamp + "\n";
   std::ofstream(dir_ + "/policy") << line;
-  ASSERT_TRUE(store.SavePolicy({.level = BatteryLevel::kLowPower, .power = PowerAhead::kOff}));
+  ASSERT_TRUE(store.SavePolicy({{}, {}, BatteryLevel::kLowPower, PowerAhead::kOff}));
   EXPECT_THAT(ReadFile(dir_ + "/policy"), HasSubstr(line));
 }
 
@@ -117,7 +117,7 @@ TEST_F(Store, GivesAPowerOffThatIsDecidedAgainANewTime) {
   StateStore store = MustOpen();
   std::ofstream(dir_ + "/policy") << "power off another-boot 1000\n";
   ASSERT_EQ(store.LoadPolicy().power, PowerAhead::kNone);
-  ASSERT_TRUE(store.SavePolicy({.power = PowerAhead::kOff}));
+  ASSERT_TRUE(store.SavePolicy({{}, {}, BatteryLevel::kFree, PowerAhead::kOff}));
   EXPECT_EQ(store.LoadPolicy().power, PowerAhead::kOff);
 }
 
