@@ -72,7 +72,7 @@ TEST_F(GoingOn, LeavesNothingDownThatWasOutOfReachOrBeingRestarted) {
   EXPECT_THAT(Stored(), IsEmpty());
 }
 
-TEST_F(GoingOn, KnowsNoStateOfAnAbsentActuator) {
+TEST_F(GoingOn, KnowsNoStateWhereTheActuatorWasNotThere) {
   Of("a").presence = "absent";
   EXPECT_EQ(Stored().at(0), (StoredActuator{"a", StaysDown::kGivenUp, {}, {}}));
 }

@@ -7,10 +7,13 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <span>
 
 #include "musher/base/code.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/test/controller/two_controllers.hpp"
 #include "musher/test/transport/suspended_node.hpp"
+#include "musher/transport/raw_server.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -423,6 +426,7 @@ class SentBy {
                                                          const auto& reply) {
                         ++queries;
                         query = received;
+                        query_reply_ = reply;
                         if (queries <= under_way) {
                           msg::GetSwitch::Response not_yet;
                           not_yet.outcome = msg::GetSwitch::kUnderWay;
@@ -434,6 +438,13 @@ class SentBy {
                       .value();
   }
 
+  void ReplyUnderWay() {
+    msg::GetSwitch::Response answer;
+    answer.outcome = msg::GetSwitch::kUnderWay;
+    query_reply_(answer);
+  }
+  transport::Node& node() { return *node_; }
+
   msg::MachineStatus status;
   int requests = 0;
   int queries = 0;
@@ -443,6 +454,7 @@ class SentBy {
 
  private:
   std::function<void(const msg::SetState::Response&)> reply_;
+  std::function<void(const msg::GetSwitch::Response&)> query_reply_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Publisher<msg::MachineStatus>> statuses_;
   std::unique_ptr<transport::Server<msg::SetState>> set_state_;
@@ -566,8 +578,9 @@ TEST_F(ClientsOfASuccessor, TakeTheAnswersOfTheLeaderOnlyBesideTheServicesOfAnot
   kernel_.ReportEnd(4711);
   successor_.Publish();
   network_.RunFor(std::chrono::seconds(2));
-  successor_.TakeQueries(Done(5, ""));
-  EXPECT_EQ(End().result.switch_number, 5U) << end_->result.reason;
+  successor_.TakeQueries(std::nullopt);
+  EXPECT_EQ(End().kind, Kind::kUnknown);
+  EXPECT_EQ(successor_.queries, 1);
 }
 
 TEST_F(ClientsOfASuccessor, TakeOneThatLeadsAlreadyWhenTheExitIsNoticed) {
@@ -643,6 +656,18 @@ TEST_F(ClientsOfASuccessor, GetAnUnknownOutcomeFromOneThatDoesNotAnswer) {
   EXPECT_THAT(end_->result.reason, HasSubstr("did not report the outcome within 10 s"));
   EXPECT_EQ(end_->result.actuator, "arm");
   EXPECT_EQ(end_->result.code, kCodeNetError);
+}
+
+// The answer was on its way: the switch is not under way any more.
+TEST_F(ClientsOfASuccessor, WaitForTheNextOneThoughTheExitedOneHasAnsweredThatItIsUnderWay) {
+  ASSERT_NO_FATAL_FAILURE(RequestFromOneThatExits());
+  successor_.TakeQueries(std::nullopt);
+  successor_.Publish();
+  ASSERT_TRUE(RunUntil([this] { return successor_.queries == 1; }));
+  kernel_.ReportEnd(4712);
+  successor_.ReplyUnderWay();
+  EXPECT_EQ(End(Milliseconds(5500)).kind, Kind::kUnknown);
+  EXPECT_THAT(end_->result.reason, HasSubstr("no successor within 5 s"));
 }
 
 TEST_F(ClientsOfASuccessor, DoNotRequestTheTearDownOfOneActuatorAgain) {
@@ -779,6 +804,24 @@ TEST_F(ClientsOfASuccessor, KnowTheSwitchOfAControllerThatWasCalledInAnotherWay)
   Request("LowPower", kSimHost, leader_.status);
   ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
   EXPECT_THAT(news_[0], HasSubstr("during switch 4 to LowPower"));
+}
+
+// Of another version, or of another middleware.
+TEST_F(ClientsOfASuccessor, EndAtOnceWithAnAnswerThatTheyCannotDecode) {
+  const auto server =
+      transport::RawServer::Make(leader_.node(), transport::MachineService("", "set_state"),
+                                 std::string(msg::SetState::kTypeName),
+                                 [](const msg::RequestId& id, std::span<const std::byte>,
+                                    const auto& reply, transport::ParticipantId) {
+                                   msg::Trigger::Response shorter;
+                                   reply(transport::internal::EncodeEnvelope(id, shorter));
+                                   return true;
+                                 })
+          .value();
+  leader_.Publish();
+  Request("LowPower");
+  EXPECT_EQ(End(std::chrono::seconds(2)).kind, Kind::kUnknown);
+  EXPECT_EQ(end_->result.reason, "the reply is malformed");
 }
 
 TEST_F(ClientsOfASuccessor, RequestFromAControllerWhoseServiceComesALittleLater) {
