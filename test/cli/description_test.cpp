@@ -98,7 +98,9 @@ TEST_F(Describing, ShowsAllOnOneScreen) {
 
 TEST_F(Describing, SuggestsNoSwitchUpAndNoUpgradeOfOneActuator) {
   legs_.reach = {{"OTA", true, 0, "", true}, {"Active", true, 0, "", false}};
-  for (const std::string& command : Commands()) EXPECT_FALSE(command.starts_with("musher set"));
+  const auto commands = Commands();
+  EXPECT_FALSE(commands.empty());
+  for (const std::string& command : commands) EXPECT_FALSE(command.starts_with("musher set"));
 }
 
 TEST_F(Describing, DoesNotClaimSinceWhenItIsInAStateThatItWasNotCommandedTo) {

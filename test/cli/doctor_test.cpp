@@ -367,7 +367,9 @@ INSTANTIATE_TEST_SUITE_P(Each, PlantedFault, ::testing::ValuesIn(kPlanted),
                          [](const auto& planted) { return std::string(planted.param.test); });
 
 TEST(Diagnose, AComputerWithoutAFaultHasNothingToFix) {
-  for (const DoctorCheck& check : Diagnose(Healthy())) {
+  const auto checks = Diagnose(Healthy());
+  ASSERT_FALSE(checks.empty());
+  for (const DoctorCheck& check : checks) {
     EXPECT_LE(check.health, CheckStatus::kOk) << check.name << ": " << check.reason;
     EXPECT_EQ(check.fix, "") << check.name;
     EXPECT_NE(check.reason, "") << check.name;

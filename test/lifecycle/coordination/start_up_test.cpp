@@ -30,6 +30,7 @@ TEST(StartUp, RecordsNoErrorWhereThereIsNone) {
   Harness t(Started(2));
   t.Begin();
   t.Rest();
+  ASSERT_FALSE(t.whole_records.empty());
   for (const action::Record& record : t.whole_records) {
     EXPECT_EQ(record.code, kCodeOk) << record.message;
   }
