@@ -77,7 +77,7 @@ TEST_F(Store, KeepsAndDeletesTheValuesOfThePolicy) {
 // the robot off at once.
 TEST_F(Store, ForgetsAPowerOffOfAnEarlierBootOrOlderThanTheBound) {
   StateStore store = MustOpen();
-  const StoredPolicy off{.power = PowerAhead::kOff};
+  const StoredPolicy off{{}, {}, BatteryLevel::kFree, PowerAhead::kOff};
   ASSERT_TRUE(store.SavePolicy(off));
   EXPECT_EQ(store.LoadPolicy(), off);
   EXPECT_EQ(WhyPowerForgottenIn(dir_), "");
