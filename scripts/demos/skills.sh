@@ -271,7 +271,8 @@ lose_planner() {
   await_line "$lines" "Planning path..."
   expect "the skill plans" yes "$(has_line "$lines" "Planning path...")"
   say "\$ kill -KILL $process"
-  kill -KILL "$process"
+  # On a slow computer the controller comes first: a stopped process hangs.
+  kill -KILL "$process" 2> /dev/null || say "the controller has killed it already, as it hung"
   wait "$run"
   expect "nav_2d: exit code" 0 $?
   expect "it has waited for it" yes "$(has_line "$lines" "Waiting (")"
