@@ -203,6 +203,7 @@ std::unique_ptr<Tree> Builder::Make(const Document::Tree& main, std::size_t hist
   read_as_text_.clear();
   constants_.clear();
   reads_.clear();
+  script_reads_.clear();
   writes_.clear();
   made_.clear();
   needed_.clear();
@@ -635,7 +636,10 @@ void Builder::UnifyPointers() {
 }
 
 void Builder::NoteScript(const Script& script, Place place, bool always) {
-  for (const Entry* entry : script.reads()) NoteRead(*entry, place);
+  for (const Entry* entry : script.reads()) {
+    NoteRead(*entry, place);
+    script_reads_.emplace_back(entry, place);
+  }
   for (const Entry* entry : script.writes()) {
     writes_.emplace(entry, place);
     if (std::ranges::find(script.needs(), entry) != script.needs().end()) continue;

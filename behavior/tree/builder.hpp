@@ -148,6 +148,7 @@ class Builder {
   FittingValues fitting_;
   // Entries with a place that reads or sets them.
   std::vector<std::pair<const Entry*, Place>> reads_;
+  std::vector<std::pair<const Entry*, Place>> script_reads_;  // of them, those of scripts
   std::map<const Entry*, Place> writes_;
   // Entries with the nodes that set them also where they do not exist yet.
   std::map<const Entry*, std::vector<NodeId>> made_;

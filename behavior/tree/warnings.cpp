@@ -130,19 +130,29 @@ void Builder::WarnOfShared(NodeId id, const std::vector<NodeId>& children,
   }
 }
 
-// An entry that is read and never set is often misspelt.
+// An entry that is read and never set is often misspelt. A script that reads one ends the tick.
 void Builder::WarnOfUnset() {
   std::vector<std::string> written;
   for (const auto& [entry, key] : writes_) written.push_back(entry->key);
   std::ranges::sort(written);
   written.erase(std::unique(written.begin(), written.end()), written.end());
   constexpr std::size_t kShortest = 4;  // shorter ones are near to too many
+  std::set<const Entry*> reported;
   for (const auto& [entry, place] : reads_) {
     if (entry->key.size() < kShortest) continue;
     if (writes_.contains(entry) || !entry->value.empty()) continue;
     const std::string hint = DidYouMean(entry->key, written);
     if (hint.empty()) continue;
+    reported.insert(entry);
     Report(place, Severity::kWarning, "nothing in the tree sets '" + entry->key + "'" + hint);
+  }
+  if (!unknown_.empty()) return;  // what is missing may set it
+  for (const auto& [entry, place] : script_reads_) {
+    if (writes_.contains(entry) || !entry->value.empty()) continue;
+    if (!reported.insert(entry).second) continue;
+    Report(place, Severity::kWarning,
+           "nothing in the tree sets '" + entry->key +
+               "', and without a value this script ends the mission, unless the program sets it");
   }
 }
 

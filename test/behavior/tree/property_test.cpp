@@ -184,7 +184,7 @@ constexpr const char* kSeed = R"(<?xml version="1.0"?>
   </TreeNodesModel>
   <BehaviorTree ID="Main"><Sequence name="all &lt;x&gt;">
     <Script code="x := 1; y := x &lt; 3 ? 'a' : 'b' + 'c'"/>
-    <SubTree ID="Sub" m="{x}" _autoremap="true" _skipIf="x == 2"/>
+    <SubTree ID="Sub" m="{x}" n="{x}" _autoremap="true" _skipIf="x == 2"/>
     <Switch2 variable="{x}" case_1="1" case_2="2"><Sleep msec="1"/><AlwaysFailure/>
       <AlwaysSuccess/></Switch2>
     <LoopInt queue="1;2;3" value="{i}"><Repeat num_cycles="2"><AlwaysSuccess/></Repeat></LoopInt>

@@ -115,7 +115,24 @@ TEST_F(ScriptsAsDocumented, AnEqualsSignBeforeTheEntryIsMadeIsFoundWhenLoading) 
         "<Delay delay_msec=\"5\">" + set + "</Delay>" + make,
         "<Script code=\"x = 2\" _skipIf=\"v\"/>" + make,
         "<AlwaysSuccess _post=\"x = 2\"/>" + make}) {
-    EXPECT_EQ(Findings(Main("<Sequence>" + content + "</Sequence>")), "") << content;
+    const std::string unsure = "<Script code=\"v := false\"/>";
+    EXPECT_EQ(Findings(Main("<Sequence>" + unsure + content + "</Sequence>")), "") << content;
+  }
+}
+// `tree check` found nothing, and the mission ended in its first tick.
+TEST_F(ScriptsAsDocumented, ANameThatNothingSetsIsFoundWhenLoading) {
+  const std::string read = "<ScriptCondition code=\"level &gt; 3\"/>";
+  EXPECT_EQ(
+      Findings(Main(read)),
+      "t.xml:3:24: warning: nothing in the tree sets 'level', and without a value this script "
+      "ends the mission, unless the program sets it\n");
+  EXPECT_EQ(Findings(Main("<Sequence>" + read + read + "</Sequence>")).find("warning"),
+            Findings(Main("<Sequence>" + read + read + "</Sequence>")).rfind("warning"))
+      << "once for each name";
+  for (const char* sets :
+       {"<Script code=\"level := 1\"/>", "<SetBlackboard value=\"1\" output_key=\"level\"/>",
+        "<AlwaysSuccess _onSuccess=\"level := 1\"/>"}) {
+    EXPECT_EQ(Findings(Main("<Sequence>" + read + std::string(sets) + "</Sequence>")), "") << sets;
   }
 }
 TEST_F(ScriptsAsDocumented, TwoTextsAreComparedAsTexts) {
