@@ -18,7 +18,8 @@ bool IsOfTaken(const KnownActuator& known, const ActuatorReport& report) {
 // its end would be forgotten, and the frozen process stay in the state that it is in.
 bool EndsSoon(const KnownActuator& known) {
   const auto& termination = known.process.termination;
-  return termination && !termination->for_silence && !termination->overdue;
+  const bool was_met = known.report.incarnation != 0;
+  return was_met && termination && !termination->for_silence && !termination->overdue;
 }
 
 }  // namespace
