@@ -1,10 +1,10 @@
 # shellcheck shell=bash
 # shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
-# Sourced by scripts/demo: a robot of three computers. The controller runs on `brain`, a namespace of this
-# computer; `motion` and `vision` are roots of Debian that boot with their own systemd and sshd in containers.
-# A switch joins them. MUSHER_BOARD_ROOT=FOLDER keeps the root of Debian, which takes half a minute to make.
+# Sourced by scripts/demo: a robot of three computers, which are roots of Debian that boot with their own systemd and
+# sshd in containers. A switch joins them. The controller runs on `brain`; once that has lost its power, its standby on
+# `motion` leads. MUSHER_BOARD_ROOT=FOLDER keeps the root of Debian, which takes half a minute to make.
 
-[[ $(id -u) == 0 ]] || { echo "demo: computers needs root: it boots two containers and makes networks" >&2; exit 2; }
+[[ $(id -u) == 0 ]] || { echo "demo: computers needs root: it boots three containers and makes networks" >&2; exit 2; }
 for program in systemd-nspawn mmdebstrap ssh ssh-keygen; do
   command -v "$program" > /dev/null ||
     { echo "demo: computers needs $program; install it: apt-get install systemd-container mmdebstrap openssh-client" >&2; exit 2; }
@@ -13,14 +13,18 @@ done
 [[ $keep == no ]] || { echo "demo: computers ends what it has booted: --keep is for the other shows" >&2; exit 2; }
 
 debian=${MUSHER_BOARD_ROOT:-$scratch/root}
+disks=$scratch/disks  # a folder for each computer, which has it as $machine
 machine=$scratch/machine config=$scratch/machine/robot.toml
 journal=$scratch/machine/state/journal.sqlite
 picture=$pictures/robot-computers.svg
 unset XDG_STATE_HOME
-mkdir "$machine"
+computers="brain motion vision"
+cut=0  # when the brain has lost its power, in nanoseconds
+here=brain  # where the commands of this demo run
+mkdir "$machine" "$disks" "$disks/brain" "$disks/motion" "$disks/vision"
 declare -A address=([brain]=10.77.9.1 [motion]=10.77.9.2 [vision]=10.77.9.3)
 declare -A modules=([brain]="planner voice lamp" [motion]="legs arms neck hands" [vision]="eyes depth map faces")
-declare -A network nspawn
+declare -A network nspawn init  # init: the first process of a computer, once it has booted
 
 # --- the computers --------------------------------------------------------------------------------
 
@@ -29,17 +33,18 @@ make_debian() {
   # shellcheck disable=SC1091
   [[ -e $debian/etc/ssh ]] || mmdebstrap --quiet --variant=apt \
     --include=systemd,systemd-sysv,dbus,openssh-server,iproute2 "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$debian" || return
-  for library in $(ldd "$bin/musher-exec" | awk '/=> \// { print $3 }'); do
+  for library in $(ldd "$bin/musher" "$bin/musher-exec" | awk '/=> \// { print $3 }' | sort -u); do
     [[ -e $debian$library ]] || cp --parents -L "$library" "$debian" || return
   done
   ssh-keygen -q -t ed25519 -N '' -f "$machine/key" && mkdir -p "$debian/root/.ssh" && chmod 700 "$debian/root/.ssh" &&
     cp "$machine/key.pub" "$debian/root/.ssh/authorized_keys" &&
-    sed "s/^/${address[motion]},${address[vision]} /" "$debian/etc/ssh/ssh_host_ed25519_key.pub" > "$machine/known_hosts"
+    sed "s/^/${address[brain]},${address[motion]},${address[vision]} /" \
+      "$debian/etc/ssh/ssh_host_ed25519_key.pub" > "$machine/known_hosts"
 }
 
 # holder: a process that has a network of its own; its number goes to `held`.
 holder() {
-  MUSHER_DEMO=$scratch unshare --net "$@" tail -f /dev/null > /dev/null 2>&1 &
+  MUSHER_DEMO=$scratch unshare --net tail -f /dev/null > /dev/null 2>&1 &
   held=$!
   disown
   while [[ $(readlink "/proc/$held/ns/net") == "$(readlink /proc/self/ns/net)" ]]; do sleep 0.05; done
@@ -53,15 +58,9 @@ make_networks() {
   holder
   network[switch]=$held
   in_network "$held" ip link add wires type bridge && in_network "$held" ip link set wires up
-  for host in brain motion vision; do
-    if [[ $host == brain ]]; then
-      holder --pid --fork --kill-child --mount-proc
-      read -r brain _ < <(until grep . "/proc/$held/task/$held/children"; do sleep 0.05; done)
-      network[brain]=$brain
-    else
-      holder
-      network[$host]=$held
-    fi
+  for host in $computers; do
+    holder
+    network[$host]=$held
     in_network "${network[switch]}" ip link add "$host" type veth peer name eth0 netns "${network[$host]}" &&
       in_network "${network[switch]}" ip link set "$host" master wires up &&
       in_network "${network[$host]}" ip link set lo up &&
@@ -73,64 +72,71 @@ make_networks() {
 # boot HOST
 boot() {
   systemd-nspawn --quiet --directory="$debian" --volatile=overlay --boot --register=no --keep-unit \
-    --machine="$1" --network-namespace-path="/proc/${network[$1]}/ns/net" --bind-ro="$machine" --bind-ro="$bin" \
+    --machine="$1" --network-namespace-path="/proc/${network[$1]}/ns/net" --bind="$disks/$1:$machine" --bind-ro="$bin" \
     < /dev/null > "$scratch/$1.console" 2>&1 &
   nspawn[$1]=$!
+  init[$1]=''
 }
 # power_off HOST: as if its power was cut.
 power_off() {
   local pid=${nspawn[$1]:-}
   [[ -n $pid ]] || return 0
   # shellcheck disable=SC2046
-  kill -KILL $(cat "/proc/$pid/task/$pid/children") 2> /dev/null
+  kill -KILL ${init[$1]} $(cat "/proc/$pid/task/$pid/children") 2> /dev/null
   wait "$pid" 2> /dev/null
   nspawn[$1]=''
 }
 # on HOST COMMAND...
 on() {
-  in_network "$brain" ssh -xT -o BatchMode=yes -o ConnectTimeout=2 -o UserKnownHostsFile="$machine/known_hosts" \
-    -i "$machine/key" -l root "${address[$1]}" -- "${@:2}" 2> /dev/null
+  in_network "${network[brain]}" ssh -xT -o BatchMode=yes -o ConnectTimeout=2 \
+    -o UserKnownHostsFile="$machine/known_hosts" -i "$machine/key" -l root "${address[$1]}" -- "${@:2}" 2> /dev/null
 }
 await_host() {
-  local _
+  local _ pid=${nspawn[$1]}
   for _ in {1..60}; do
-    on "$1" true && return
+    on "$1" true && break
     sleep 0.5
+  done
+  # The kernel may leave a child out.
+  for _ in {1..60}; do
+    read -r "init[$1]" _ < "/proc/$pid/task/$pid/children" && return
+    sleep 0.1
   done
 }
 
 clean_computers() {
-  power_off motion
-  power_off vision
+  local host
+  for host in $computers; do power_off "$host"; done
   clean_up
 }
 trap clean_computers EXIT
 
-# The commands of this demo run on the brain.
 musher() {
-  nsenter --target "$brain" --net --pid --mount --root --wd -- "$bin/musher" "$@"
+  nsenter --target "${init[$here]}" --net --pid --mount --uts --ipc --root --wd -- \
+    env MUSHER_TRANSPORT=lan "$bin/musher" "$@"
 }
 
 make_config() {
   local host module all=()
-  for host in brain motion vision; do
+  for host in $computers; do
     for module in ${modules[$host]}; do all+=("\"$module\""); done
   done
   {
     printf '[controller]\nname = "robot"\nactuators = [%s]\n' "$(IFS=,; echo "${all[*]}")"
     printf 'states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]\ndefault_time = 2000\nstate_dir = "state"\n'
+    # No actuator is critical, so all vote: eight of the eleven are there without the brain, seven without another one.
+    printf 'failover_ms = 3000\nunits = "always"\n'
     printf '[transport]\nprofile = "lan"\ninterfaces = ["eth0"]\n'
-    for host in motion vision; do
+    for host in $computers; do
       printf '[host.%s]\naddress = "%s"\nuser = "root"\nkey = "key"\nknown_hosts = "known_hosts"\n' "$host" "${address[$host]}"
     done
-    for host in brain motion vision; do
+    for host in $computers; do
       for module in ${modules[$host]}; do
         echo '[state.LowPower]' > "$machine/$module.toml"
         echo 'run = ["true"]' >> "$machine/$module.toml"
         printf '[actuator.%s]\nstates = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]\n' "$module"
         printf 'times = [20000, 5000, 5000, 5000, 5000]\ncommand = ["%s/musher-exec", "%s/%s.toml"]\n' "$bin" "$machine" "$module"
-        [[ $host == brain ]] || printf 'host = "%s"\n' "$host"
-        [[ $module != planner ]] || printf 'critical = true\non_lost = "LowPower"\n'
+        printf 'host = "%s"\n' "$host"
         [[ $module != faces || $limited == no ]] || printf 'memory_max_mb = 64\n'
       done
     done
@@ -138,6 +144,7 @@ make_config() {
   # What eats memory in LowPower, where its limit is kept.
   [[ $limited == no ]] || echo 'run = ["sh", "-c", "tail -c 200M /dev/zero | tail"]' |
     cat <(echo '[state.LowPower]') - > "$machine/faces.toml"
+  for host in $computers; do cp "$machine"/* "$disks/$host"; done
 }
 
 # --- the steps ------------------------------------------------------------------------------------
@@ -162,15 +169,14 @@ units_on() {
 }
 
 start_up() {
-  step "Two computers boot; the third starts the modules of all"
+  step "Three computers boot; one of them starts the modules of all"
   make_debian > "$scratch/debian.log" 2>&1
   expect "a root of Debian is made: exit code" 0 $?
   make_networks
   expect "three networks are joined: exit code" 0 $?
-  boot motion
-  boot vision
-  await_host motion
-  await_host vision
+  local host
+  for host in $computers; do boot "$host"; done
+  for host in $computers; do await_host "$host"; done
   limited=$(on vision grep -qw memory /sys/fs/cgroup/cgroup.controllers && echo yes || echo no)
   make_config
   say "\$ musher check --hosts robot.toml"
@@ -180,6 +186,7 @@ start_up() {
   musher_up "$config" > "$scratch/up.log" 2>&1
   expect "exit code of up" 0 $?
   all_active
+  expect "units on brain" 3 "$(units_on brain)"
   expect "units on motion" 4 "$(units_on motion)"
   expect "units on vision" 4 "$(units_on vision)"
 }
@@ -190,7 +197,7 @@ kill_one() {
   before=$(pid_of eyes)
   say "\$ ssh vision kill -KILL $before    # eyes"
   killed=$(on vision "date +%s%N; kill -KILL $before")
-  await_long ".actuators.eyes.pid != $before and .actuators.eyes.state == \"Active\""
+  await_long ".actuators.eyes.pid != null and .actuators.eyes.pid != $before and .actuators.eyes.state == \"Active\""
   after=$(pid_of eyes)
   expect "it has another process" yes "$([[ $after != "$before" && $after != null ]] && echo yes)"
   seen=$(history_of "[.[] | select(.message == \"eyes's process $before ended: killed by SIGKILL\")][0].time")
@@ -207,7 +214,7 @@ eat_memory() {
   musher_set LowPower
   await_long '.actuators.faces.restarts >= 1'
   expect "it is named" yes "$(history_of '[.[].message | select(test("out of memory: its limit .memory_max_mb = 64"))] | length > 0' | sed 's/true/yes/')"
-  printf '[state.LowPower]\nrun = ["true"]\n' > "$machine/faces.toml"
+  printf '[state.LowPower]\nrun = ["true"]\n' > "$disks/vision/faces.toml"
   musher_set Active
   all_active
 }
@@ -246,20 +253,81 @@ reboot_host() {
     "$(history_of '[.[].message | select(test("motion is reached, and has been booted again"))] | length > 0' | sed 's/true/yes/')"
 }
 
+# beyond_brain KEY: of the actuators that are there without the brain: "arms 57, depth 116, …".
+beyond_brain() {
+  status "[.actuators | to_entries[] | select(.key | IN(\"${modules[brain]// /\",\"}\") | not) | \"\(.key) \(.value.$1)\"] | sort | join(\", \")"
+}
+
+# note_next_leader EPOCH: when the first status of a later epoch is received, in nanoseconds.
+note_next_leader() {
+  local line
+  while read -r line; do
+    (($(jq -r '.epoch // 0' <<< "$line") > $1)) && { date +%s%N; return; }
+  done < <(musher status --follow --json 2> /dev/null)
+}
+
+fail_over() {
+  step "The computer of the controller loses its power: its standby leads, and nothing rises"
+  local pids states noting
+  here=motion
+  say "\$ ssh motion musher up --standby --detach robot.toml"
+  musher_up --standby "$config" > "$scratch/standby.log" 2>&1
+  expect "exit code of up" 0 $?
+  say "\$ ssh motion musher set LowPower hands"
+  musher set LowPower hands > /dev/null
+  expect "hands are held in LowPower: exit code" 0 $?
+  pids=$(beyond_brain pid) states=$(beyond_brain state)
+  note_next_leader "$(status .epoch)" > "$scratch/next_leader" &
+  noting=$!
+  sleep 1  # so that the follower has its first status
+  say "the power of brain is cut"
+  cut=$(date +%s%N)
+  power_off brain
+  wait "$noting"
+  at_most "from the cut to the first status of the new leader" 10000 "$((($(< "$scratch/next_leader") - cut) / 1000000))" ms
+  await '.phase == "running"'
+  expect "the machine goes on in" Active "$(status .state)"
+  expect "each of the others is in the state that it had" yes "$([[ $(beyond_brain state) == "$states" ]] && echo yes)"
+  musher_set LowPower
+  await '[.actuators[] | select(.presence == "present" and .state == "LowPower")] | length == 8'
+  expect "actuators in LowPower" 8 "$(status '[.actuators[] | select(.state == "LowPower")] | length')"
+  expect "each of them has the process that it had" yes "$([[ $(beyond_brain pid) == "$pids" ]] && echo yes)"
+}
+
+return_of_brain() {
+  step "That computer boots again: the new leader starts its modules, and no second controller comes up"
+  boot brain
+  await_host brain
+  await '[.actuators[] | select(.state == "LowPower" and .degraded == false)] | length == 11'
+  expect "actuators in LowPower" 11 "$(status '[.actuators[] | select(.state == "LowPower")] | length')"
+  here=brain
+  say "\$ ssh brain musher up --detach robot.toml"
+  musher_up "$config" > "$scratch/second.log" 2>&1
+  expect "exit code of up" 2 $?
+  here=motion
+  expect "units on brain" 3 "$(units_on brain)"
+  expect "units on motion" 4 "$(units_on motion)"
+  expect "units on vision" 4 "$(units_on vision)"
+}
+
 switch_off() {
   step "The machine is torn down on all computers"
   say "\$ musher down"
   musher down > "$scratch/down.log" 2>&1
   expect "exit code of down" 0 $?
+  expect "units that are left on brain" 0 "$(on brain "systemctl list-units --all --no-legend 'musher-*'" | wc -l)"
   expect "units that are left on motion" 0 "$(on motion "systemctl list-units --all --no-legend 'musher-*'" | wc -l)"
   expect "units that are left on vision" 0 "$(on vision "systemctl list-units --all --no-legend 'musher-*'" | wc -l)"
 }
 
 draw() {
-  step "The picture: what ran where"
-  musher history --json --lines 0 --journal "$journal" 2> /dev/null |
-    python3 "$root/scripts/demos/host_timeline" "$picture" \
-      "brain=${modules[brain]// /,}" "motion=${modules[motion]// /,}" "vision=${modules[vision]// /,}"
+  step "The picture: what ran where, and who led"
+  local host
+  for host in brain motion; do
+    printf '%s ' "$host"
+    "$bin/musher" history --json --lines 0 --journal "$disks/$host/state/journal.sqlite" 2> /dev/null
+  done | python3 "$root/scripts/demos/host_timeline" "$picture" --off "brain=${cut:0:-9}.${cut: -9}" \
+    "brain=${modules[brain]// /,}" "motion=${modules[motion]// /,}" "vision=${modules[vision]// /,}"
   expect "exit code" 0 $?
   say "$picture"
 }
@@ -270,6 +338,8 @@ run_demo() {
   eat_memory
   cut_link
   reboot_host
+  fail_over
+  return_of_brain
   switch_off
   draw
 }
