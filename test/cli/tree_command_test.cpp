@@ -28,7 +28,7 @@ constexpr const char* kPatrol = R"(<root BTCPP_format="4" main_tree_to_execute="
   <BehaviorTree ID="Patrol">
     <Sequence>
       <BatteryOk/>
-      <SubTree ID="Drive" goal="5" _skipIf="far == 1"/>
+      <SubTree ID="Drive" goal="5" _skipIf="1 == 2"/>
     </Sequence>
   </BehaviorTree>
   <BehaviorTree ID="Drive">
@@ -118,7 +118,7 @@ TEST_F(TreeFileCommand, ShowsTheNodesOfATreeAndOfItsSubtrees) {
   EXPECT_EQ(ran.out,
             "Sequence\n"
             "  BatteryOk\n"
-            "  Drive  SubTree  goal=\"5\" _skipIf=\"far == 1\"\n"
+            "  Drive  SubTree  goal=\"5\" _skipIf=\"1 == 2\"\n"
             "    Timeout  msec=\"100\"\n"
             "      there  Move  goal_m=\"{goal}\"\n");
   EXPECT_EQ(RunProgram({"tree", "show", patrol_, "--tree", "Drive"}).out,
