@@ -27,6 +27,9 @@ constexpr Duration kUnmoved = std::chrono::seconds(1);
 constexpr double kFlownM = 0.2;
 constexpr double kDriftsM = 0.1;
 constexpr double kLiftedM = 0.05;
+// Neither a flyer nor a hand moves it farther.
+constexpr double kJumpM = 0.5;
+constexpr double kFastestMS = 3;
 
 }  // namespace
 
@@ -139,6 +142,11 @@ std::optional<navigation::Velocity> FlightHold::Command(const std::optional<navi
     if (flies && !armed_) Use();
   }
   if (other_) WatchOther(known ? &*pose : nullptr, step);
+  if (known) {
+    FollowJump(*pose, step);
+  } else {
+    last_.reset();  // it may have been carried meanwhile
+  }
   if (!armed_) return std::nullopt;
   if (!known) {
     hold_.Reset();
@@ -162,6 +170,22 @@ std::optional<navigation::Velocity> FlightHold::Command(const std::optional<navi
     return std::nullopt;
   }
   return hold_.Command(*place_, *pose, PositionHold::SecondsOf(step));
+}
+
+// Odometry that stood, and goes on, has not jumped: the flyer has moved meanwhile.
+void FlightHold::FollowJump(const navigation::Pose& pose, Duration step) {
+  same_ += step;
+  if (last_ == pose) return;
+  const Duration moved_for = std::exchange(same_, Duration{});
+  const std::optional<navigation::Pose> from = std::exchange(last_, pose);
+  if (!from || !place_) return;
+  const double most_m = kJumpM + kFastestMS * ToSeconds(moved_for);
+  if (navigation::Distance(from->at, pose.at) <= most_m) return;
+  place_ = pose;
+  unmoved_at_ = pose.at;
+  unmoved_ = still_ = {};
+  lowest_m_ = pose.at.z_m;
+  hold_.Reset();  // the map may have turned below it, and with that the wind
 }
 
 std::string FlightHold::MovedAgainstCommands(const navigation::Pose& pose, Duration step) {

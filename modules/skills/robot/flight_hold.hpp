@@ -14,6 +14,9 @@
 // kSunkM lower than its place, that is carried kLostM away, or that stands off its place while it
 // is commanded back. With a low battery it descends also then: it only goes down.
 //
+// A pose that jumps farther than a body moves is a correction of the localisation: the place jumps
+// with it, so the flyer stays where it is.
+//
 // Another program that commands it has it until kOtherEnds after its last command. One that it has
 // moved is then held where it is. If that command led down it may have landed, on a table for
 // example: then only one that drifts aside within kMayStand is held; one that stands, or comes up,
@@ -84,6 +87,7 @@ class FlightHold {
                                               double speed_m_s, Duration step);
 
  private:
+  void FollowJump(const navigation::Pose& pose, Duration step);
   std::optional<navigation::Velocity> Descend(const navigation::Pose& pose, Duration step);
   // Why a body at `pose` is moved by something else than its commands; empty: it is not.
   std::string MovedAgainstCommands(const navigation::Pose& pose, Duration step);
@@ -104,8 +108,10 @@ class FlightHold {
   Duration still_{};  // how long it has not come lower
   double lowest_m_ = 0;
   std::optional<navigation::Pose> place_;
-  navigation::Point unmoved_at_;  // off its place it has not left here
-  Duration unmoved_{};            // for so long
+  std::optional<navigation::Pose> last_;  // of the last Command()
+  Duration same_{};                       // so long that one has not changed
+  navigation::Point unmoved_at_;          // off its place it has not left here
+  Duration unmoved_{};                    // for so long
   std::string ended_;
 };
 

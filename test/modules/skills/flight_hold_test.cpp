@@ -80,10 +80,55 @@ TEST(FlightHold, StandsStillWithoutOdometryAndKeepsThePlaceAfterwards) {
 TEST(FlightHold, EndsWhenSomethingElseCarriesTheFlyerAway) {
   FlightHold hold;
   hold.Use();
-  ASSERT_TRUE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep));
-  EXPECT_FALSE(hold.Command(navigation::Pose{{3, 0, 1}, 0}, 1.5, kStep));
-  EXPECT_EQ(hold.ended(), "it was carried 3.0 m off its place against its commands");
+  navigation::Pose pose{{0, 0, 1}, 0};
+  ASSERT_TRUE(hold.Command(pose, 0, kStep));
+  while (pose.at.x_m < 1.5) {
+    ASSERT_TRUE(hold.Command(pose, 1.5, kStep));
+    pose.at.x_m += 0.15;
+  }
+  EXPECT_FALSE(hold.Command(pose, 1.5, kStep));
+  EXPECT_EQ(hold.ended(), "it was carried 1.6 m off its place against its commands");
   EXPECT_FALSE(hold.Command(navigation::Pose{{0, 0, 1}, 0}, 0, kStep)) << "until it is used again";
+}
+
+// It flew after a localisation that had jumped by 1 m, and one that jumped by 2 m gave it to the
+// wind.
+TEST(FlightHold, KeepsTheFlyerWhereItIsWhenItsPoseJumps) {
+  for (const double jump_m : {1.0, 2.0, -30.0}) {
+    FlightHold hold;
+    hold.Use();
+    Flyer flyer;
+    for (int i = 0; i < 50; ++i) flyer.Move(*hold.Command(flyer.pose, flyer.speed_m_s(), kStep));
+    const navigation::Pose was = flyer.pose;
+    flyer.pose.at.x_m += jump_m;
+    flyer.pose.at.y_m -= jump_m / 2;
+    flyer.pose.yaw_rad += 0.4;
+    double farthest_m = 0, most_turned_rad = 0;
+    for (int i = 0; i < 600; ++i) {
+      const auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+      ASSERT_TRUE(command) << "it is in the air";
+      flyer.Move(*command);
+      farthest_m = std::max(farthest_m, std::hypot(flyer.pose.at.x_m - was.at.x_m - jump_m,
+                                                   flyer.pose.at.y_m - was.at.y_m + jump_m / 2));
+      most_turned_rad = std::max(most_turned_rad, std::abs(command->yaw_rad_s));
+    }
+    EXPECT_LT(farthest_m, 0.4) << jump_m;
+    EXPECT_LT(most_turned_rad, 0.1) << jump_m;
+  }
+}
+
+// Its place was at a height that the flyer has left meanwhile.
+TEST(FlightHold, KeepsTheFlyerAtItsHeightWhenThatJumps) {
+  for (const double jump_m : {1.5, -1.0}) {
+    FlightHold hold;
+    hold.Use();
+    navigation::Pose pose{{0, 0, 2}, 0};
+    ASSERT_TRUE(hold.Command(pose, 0, kStep));
+    pose.at.z_m += jump_m;
+    const auto command = hold.Command(pose, 0, kStep);
+    ASSERT_TRUE(command) << "it is in the air";
+    EXPECT_NEAR(command->z_m_s, 0, 0.1) << jump_m;
+  }
 }
 
 // By a hand that is stronger than its commands, at up to 1 m/s.
