@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "musher/modules/skills/robot/landing_places.hpp"
 
 namespace musher::skills {
 namespace {
@@ -30,14 +33,22 @@ constexpr double kLiftedM = 0.05;
 // Neither a flyer nor a hand moves it farther.
 constexpr double kJumpM = 0.5;
 constexpr double kFastestMS = 3;
+constexpr Duration kTakenFor = std::chrono::seconds(10);  // a person may go on
+constexpr Duration kTakenThere = std::chrono::seconds(2);
+constexpr Duration kLongestAside = std::chrono::seconds(8);
+constexpr double kThereM = 0.2;
+constexpr Duration kOdometryStands = std::chrono::minutes(1);  // until it tries again
 
 }  // namespace
 
 void FlightHold::Use() {
   armed_ = true;
   landed_ = arms_ = false;
-  braking_ = still_ = unmoved_ = {};
+  braking_ = still_ = unmoved_ = held_ = {};
   place_.reset();
+  taken_.reset();
+  aside_.reset();
+  descent_held_ = false;
   other_.reset();
   restored_.reset();
   ended_.clear();
@@ -111,6 +122,9 @@ void FlightHold::End(std::string why) {
 void FlightHold::SetBatteryLow(bool low) {
   if (low == low_) return;  // a repeated report does not begin the descent again
   low_ = low;
+  held_ = {};
+  taken_.reset();
+  aside_.reset();
   arms_ = low && !landed_ && !armed_;
   still_ = {};
   lowest_m_ = std::numeric_limits<double>::infinity();
@@ -121,6 +135,7 @@ void FlightHold::NoteCharging() {
 }
 
 void FlightHold::NoteStopped() {
+  stopped_ = true;
   still_ = unmoved_ = {};
 }
 
@@ -183,7 +198,9 @@ void FlightHold::FollowJump(const navigation::Pose& pose, Duration step) {
   if (navigation::Distance(from->at, pose.at) <= most_m) return;
   place_ = pose;
   unmoved_at_ = pose.at;
-  unmoved_ = still_ = {};
+  unmoved_ = still_ = held_ = {};
+  taken_.reset();
+  aside_.reset();
   lowest_m_ = pose.at.z_m;
   hold_.Reset();  // the map may have turned below it, and with that the wind
 }
@@ -207,9 +224,53 @@ std::string FlightHold::MovedAgainstCommands(const navigation::Pose& pose, Durat
   return fmt::format("it stands {:.2f} m off its place against its commands", off_m);
 }
 
+std::optional<navigation::Velocity> FlightHold::GoAside(const navigation::Pose& pose,
+                                                        Duration step) {
+  const bool held = std::exchange(descent_held_, false);
+  const bool stopped = std::exchange(stopped_, false);
+  if (!aside_) {
+    held_ = held ? held_ + step : std::min(held_, Duration{});
+    if (held_ < (taken_ ? kTakenThere : kTakenFor)) return std::nullopt;
+    held_ = {};
+    if (!taken_) {
+      taken_ = pose.at;
+      tried_ = 0;
+    }
+    aside_ = LandingPlace(*taken_, tried_++, kMostAsideM);
+    aside_from_ = pose.at;
+    unmoved_ = going_ = {};
+    if (!aside_) {  // the same places again, later
+      tried_ = 0;
+      held_ = kTakenThere - kTakenFor;
+      return std::nullopt;
+    }
+  }
+  going_ += step;
+  still_ = {};
+  const bool stands = navigation::Distance(pose.at, aside_from_) < kUnmovedM;
+  unmoved_ = stands && !stopped ? unmoved_ + step : Duration{};
+  if (unmoved_ >= kUnmoved) {  // its odometry stands: each place would look taken
+    aside_.reset();
+    place_ = pose;
+    hold_.Reset();
+    held_ = -kOdometryStands;
+    return std::nullopt;
+  }
+  place_->at.x_m = aside_->x_m;
+  place_->at.y_m = aside_->y_m;
+  const bool there = std::hypot(pose.at.x_m - aside_->x_m, pose.at.y_m - aside_->y_m) <= kThereM;
+  if (there || going_ >= kLongestAside) {
+    if (!there) place_ = pose;  // something holds it here
+    aside_.reset();
+    return std::nullopt;
+  }
+  return hold_.Command(*place_, pose, PositionHold::SecondsOf(step));
+}
+
 std::optional<navigation::Velocity> FlightHold::Descend(const navigation::Pose& pose,
                                                         Duration step) {
   place_->at.z_m = pose.at.z_m;
+  if (const auto level = GoAside(pose, step)) return level;
   if (navigation::Distance(pose.at, place_->at) > kLostM) place_ = pose;  // it lands there
   const bool lower = pose.at.z_m < lowest_m_ - kStillM;
   if (lower) lowest_m_ = pose.at.z_m;

@@ -5,6 +5,9 @@
 // found in the air: an empty one falls. Where it comes no lower far above the ground, on a roof or
 // in an updraught, the descent goes on slowly until it is charged.
 //
+// Above something that its sensor below sees it goes aside, to the nearest free place within
+// kMostAsideM.
+//
 //   not needed ── used, low ──▶ armed ── not used, in the air, braked ──▶ holding, or descending
 //        ▲                                                             │
 //        └── landed, seen on the ground, or moved against its commands ◀───┘
@@ -53,6 +56,7 @@ class FlightHold {
   static constexpr Duration kOtherEnds = std::chrono::seconds(1);
   static constexpr Duration kMayStand = std::chrono::seconds(5);
   static constexpr double kDescentMps = 0.5;
+  static constexpr double kMostAsideM = 2.1;      // to land with a low battery
   static constexpr double kLastDescentMps = 0.2;  // near the ground, and without a height
 
   // A skill or a drive moves it.
@@ -71,6 +75,8 @@ class FlightHold {
   void NoteCharging();
   // The last command did not reach the body, so that it does not move shows nothing.
   void NoteStopped();
+  // The last command led down, and was held by what is below.
+  void NoteHeldDescent() { descent_held_ = true; }
   // It descends and comes no lower, far above the ground.
   bool StandsHigh() const;
   // Why it is no longer held since Use(): "it came 0.21 m lower …". Empty: it is held, or landed.
@@ -89,6 +95,8 @@ class FlightHold {
  private:
   void FollowJump(const navigation::Pose& pose, Duration step);
   std::optional<navigation::Velocity> Descend(const navigation::Pose& pose, Duration step);
+  // The command to another place, if its own is taken; nullopt: it descends where it is.
+  std::optional<navigation::Velocity> GoAside(const navigation::Pose& pose, Duration step);
   // Why a body at `pose` is moved by something else than its commands; empty: it is not.
   std::string MovedAgainstCommands(const navigation::Pose& pose, Duration step);
   void End(std::string why);
@@ -107,6 +115,14 @@ class FlightHold {
   Duration braking_{};
   Duration still_{};  // how long it has not come lower
   double lowest_m_ = 0;
+  bool descent_held_ = false;               // since the last command
+  Duration held_{};                         // for so long
+  std::optional<navigation::Point> taken_;  // the place around which it looks for another one
+  int tried_ = 0;                           // places around it
+  std::optional<navigation::Point> aside_;  // where it goes now
+  navigation::Point aside_from_;
+  bool stopped_ = false;  // the last command has not reached the body
+  Duration going_{};      // for so long
   std::optional<navigation::Pose> place_;
   std::optional<navigation::Pose> last_;  // of the last Command()
   Duration same_{};                       // so long that one has not changed

@@ -307,6 +307,7 @@ void RosRobot::Wire::HoldPlace() {
   const bool sinks = command->z_m_s >= kSinkingMS || passed.z_m_s < kSinkingMS;
   const bool reaches = navigation::Speed(passed) >= kReachesShare * navigation::Speed(*command);
   if (!sinks || !reaches) hold.NoteStopped();
+  if (!sinks && !velocity->WhyNotDescending().empty()) hold.NoteHeldDescent();
   LogHeldDescent();
   const bool stands_high = hold.StandsHigh();
   if (stands_high && !std::exchange(stood_high_, stands_high)) {

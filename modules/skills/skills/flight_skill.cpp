@@ -116,8 +116,8 @@ skill::Next FlightSkill::AgainOrFail(const skill::Tick& tick, skill::StateId sta
   return skill::Next::Retry(state, std::move(why));
 }
 
-std::optional<std::string> FlightSkill::HeldTooLong(const navigation::Pose& now,
-                                                    skill::Tick& tick) const {
+std::optional<std::string> FlightSkill::HeldTooLong(const navigation::Pose& now, skill::Tick& tick,
+                                                    double limit_s) const {
   constexpr double kLowerM = 0.05;
   std::string why = robot_.WhyNotDescending();
   const double before_s = tick.data.Number(kHeldFor);
@@ -125,7 +125,7 @@ std::optional<std::string> FlightSkill::HeldTooLong(const navigation::Pose& now,
   const bool held = !why.empty() && !lower;
   if (!held || before_s == 0) tick.data.Set(kHeldAt, now.at.z_m);
   const double held_s = held ? before_s + PositionHold::SecondsOf(tick.step) : 0;
-  const bool too_long = held_s >= kHeldS;
+  const bool too_long = held_s >= limit_s;
   tick.data.Set(kHeldFor, too_long ? 0 : held_s);
   return too_long ? std::optional(std::move(why)) : std::nullopt;
 }

@@ -62,9 +62,10 @@ class FlightSkill : public skill::Skill {
   const Robot& robot() const { return robot_; }
   void NoteLanding() { robot_.NoteLanding(); }
   void ExpectGround(double height_m) { robot_.ExpectGround(height_m); }
-  // Why it has come no lower for kHeldS, by what is below it; nullopt: it has, or is not held.
+  // Why it has come no lower for so long, by what is below it; nullopt: it has, or is not held.
   static constexpr double kHeldS = 10;
-  std::optional<std::string> HeldTooLong(const navigation::Pose& now, skill::Tick& tick) const;
+  std::optional<std::string> HeldTooLong(const navigation::Pose& now, skill::Tick& tick,
+                                         double limit_s = kHeldS) const;
 
   // A pose in the data of the skill, which is saved.
   static void Remember(const navigation::Pose& place, skill::Tick& tick);

@@ -10,9 +10,10 @@
 // Random scenes of these seeds, a line a run; it may be stopped at any time.
 //
 //   benchmark_scenes flyers FIRST COUNT [sensor]
-//   benchmark_scenes landings FIRST COUNT [sensor]
+//   benchmark_scenes landings FIRST COUNT [sensor | aside]
 //
-// The same, only of flyers; they fly above heads and land. With `sensor` they look down.
+// The same, only of flyers; they fly above heads and land. With `sensor` they look down, with
+// `aside` they also land up to 2 m aside where their place is taken.
 //
 //   benchmark_scenes sum < LINES
 //
@@ -144,8 +145,9 @@ int main(int argc, char** argv) {
   if (mode == "sum") return musher::benchmark::AddUpRandomScenes();
   if (mode == "random" || mode == "flyers" || mode == "landings") {
     const std::string sensor = argc > 4 ? argv[4] : "";
-    const musher::benchmark::RandomRunOptions options{mode != "random", sensor == "sensor",
-                                                      mode == "landings"};
+    const bool aside = sensor == "aside";
+    const musher::benchmark::RandomRunOptions options{mode != "random", aside || sensor == "sensor",
+                                                      mode == "landings", aside};
     const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
     return musher::benchmark::RunRandomScenes(first, argc > 3 ? std::atoi(argv[3]) : 100, options);
   }

@@ -132,6 +132,7 @@ int RunRandomScenes(std::uint64_t first, int count, const RandomRunOptions& opti
     if (options.flyers && !scene.flies) continue;
     --count;
     scene.looks_down = scene.flies && options.looks_down;
+    scene.aside_m = options.aside ? 2 : 0;
     const SceneOutcome outcome = RunScene(scene, true, seed);
     PrintRun(seed, scene, outcome);
     wrong = wrong || CountsOf(scene, outcome).wrong();

@@ -10,6 +10,7 @@ struct RandomRunOptions {
   bool flyers = false;      // only scenes of flyers count
   bool looks_down = false;  // they have a sensor that looks down
   bool lands = false;       // LandingScene()
+  bool aside = false;       // by 2 m at most, where their place is taken
 };
 
 // Runs so many scenes of the seeds from `first` on, with the gate, and prints a line of each to

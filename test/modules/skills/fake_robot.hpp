@@ -40,6 +40,7 @@ class FakeRobot : public Robot {
   std::string held_by;   // what its gate stops it for; empty: nothing
   std::string below;     // what its gate stops a descent for; empty: nothing
   double below_m_s = 0;  // or slows it down to
+  std::function<bool(const navigation::Point&)> is_below;  // where; empty: everywhere
   std::string not_held;  // why a flyer is not held at its place; empty: it is
   bool slips = false;    // the hand takes the object and loses it
   std::vector<SeenObject> seen;
@@ -74,7 +75,8 @@ class FakeRobot : public Robot {
   navigation::Velocity velocity() const override { return motion; }
   void SetVelocity(const navigation::Velocity& velocity) override {
     command = held_by.empty() ? velocity : navigation::Velocity{};
-    descent_held_ = command.z_m_s < 0 && !below.empty();
+    const bool there = !is_below || is_below(body.at);
+    descent_held_ = command.z_m_s < 0 && !below.empty() && there;
     if (descent_held_) command.z_m_s = std::max(command.z_m_s, -below_m_s);
   }
   std::string HeldBy() const override { return held_by; }

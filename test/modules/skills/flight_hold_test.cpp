@@ -422,6 +422,68 @@ TEST(FlightHold, GoesOnSlowlyWithADescentThatComesNoLowerFarAboveTheGround) {
   EXPECT_FALSE(hold.StandsHigh());
 }
 
+// With a low battery, above something wide that its sensor sees below until it has left it; returns
+// the seconds until it stands on the ground.
+double LandFromAbove(Flyer& flyer, double wide_m, double limit_s) {
+  FlightHold hold;
+  hold.Use();
+  for (int i = 0; i < 50; ++i) flyer.Move(*hold.Command(flyer.pose, flyer.speed_m_s(), kStep));
+  const navigation::Point above = flyer.pose.at;
+  hold.SetBatteryLow(true);
+  for (int i = 0; i < 10 * limit_s; ++i) {
+    auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+    if (!command) return i / 10.0;
+    const double aside_m = std::hypot(flyer.pose.at.x_m - above.x_m, flyer.pose.at.y_m - above.y_m);
+    if (command->z_m_s < 0 && aside_m < wide_m && flyer.pose.at.z_m < 2) {
+      command->z_m_s = 0;
+      hold.NoteStopped();
+      hold.NoteHeldDescent();
+    }
+    flyer.Move(*command);
+    flyer.pose.at.z_m = std::max(flyer.pose.at.z_m, 0.0);
+  }
+  return limit_s;
+}
+
+// It was held above a person who stayed, and fell once the battery was empty.
+TEST(FlightHold, GoesAsideToLandWithALowBatteryWhereItsPlaceIsTaken) {
+  Flyer flyer;
+  flyer.pose.at.z_m = 2.2;
+  EXPECT_LT(LandFromAbove(flyer, 0.5, 100), 30);
+  EXPECT_EQ(flyer.pose.at.z_m, 0);
+}
+
+TEST(FlightHold, GoesFartherAsideWhereTheNearPlacesAreTakenToo) {
+  Flyer flyer;
+  flyer.pose.at.z_m = 2.2;
+  EXPECT_LT(LandFromAbove(flyer, 1.2, 200), 120);
+  EXPECT_EQ(flyer.pose.at.z_m, 0);
+}
+
+TEST(FlightHold, StaysNearItsPlaceWhereNothingAroundIsFree) {
+  Flyer flyer;
+  flyer.pose.at.z_m = 2.2;
+  const navigation::Point begin = flyer.pose.at;
+  EXPECT_EQ(LandFromAbove(flyer, 100, 1000), 1000);
+  EXPECT_GT(flyer.pose.at.z_m, 1.9);
+  EXPECT_LT(navigation::Distance(flyer.pose.at, begin), 3);
+}
+
+TEST(FlightHold, GoesNotAsideByAnOdometryThatStands) {
+  FlightHold hold;
+  hold.Use();
+  hold.SetBatteryLow(true);
+  const navigation::Pose stands{{0, 0, 2}, 0};
+  double commanded_m = 0;
+  for (int i = 0; i < 500; ++i) {
+    const auto command = hold.Command(stands, 0, kStep);
+    ASSERT_TRUE(command);
+    commanded_m += 0.1 * std::hypot(command->x_m_s, command->y_m_s);
+    if (command->z_m_s < 0) hold.NoteHeldDescent();
+  }
+  EXPECT_LT(commanded_m, 0.7);
+}
+
 TEST(FlightHold, IsNotHeldOnARoofWhereItIsCharged) {
   FlightHold hold;
   navigation::Pose roof{{0, 0, 1.2}, 0};

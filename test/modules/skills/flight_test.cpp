@@ -460,6 +460,109 @@ TEST_F(Flight, LandWaitsTenSecondsInEachAttempt) {
   EXPECT_NEAR(bench_.seconds(), 20, 1);
 }
 
+// It hovered above a person who stayed, and failed.
+TEST_F(Flight, LandGoesAsideWhereItsPlaceIsTakenAsFarAsARequestSays) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  bench_.robot.is_below = [](const navigation::Point& at) {
+    return std::hypot(at.x_m, at.y_m) < 0.5;
+  };
+  const skill::Feedback& end = bench_.Execute("land", {{"aside", 1.0}});
+  EXPECT_EQ(end.message, "Landed 0.7 m aside: its place was taken");
+  EXPECT_EQ(bench_.robot.body.at.z_m, 0);
+  EXPECT_NEAR(std::hypot(bench_.robot.body.at.x_m, bench_.robot.body.at.y_m), 0.7, 0.2);
+  EXPECT_LT(bench_.seconds(), 30);
+  EXPECT_THAT(bench_.messages,
+              Contains(HasSubstr("Goes 0.7 m aside to land: something 1.6 m high")));
+}
+
+TEST_F(Flight, LandTriesAllPlacesWithinItsReachAndThenFailsWithWhatIsBelow) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  double farthest_m = 0;
+  bench_.robot.is_below = [&](const navigation::Point& at) {
+    farthest_m = std::max(farthest_m, std::hypot(at.x_m, at.y_m));
+    return true;
+  };
+  const skill::Feedback& end = bench_.Execute("land", {{"aside", 1.5}});
+  EXPECT_EQ(end.status, Status::kFailed);
+  EXPECT_EQ(end.message, std::string(kPersonBelow) + "; none of 16 places within 1.5 m is free");
+  EXPECT_NEAR(farthest_m, 1.4, 0.2);
+  EXPECT_LT(bench_.seconds(), 120);
+  ExpectZeroCommand();
+}
+
+TEST_F(Flight, LandGoesNotAsideIntoWhatItsScanSees) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  // All around, but for the last direction.
+  for (int i = 0; i < 60; ++i) {
+    const double angle_rad = i * 2 * M_PI / 60;
+    if (std::abs(navigation::Wrapped(angle_rad + M_PI / 4)) < 0.9) continue;
+    bench_.robot.scan.push_back({0.8 * std::cos(angle_rad), 0.8 * std::sin(angle_rad), 2});
+  }
+  bench_.robot.is_below = [](const navigation::Point& at) {
+    return std::hypot(at.x_m, at.y_m) < 0.5;
+  };
+  EXPECT_THAT(bench_.Execute("land", {{"aside", 1.0}}).message, StartsWith("Landed"));
+  EXPECT_NEAR(std::atan2(bench_.robot.body.at.y_m, bench_.robot.body.at.x_m), -M_PI / 4, 0.2);
+  EXPECT_LT(bench_.seconds(), 25) << "it tries none of the others";
+}
+
+TEST_F(Flight, LandTriesAnotherPlaceWhereItsGateHoldsItOnItsWayAside) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  bench_.robot.is_below = [](const navigation::Point&) { return true; };
+  bench_.Start("land", {{"aside", 1.0}});
+  bench_.StepFor(10.5);
+  bench_.robot.held_by = "an obstacle";
+  bench_.StepFor(15);
+  EXPECT_TRUE(bench_.run().running());
+  bench_.robot.held_by.clear();
+  bench_.robot.below.clear();
+  EXPECT_THAT(bench_.RunOut().message, StartsWith("Landed"));
+}
+
+// Its height says nothing then either, so that all places look taken: it flew on to the next ones
+// blindly.
+TEST_F(Flight, LandGoesNotAsideByAnOdometryThatStands) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  bench_.Start("land", {{"aside", 5.0}});
+  const navigation::Pose stands = bench_.robot.body;
+  double commanded_m = 0;
+  while (bench_.run().running() && bench_.seconds() < 60) {
+    bench_.Step();
+    bench_.robot.body = stands;
+    commanded_m += 0.1 * std::hypot(bench_.robot.command.x_m_s, bench_.robot.command.y_m_s);
+  }
+  EXPECT_EQ(bench_.feedback().message,
+            std::string(kPersonBelow) + "; commanded aside, but its odometry does not change");
+  EXPECT_LT(commanded_m, 0.7);
+}
+
+TEST_F(Flight, LandGoesOnAsideInAnotherProcess) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  bench_.robot.is_below = [](const navigation::Point& at) {
+    return std::hypot(at.x_m, at.y_m) < 0.5;
+  };
+  bench_.Start("land", {{"aside", 1.0}});
+  bench_.StepFor(11);
+  bench_.Restore();
+  EXPECT_EQ(bench_.RunOut().message, "Landed 0.7 m aside: its place was taken");
+}
+
+TEST_F(Flight, LandRefusesAReachThatIsNone) {
+  InTheAir(2);
+  const auto message = [&](double reach_m) {
+    return bench_.Execute("land", {{"aside", reach_m}}).message;
+  };
+  EXPECT_EQ(message(-1), "Invalid aside: -1.0m is not between 0 and 5 m");
+  EXPECT_EQ(message(5.1), "Invalid aside: 5.1m is not between 0 and 5 m");
+  EXPECT_EQ(message(1e308), "Invalid aside: 1.0e+308m is not between 0 and 5 m");
+}
+
 // Close to a wall, which a wide cone sees as well.
 TEST_F(Flight, LandGoesOnWhereItDescendsSlowly) {
   InTheAir(3);

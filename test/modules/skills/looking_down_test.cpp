@@ -34,9 +34,15 @@ class AFlyerThatLooksDown : public ARosRobot {
     for (int i = 0; i < seconds / kStepS; ++i) {
       const double wanted = peers_->commands.empty() ? 0 : peers_->commands.back().linear.z;
       climb_m_s_ += kStepS / kLagS * (wanted - climb_m_s_);
-      z_m_ = std::max(surface_m_, z_m_ + climb_m_s_ * kStepS);
+      if (moves_aside_ && !peers_->commands.empty()) {
+        at_.x_m += peers_->commands.back().linear.x * kStepS;
+        at_.y_m += peers_->commands.back().linear.y * kStepS;
+      }
+      const double surface_m = std::hypot(at_.x_m, at_.y_m) < 0.5 ? surface_m_ : 0;
+      z_m_ = std::max(surface_m, z_m_ + climb_m_s_ * kStepS);
       msg::Odometry odometry;
-      odometry.pose.pose = ToMessage(navigation::Pose{{0, 0, z_m_ + drift_m_}, 0}, {}).pose;
+      odometry.pose.pose =
+          ToMessage(navigation::Pose{{at_.x_m, at_.y_m, z_m_ + drift_m_}, 0}, {}).pose;
       odometry.twist.twist.linear.z = climb_m_s_;
       EXPECT_TRUE(peers_->odometry->Publish(odometry));
       if (measures_ && ++steps_ % 3 == 0) {
@@ -45,7 +51,7 @@ class AFlyerThatLooksDown : public ARosRobot {
         range.min_range = 0.05F;
         range.max_range = 4;
         range.field_of_view = 1;
-        range.range = static_cast<float>(z_m_ - surface_m_ + 0.001 * (steps_ % 2));
+        range.range = static_cast<float>(z_m_ - surface_m + 0.001 * (steps_ % 2));
         EXPECT_TRUE(range_->Publish(range));
       }
       Run(20);
@@ -73,7 +79,9 @@ class AFlyerThatLooksDown : public ARosRobot {
   transport::Publisher<msg::Range>* range_ = nullptr;
   double z_m_ = 2.5, climb_m_s_ = 0;
   double surface_m_ = 0;  // the head of a person, or the ground
-  double drift_m_ = 0;    // of its odometry
+  navigation::Point at_;
+  bool moves_aside_ = false;
+  double drift_m_ = 0;  // of its odometry
   bool measures_ = true;
   int steps_ = 0;
 };
@@ -113,6 +121,15 @@ TEST_F(AFlyerThatLooksDown, LandsWithALowBatteryOnceThePersonBelowHasGone) {
   EXPECT_THAT(lines_, Contains(HasSubstr("r lands with a low battery: something 1.6 m high is")));
   surface_m_ = 0;
   EXPECT_LT(Fly(20), 0.02);
+}
+
+TEST_F(AFlyerThatLooksDown, LandsAsideWithALowBatteryWhereAPersonStaysBelow) {
+  Hover(2.5);
+  moves_aside_ = true;
+  surface_m_ = 1.6;
+  ReportBattery(0.05F);
+  EXPECT_LT(Fly(30), 0.02);
+  EXPECT_NEAR(std::hypot(at_.x_m, at_.y_m), 0.7, 0.25);
 }
 
 TEST_F(AFlyerThatLooksDown, LandsWithALowBatteryAlsoWithoutItsSensorAndSlowly) {

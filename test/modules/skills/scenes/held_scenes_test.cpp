@@ -194,4 +194,24 @@ TEST(LandingScenes, HaveNoneThatSinksOntoAPersonWithOne) {
   }
 }
 
+// They hovered above a person who stayed, until their skill failed.
+TEST(LandingScenes, HaveFlyersThatLandAsideWhereAPersonStaysBelow) {
+  Scene scene;
+  scene.name = "a person below";
+  scene.map.assign(24, "#" + std::string(22, '.') + "#");
+  scene.map.front() = scene.map.back() = std::string(24, '#');
+  scene.flies = scene.looks_down = scene.lands = true;
+  scene.robots.push_back({{{1, 3, 2}, 0}, {{4, 3, 2}, 0}, 0});
+  scene.movers.push_back({.path = {{4, 3, 0}}});
+  scene.movers.back().height_m = 1.5;
+  const SceneOutcome waits = RunScene(scene, true, 1);
+  EXPECT_FALSE(waits.robots[0].landed);
+  EXPECT_THAT(waits.robots[0].landing, ::testing::HasSubstr("it does not descend"));
+  scene.aside_m = 2;
+  const SceneOutcome aside = RunScene(scene, true, 1);
+  EXPECT_TRUE(aside.robots[0].landed) << aside.robots[0].landing;
+  EXPECT_THAT(aside.robots[0].landing, ::testing::StartsWith("Landed 0.7 m aside"));
+  EXPECT_EQ(aside.contacts() + aside.robots[0].from_above, 0);
+}
+
 }  // namespace musher::skills::testing

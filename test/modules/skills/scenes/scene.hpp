@@ -56,6 +56,7 @@ struct Scene {
   bool flies = false;
   bool looks_down = false;   // a flyer has a sensor for it
   bool lands = false;        // a flyer, where its drive has ended
+  double aside_m = 0;        // so far from there, where its place is taken
   bool map_is_late = false;  // it comes with the first event kMap only
   Expects expects = Expects::kArrives;
   double limit_s = 150;  // a robot that has not ended by then has not ended at all

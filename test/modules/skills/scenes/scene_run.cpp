@@ -360,9 +360,9 @@ class SceneRun {
 
   // Those that fly land, one after another as their drives have ended.
   void LandAll(SceneOutcome& outcome) {
-    constexpr Duration kLongest = std::chrono::seconds(60);
-    for (const auto& skills : skills_) skills->Start("land", {});
-    const Time deadline = network_.now() + kLongest;
+    const Duration longest = std::chrono::seconds(scene_.aside_m > 0 ? 180 : 60);
+    for (const auto& skills : skills_) skills->Start("land", {{"aside", scene_.aside_m}});
+    const Time deadline = network_.now() + longest;
     const auto lands = [](const auto& skills) { return !skills->run().ended(); };
     while (network_.now() < deadline && std::ranges::any_of(skills_, lands)) {
       network_.RunFor(Milliseconds(100));
