@@ -33,6 +33,8 @@ constexpr double kLiftedM = 0.05;
 // Neither a flyer nor a hand moves it farther.
 constexpr double kJumpM = 0.5;
 constexpr double kFastestMS = 3;
+constexpr double kStoodM = 0.3;
+constexpr Duration kStoodFor = Milliseconds(500);
 constexpr Duration kTakenFor = std::chrono::seconds(10);  // a person may go on
 constexpr Duration kTakenThere = std::chrono::seconds(2);
 constexpr Duration kLongestAside = std::chrono::seconds(8);
@@ -187,14 +189,16 @@ std::optional<navigation::Velocity> FlightHold::Command(const std::optional<navi
   return hold_.Command(*place_, *pose, PositionHold::SecondsOf(step));
 }
 
-// Odometry that stood, and goes on, has not jumped: the flyer has moved meanwhile.
+// Odometry that stood, and goes on, has not jumped: the flyer has moved meanwhile. But where the
+// place was taken from it while it stood, the flyer had gone on from there.
 void FlightHold::FollowJump(const navigation::Pose& pose, Duration step) {
   same_ += step;
   if (last_ == pose) return;
   const Duration moved_for = std::exchange(same_, Duration{});
   const std::optional<navigation::Pose> from = std::exchange(last_, pose);
   if (!from || !place_) return;
-  const double most_m = kJumpM + kFastestMS * ToSeconds(moved_for);
+  const bool stood = *from == *place_ && moved_for >= kStoodFor;
+  const double most_m = stood ? kStoodM : kJumpM + kFastestMS * ToSeconds(moved_for);
   if (navigation::Distance(from->at, pose.at) <= most_m) return;
   place_ = pose;
   unmoved_at_ = pose.at;

@@ -117,6 +117,22 @@ TEST(FlightHold, KeepsTheFlyerWhereItIsWhenItsPoseJumps) {
   }
 }
 
+// It flew back to where its odometry had stood while it braked.
+TEST(FlightHold, TakesNoPlaceFromAnOdometryThatStands) {
+  FlightHold hold;
+  hold.Use();
+  navigation::Pose pose{{0, 0, 1}, 0};
+  for (int i = 0; i < 30; ++i) ASSERT_TRUE(hold.Command(pose, 0, kStep));
+  pose.at.x_m = 0.9;
+  auto command = hold.Command(pose, 0, kStep);
+  ASSERT_TRUE(command);
+  EXPECT_NEAR(command->x_m_s, 0, 0.1);
+  pose.at.x_m = 1.1;
+  command = hold.Command(pose, 0, kStep);
+  ASSERT_TRUE(command);
+  EXPECT_LT(command->x_m_s, -0.3) << "from now on it is held there";
+}
+
 // Its place was at a height that the flyer has left meanwhile.
 TEST(FlightHold, KeepsTheFlyerAtItsHeightWhenThatJumps) {
   for (const double jump_m : {1.5, -1.0}) {
