@@ -116,7 +116,7 @@ skill::Next Land::Elsewhere(const navigation::Pose& now, skill::Tick& tick, std:
   while (auto place = LandingPlace(taken, tried, most_m)) {
     tick.data.Set(kTried, static_cast<double>(++tried));
     place->z_m = now.at.z_m;
-    if (!IsFreeWay(now.at, *place)) continue;
+    if (!SeesTowards(*place, now) || !IsFreeWay(now.at, *place)) continue;
     SetPoint(tick, kAsideTo, *place);
     SetPoint(tick, kAsideFrom, now.at);
     tick.data.Set(kAsideFor, 0.0);
@@ -126,6 +126,12 @@ skill::Next Land::Elsewhere(const navigation::Pose& now, skill::Tick& tick, std:
   }
   if (tried > 0) why += fmt::format("; none of {} places within {:g} m is free", tried, most_m);
   return AgainOrFail(tick, initializing_, std::move(why));
+}
+
+bool Land::SeesTowards(const navigation::Point& place, const navigation::Pose& now) const {
+  const navigation::Velocity off =
+      navigation::InBodyFrame({place.x_m - now.at.x_m, place.y_m - now.at.y_m, 0, 0}, now.yaw_rad);
+  return robot().ScanCovers({off.x_m_s, off.y_m_s, 0});
 }
 
 bool Land::IsFreeWay(const navigation::Point& from, const navigation::Point& to) const {
@@ -145,6 +151,7 @@ skill::Next Land::GoAside(const navigation::Pose& now, skill::Tick& tick) {
     Remember(to, tick);
     return skill::Next::To(executing_, HeightText(now.at.z_m));
   }
+  if (!SeesTowards(to.at, now)) return skill::Next::To(executing_);
   // Its height says nothing either then: each place would look taken.
   const bool stands = Aside(now.at, PointOf(tick, kAsideFrom)) < kStandsM;
   const double stands_s = stands && robot().HeldBy().empty()

@@ -30,6 +30,8 @@ class Land : public FlightSkill {
   skill::Next GoAside(const navigation::Pose& now, skill::Tick& tick);
   // The next place; a failure where none is left.
   skill::Next Elsewhere(const navigation::Pose& now, skill::Tick& tick, std::string why);
+  // Whether its scan covers the way to a place.
+  bool SeesTowards(const navigation::Point& place, const navigation::Pose& now) const;
   bool IsFreeWay(const navigation::Point& from, const navigation::Point& to) const;
 
   skill::StateId initializing_ = skill::kIdle;

@@ -509,6 +509,30 @@ TEST_F(Flight, LandGoesNotAsideIntoWhatItsScanSees) {
   EXPECT_LT(bench_.seconds(), 25) << "it tries none of the others";
 }
 
+// What no scan sees has no points: all of it looked free.
+TEST_F(Flight, LandGoesNotAsideWithoutAScan) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  bench_.robot.is_below = [](const navigation::Point& at) {
+    EXPECT_LT(std::hypot(at.x_m, at.y_m), 0.2);
+    return true;
+  };
+  bench_.robot.has_scan = false;
+  EXPECT_EQ(bench_.Execute("land", {{"aside", 1.0}}).message,
+            std::string(kPersonBelow) + "; none of 8 places within 1 m is free");
+}
+
+TEST_F(Flight, LandStopsGoingAsideWhereItsScanIsLost) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  bench_.Start("land", {{"aside", 1.0}});
+  bench_.StepFor(10.4);
+  bench_.robot.has_scan = false;
+  const double was_m = bench_.robot.body.at.x_m;
+  bench_.RunOut();
+  EXPECT_LT(std::abs(bench_.robot.body.at.x_m - was_m), 0.3);
+}
+
 TEST_F(Flight, LandTriesAnotherPlaceWhereItsGateHoldsItOnItsWayAside) {
   InTheAir(2);
   bench_.robot.below = kPersonBelow;
