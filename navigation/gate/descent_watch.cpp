@@ -74,6 +74,7 @@ void DescentWatch::OnHeight(double z_m, double climb_m_s, Time now) {
     if (std::abs(jump_m) > kHeightJumpM) {
       jumped_m_ = jump_m + (now - jumped_at_ <= kJumpCounts ? jumped_m_ : 0);
       jumped_at_ = now;
+      level_m_.reset();
     }
   }
   height_ = Height{z_m, climb_m_s, now};
@@ -90,6 +91,7 @@ void DescentWatch::Forget() {
   last_ = {};
   age_.Forget();
   height_.reset();
+  level_m_.reset();
   jumped_m_ = sinking_m_s_ = 0;
   same_range_m_.reset();
   same_since_m_.reset();
@@ -103,17 +105,30 @@ bool DescentWatch::IsBlind(Time now) const {
   return !rules_.topic.empty() && !(IsRecent(last_[0], now) && IsRecent(last_[1], now));
 }
 
-DescentVerdict DescentWatch::Check(double z_m_s, Time now) const {
+void DescentWatch::LimitAside(DescentVerdict& verdict, std::optional<double> height_m) const {
+  const double free_m = height_m && level_m_ ? *height_m - *level_m_ : 0;
+  const double level_m_s = StoppingSpeed(free_m, brake_m_s2_, reaction_s_);
+  const double safe_m_s = std::max(level_m_s, must_land_ ? rules_.blind_m_s : 0);
+  if (-verdict.z_m_s <= safe_m_s) return;
+  verdict.z_m_s = safe_m_s < kDescentMS ? 0 : -safe_m_s;
+  verdict.kind = DescentVerdict::Kind::kAside;
+}
+
+DescentVerdict DescentWatch::Check(double z_m_s, double aside_m_s, Time now) {
   using Kind = DescentVerdict::Kind;
   DescentVerdict verdict{.z_m_s = z_m_s};
-  if (rules_.topic.empty() || !(z_m_s < 0)) return verdict;
+  if (rules_.topic.empty()) return verdict;
   const auto height_m = HeightAt(now);
+  const bool aside = aside_m_s > kAsideMS;
+  if (!aside || z_m_s > 0 || !level_m_) level_m_ = height_m;
+  if (!(z_m_s < 0)) return verdict;
   if (height_m && IsGround(*height_m - rules_.foot_m)) return verdict;
   if (IsBlind(now)) {
     verdict.kind = Kind::kBlind;
     verdict.z_m_s = must_land_ ? std::max(z_m_s, -rules_.blind_m_s) : 0;
     return verdict;
   }
+  if (aside) LimitAside(verdict, height_m);
   for (const auto& sample : last_) {
     if (sample->surface_m && IsGround(*sample->surface_m)) continue;
     const double safe_m_s = StoppingSpeed(sample->gap_m - sample->keep_m, brake_m_s2_, reaction_s_);

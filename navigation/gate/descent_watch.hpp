@@ -16,6 +16,9 @@
 //   range; a range that stays exactly the same while the height changes.
 // - Without two recent samples it does not descend, unless it has to land; then it goes blind_m_s.
 //   Whose underside is within the tolerance of the ground has only ground below.
+// - Of what is below it sees a cone, and a body that moves aside descends out of that. So it stays
+//   level: it comes no lower than where it last climbed, or moved aside slower than kAsideMS. One
+//   that has to land goes blind_m_s.
 // - Without a recent height nothing is ground. One that jumps down may follow this sensor over a
 //   head: for a minute, or until it jumps back, the body counts as high as before, too.
 //
@@ -53,7 +56,7 @@ struct DownReading {
 };
 
 struct DescentVerdict {
-  enum class Kind : std::uint8_t { kFree, kSlowed, kHeld, kBlind };
+  enum class Kind : std::uint8_t { kFree, kSlowed, kHeld, kBlind, kAside };
 
   double z_m_s = 0;  // of the command for the body
   Kind kind = Kind::kFree;
@@ -84,7 +87,11 @@ class DescentWatch {
   void MustLand(bool must) { must_land_ = must; }
   void Forget();
 
-  DescentVerdict Check(double z_m_s, Time now) const;
+  // A body that moves aside faster than this stays level.
+  static constexpr double kAsideMS = 0.15;
+
+  // `aside_m_s`: how fast it moves aside now, by its own commands.
+  DescentVerdict Check(double z_m_s, double aside_m_s, Time now);
   // Whether there is a sensor, but no two recent samples.
   bool IsBlind(Time now) const;
   const DownRules& rules() const { return rules_; }
@@ -108,6 +115,7 @@ class DescentWatch {
     return height_m <= ground_m() + rules_.ground_tolerance_m;
   }
   bool IsRecent(const std::optional<Sample>& sample, Time now) const;
+  void LimitAside(DescentVerdict& verdict, std::optional<double> height_m) const;
   bool Stands(double range_m, std::optional<double> height_m);
   double KeepOf(double cone_rad) const;
 
@@ -116,8 +124,9 @@ class DescentWatch {
   std::array<std::optional<Sample>, 2> last_;  // the newer one first
   SampleAge age_;
   std::optional<Height> height_;
-  double jumped_m_ = 0;  // by so much all jumps of the height together
-  Time jumped_at_{};     // the last one
+  std::optional<double> level_m_;  // the height that it keeps while it moves aside
+  double jumped_m_ = 0;            // by so much all jumps of the height together
+  Time jumped_at_{};               // the last one
   double sinking_m_s_ = 0;
   std::optional<double> same_range_m_, same_since_m_;  // of which height
   std::optional<double> expected_ground_m_;

@@ -75,6 +75,10 @@ std::string TextOf(const DescentVerdict& descent, const std::string& topic) {
     return fmt::format("no recent range on {}: it {}", topic,
                        descent.z_m_s < 0 ? "descends slowly" : "does not descend blindly");
   }
+  if (descent.kind == Kind::kAside) {
+    return fmt::format("its sensor does not see below where it flies to: it {}",
+                       descent.z_m_s < 0 ? "descends slowly" : "stays level");
+  }
   const std::string what =
       descent.height_m ? fmt::format("something {:.1f} m high", *descent.height_m) : "something";
   return fmt::format("{} is {:.2f} m below it: it {}", what, descent.gap_m,
@@ -481,14 +485,29 @@ std::vector<MovingPoint> MotionGate::SeenMoving(const Track& track, Time now) co
   return seen;
 }
 
-void MotionGate::LimitDescent(GateVerdict& verdict, Time now) const {
+// How fast it moves over the ground by its own commands: what the wind does to it is no reason to
+// stay in the air, and a flyer that leans against that stands.
+double MotionGate::AsideMS(Time now) const {
+  const double assumed_m_s = OverGround(assumed_);
+  const bool measured =
+      measured_at_ && now >= *measured_at_ && now - *measured_at_ <= kMeasuredStale;
+  const double measured_m_s = OverGround(measured_);
+  if (!measured) return assumed_m_s;
+  if (measured_m_s < kStillMS) return 0;
+  const double along_m_s =
+      (assumed_.x_m_s * measured_.x_m_s + assumed_.y_m_s * measured_.y_m_s) / measured_m_s;
+  return std::clamp(along_m_s, 0.0, measured_m_s);
+}
+
+void MotionGate::LimitDescent(GateVerdict& verdict, Time now) {
   using Kind = GateVerdict::Kind;
   const Velocity wanted = verdict.command;
-  const DescentVerdict descent = descent_.Check(wanted.z_m_s, now);
+  const DescentVerdict descent = descent_.Check(wanted.z_m_s, AsideMS(now), now);
   if (descent.kind == DescentVerdict::Kind::kFree) return;
   verdict.command.z_m_s = descent.z_m_s;
   verdict.descent = TextOf(descent, descent_.rules().topic);
-  const bool stops = descent.z_m_s == 0 && -wanted.z_m_s >= OverGround(wanted);
+  const bool stops = descent.z_m_s == 0 && descent.kind != DescentVerdict::Kind::kAside &&
+                     -wanted.z_m_s >= OverGround(wanted);
   if (stops && verdict.kind != Kind::kBlind) verdict.kind = Kind::kStopped;
   if (verdict.kind == Kind::kFree) verdict.kind = Kind::kSlowed;
 }

@@ -158,7 +158,8 @@ class MotionGate {
   };
 
   void Advance(Time now);
-  void LimitDescent(GateVerdict& verdict, Time now) const;
+  double AsideMS(Time now) const;
+  void LimitDescent(GateVerdict& verdict, Time now);
   void Assume(const Velocity& command, double seconds);
   bool IsRecent(const ScanView& view, Time now) const;
   std::vector<Point> Seen(const Track& track, Time now) const;

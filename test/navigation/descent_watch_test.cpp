@@ -187,6 +187,73 @@ TEST_F(Descent, TakesTheLimitsOfTheConfigBeforeThoseOfTheMessages) {
   EXPECT_LT(down_m_s, 1.5) << "something may be 1.2 m below";
 }
 
+// --- What it moves to ---
+
+// It saw ground, and sank onto a head that came into its cone too late.
+TEST_F(Descent, IsHeldWhileItFliesToWhereItsSensorHasNotSeen) {
+  At(2.4);
+  SeesTwice(2.4);
+  const Velocity slope{0.8, 0, -0.6, 0};
+  EXPECT_EQ(Check(slope).command, slope) << "it stands still above what it sees";
+  for (int i = 0; i < 10; ++i) {
+    gate_->OnVelocity(slope, now_);
+    At(2.4);
+    Sees(2.4 + 0.001 * i);
+    Check(slope);
+  }
+  EXPECT_EQ(Check(slope).command, (Velocity{0.8, 0, 0, 0}));
+  EXPECT_EQ(Check(slope).kind, Kind::kSlowed) << "it flies on";
+  EXPECT_EQ(Describe(Check(slope)),
+            "its sensor does not see below where it flies to: it stays level");
+  for (int i = 0; i < 10; ++i) {
+    gate_->OnVelocity({}, now_);
+    At(2.4);
+    Sees(2.4 + 0.001 * i);
+    Check({0, 0, -0.6, 0});
+  }
+  EXPECT_EQ(Check({0, 0, -0.6, 0}).kind, Kind::kFree);
+}
+
+TEST_F(Descent, GoesBackToTheLevelAboveWhichItWasLiftedOnItsWay) {
+  At(2);
+  SeesTwice(2);
+  double lowered_m_s = 0;
+  for (const double height_m : {2.0, 2.0, 2.1, 2.2, 2.3, 2.2, 2.1, 2.001}) {
+    gate_->OnVelocity({0.8, 0, 0, 0}, now_);
+    At(height_m);
+    Sees(height_m + 0.001);
+    const bool lifted = height_m > 2;
+    lowered_m_s = -Check({0.8, 0, lifted ? -0.2 : 0.1, 0}).command.z_m_s;
+    EXPECT_TRUE(height_m < 2.05 || lowered_m_s == 0.2) << height_m << ' ' << lowered_m_s;
+  }
+  EXPECT_LT(lowered_m_s, 0.02);
+}
+
+// It leans against the wind, or is carried by it.
+TEST_F(Descent, IsNotHeldByTheWind) {
+  for (const double drift_m_s : {0.0, -0.4}) {
+    Rebuild();
+    for (int i = 0; i < 10; ++i) {
+      gate_->OnVelocity({drift_m_s, 0, 0, 0}, now_);
+      At(2);
+      Sees(2 + 0.001 * i);
+      Check({0.5, 0, -0.5, 0});
+    }
+    EXPECT_EQ(Check({0.5, 0, -0.5, 0}).command.z_m_s, -0.5) << drift_m_s;
+  }
+}
+
+TEST_F(Descent, GoesSlowlyOnItsWayWhereItHasToLand) {
+  gate_->MustLand(true);
+  for (int i = 0; i < 10; ++i) {
+    gate_->OnVelocity({0.5, 0, 0, 0}, now_);
+    At(2);
+    Sees(2 + 0.001 * i);
+    Check({0.5, 0, -0.5, 0});
+  }
+  EXPECT_EQ(Check({0.5, 0, -0.5, 0}).command.z_m_s, -0.1);
+}
+
 // --- What is ground ---
 
 TEST_F(Descent, LandsOnWhatIsAsHighAsTheGroundAndOnNothingHigher) {

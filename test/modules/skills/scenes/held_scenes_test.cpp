@@ -194,6 +194,17 @@ TEST(LandingScenes, HaveNoneThatSinksOntoAPersonWithOne) {
   }
 }
 
+// They descended on their way, onto persons who came into the cone of their sensor too late.
+TEST(RandomScenes, HaveNoFlyerThatDescendsOntoAPersonOnItsWay) {
+  for (const std::uint64_t seed : {74543, 74808, 76728}) {
+    Scene scene = RandomScene(seed);
+    scene.looks_down = true;
+    const SceneOutcome outcome = RunScene(scene, true, seed);
+    EXPECT_EQ(outcome.contacts() + outcome.robots[0].from_above, 0) << "seed " << seed;
+    EXPECT_EQ(outcome.Count(RobotOutcome::End::kOpen), 0) << "seed " << seed;
+  }
+}
+
 // They hovered above a person who stayed, until their skill failed.
 TEST(LandingScenes, HaveFlyersThatLandAsideWhereAPersonStaysBelow) {
   Scene scene;
