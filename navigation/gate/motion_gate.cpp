@@ -110,7 +110,9 @@ std::string Describe(const GateVerdict& verdict) {
   using Kind = GateVerdict::Kind;
   if (verdict.kind == Kind::kFree) return "";
   if (verdict.kind == Kind::kBlind) {
-    return fmt::format("no recent scan on {}: it does not move blindly", verdict.scanner);
+    const std::string refused = verdict.refused.empty() ? "" : " (" + verdict.refused + ")";
+    return fmt::format("no recent scan on {}{}: it does not move blindly", verdict.scanner,
+                       refused);
   }
   if (!verdict.descent.empty() && !verdict.at) return verdict.descent;
   const Point at = verdict.at.value_or(Point{});
@@ -223,11 +225,16 @@ bool MotionGate::IsRecent(const ScanView& view, Time now) const {
   return view.taken() && now - *view.taken() <= rules_.scan_stale;  // Advance() forgets the future
 }
 
-const ScanMount* MotionGate::Blind(Time now) const {
+const ScanView* MotionGate::BlindView(Time now) const {
   for (const ScanView& view : views_) {
-    if (!IsRecent(view, now)) return &view.mount();
+    if (!IsRecent(view, now)) return &view;
   }
   return nullptr;
+}
+
+const ScanMount* MotionGate::Blind(Time now) const {
+  const ScanView* blind = BlindView(now);
+  return blind == nullptr ? nullptr : &blind->mount();
 }
 
 // As far as a body with this speed has to look.
@@ -520,13 +527,14 @@ GateVerdict MotionGate::Check(const Velocity& wanted, Time now) {
   GateVerdict verdict;
   verdict.command = IsFinite(wanted) ? wanted : Velocity{};
   const double speed_m_s = OverGround(verdict.command);
-  const ScanMount* blind = verdict.command == Velocity{} ? nullptr : Blind(now);
+  const ScanView* blind = verdict.command == Velocity{} ? nullptr : BlindView(now);
   Limit limit;
   if (blind && rules_.blind_m_s == 0) verdict.command = {};
   if (blind && (speed_m_s > rules_.blind_m_s || rules_.blind_m_s == 0)) {
     limit.share = speed_m_s > 0 ? rules_.blind_m_s / speed_m_s : 0;
     verdict.kind = Kind::kBlind;
-    verdict.scanner = blind->topic;
+    verdict.scanner = blind->mount().topic;
+    verdict.refused = blind->why_refused();
   } else if (speed_m_s > kStillMS || OverGround(assumed_) > kStandsMS) {
     const std::vector<Point> seen = Seen(measured_track_, now);
     const std::vector<Point> commanded = Seen(commanded_track_, now);

@@ -83,6 +83,7 @@ struct GateVerdict {
   std::string zone;         // in which it is, if it is a zone
   bool unknown = false;     // `at` is no obstacle, but a place that no scanner covers
   std::string scanner;      // the topic without a recent scan
+  std::string refused;      // why its last one is not used; empty: none came
   std::string descent;      // why it does not descend as wanted; empty: it does
   Duration held{};          // so long a wanted motion has been stopped
 
@@ -125,10 +126,14 @@ class MotionGate {
 
   // Whether it has a sensor that looks down, but no recent ranges of it.
   bool BlindBelow(Time now) const { return descent_.IsBlind(now); }
+  // Why the last scan of a scanner was refused; empty: it was not.
+  const std::string& WhyRefused(std::size_t scanner) const { return views_[scanner].why_refused(); }
   // The scanner without a recent scan; null: there is none.
   const ScanMount* Blind(Time now) const;
 
  private:
+  const ScanView* BlindView(Time now) const;
+
   // Where the body was, by a velocity, since some begin.
   class Track {
    public:

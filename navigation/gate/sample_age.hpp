@@ -1,8 +1,12 @@
 #pragma once
 // How old the samples of one sensor are. A repeated and a late one is refused: what a robot
 // believed to see has to get old. How late one came is the age of its stamp beyond that of the
-// fastest one, so the clocks need not agree. One that was set, either way, begins again. Pure; one
-// thread.
+// fastest one, so the clocks need not agree.
+//
+// A stamp that is far from the clock of those before, in its past or in its future, is wrong, or
+// the clock was set: its sample is refused, and the next one begins again with that clock if it
+// follows on it. So stamps of any numbers, or of two clocks in turn, make no old sample a new one.
+// Pure; one thread.
 
 #include <optional>
 
@@ -18,11 +22,16 @@ class SampleAge {
   void Forget();
 
  private:
-  bool IsNew(Duration stamp, Time now);
+  struct Stamped {
+    Duration stamp{};
+    Time at{};
+  };
 
-  std::optional<Duration> last_stamp_;
+  bool IsOfOtherClock(Duration stamp, Time now) const;
+
+  std::optional<Stamped> last_;
   std::optional<Duration> offset_;  // from a stamp to our time, of the fastest sample
-  Time last_at_{};
+  std::optional<Stamped> other_;    // the last one, if it was of another clock
 };
 
 }  // namespace musher::navigation

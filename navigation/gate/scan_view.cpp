@@ -19,6 +19,16 @@ bool HasMeasurement(const Scan& scan) {
                              [&](float range_m) { return IsMeasurement(range_m, scan); });
 }
 
+// Why a scan says nothing; empty: it does.
+std::string WhyUseless(const Scan& scan) {
+  constexpr double kLeastStepRad = 1e-6;
+  if (!HasMeasurement(scan)) return "no ray has a measurement";
+  const bool finite = std::isfinite(scan.from_rad) && std::isfinite(scan.step_rad);
+  if (!finite) return "its angles are not finite";
+  const bool turns = scan.ranges_m.size() == 1 || std::abs(scan.step_rad) >= kLeastStepRad;
+  return turns ? "" : "its angle step is 0";
+}
+
 // From 0 to 359, for angles from -4 pi on.
 std::size_t DegreeOf(double angle_rad) {
   return static_cast<std::size_t>(angle_rad / kDegreeRad + 720) % 360;
@@ -38,11 +48,13 @@ Scan CountedBy(const ScanMount& mount, const Scan& scan) {
 }
 
 bool ScanView::Take(const Scan& scan, Duration stamp, Time now) {
-  if (!HasMeasurement(scan) || !std::isfinite(scan.from_rad) || !std::isfinite(scan.step_rad)) {
+  why_refused_ = WhyUseless(scan);
+  if (!why_refused_.empty()) return false;
+  const auto taken = age_.Take(stamp, now);
+  if (!taken) {
+    why_refused_ = "its stamp does not follow that of the one before";
     return false;
   }
-  const auto taken = age_.Take(stamp, now);
-  if (!taken) return false;
   taken_ = taken;
   const Scan counted = CountedBy(mount_, scan);
   points_ = PointsOf(counted, mount_.on_body);
@@ -74,6 +86,7 @@ void ScanView::Forget() {
   points_.clear();
   taken_.reset();
   age_.Forget();
+  why_refused_.clear();
 }
 
 }  // namespace musher::navigation

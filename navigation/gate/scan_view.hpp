@@ -3,8 +3,8 @@
 // to the left, z up from its base), the directions that it covers, and when it was taken.
 //
 // A scan without a single measurement (no rays, or all of them NaN or nearer than its least range)
-// says nothing and is refused, and so are a repeated and a late one (sample_age.hpp). Metres; one
-// thread.
+// says nothing and is refused, and so are one whose rays have no directions (an angle step of 0)
+// and a repeated and a late one (sample_age.hpp). Metres; one thread.
 
 #include <bitset>
 #include <limits>
@@ -49,6 +49,8 @@ class ScanView {
   const std::vector<Point>& points() const { return points_; }
   const Point& sensor() const { return sensor_; }  // of these points, in the same frame
   std::optional<Time> taken() const { return taken_; }
+  // Why the last scan was refused; empty: it was not.
+  const std::string& why_refused() const { return why_refused_; }
   // Whether a ray with a measurement points to this place of the same frame: what is there, or
   // before it, is seen.
   bool Covers(const Point& place) const;
@@ -62,6 +64,7 @@ class ScanView {
   std::bitset<360> covered_;  // its degrees, around the sensor
   std::optional<Time> taken_;
   SampleAge age_;
+  std::string why_refused_;
 };
 
 }  // namespace musher::navigation

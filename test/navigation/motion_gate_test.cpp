@@ -216,10 +216,54 @@ TEST_F(Gate, DoesNotTakeStampsThatStandOrCameLateForASightOfNow) {
   EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
   now_ += Milliseconds(100);
   EXPECT_FALSE(stamped(5550)) << "overtaken";
-  EXPECT_TRUE(stamped(90'000)) << "from the future: its clock was set";
+  EXPECT_FALSE(stamped(90'000)) << "from the future";
   now_ += Milliseconds(100);
-  EXPECT_TRUE(stamped(5800)) << "and set back";
+  EXPECT_TRUE(stamped(90'100)) << "its clock was set";
+  now_ += Milliseconds(100);
+  EXPECT_FALSE(stamped(5800));
+  now_ += Milliseconds(100);
+  EXPECT_TRUE(stamped(5900)) << "and set back";
   EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+}
+
+// Each of them counted as a sight of now, however old it was.
+TEST_F(Gate, DoesNotTakeScansFromTheFutureAndThePastInTurnForSightsOfNow) {
+  const std::int64_t stamps_ms[] = {90'000, 5000, 170'000, 20'000, 3000, 90'050, 40'000, 1000};
+  EXPECT_TRUE(gate_->OnScan(0, ScanOf(), Milliseconds(60'000), now_));
+  for (const std::int64_t stamp_ms : stamps_ms) {
+    now_ += Milliseconds(100);
+    EXPECT_FALSE(gate_->OnScan(0, ScanOf(), Milliseconds(stamp_ms), now_)) << stamp_ms;
+  }
+  EXPECT_EQ(Describe(Check(kAhead)),
+            "no recent scan on scan (its stamp does not follow that of the one before): it does "
+            "not move blindly");
+}
+
+// One stamp 0.9 s ahead made every later scan 0.9 s old, for more than half an hour.
+TEST_F(Gate, SeesOnAfterOneScanFromTheFuture) {
+  const auto stamped = [&](std::int64_t stamp_ms) {
+    now_ += Milliseconds(100);
+    return gate_->OnScan(0, ScanOf(), Milliseconds(stamp_ms), now_);
+  };
+  EXPECT_TRUE(stamped(5000));
+  EXPECT_TRUE(stamped(5100));
+  EXPECT_FALSE(stamped(6100));
+  EXPECT_TRUE(stamped(5300));
+  EXPECT_TRUE(stamped(5400));
+  EXPECT_EQ(Check(kAhead).kind, Kind::kFree);
+}
+
+// All its rays lie on one line then: it hid what stands aside, and covered the way ahead.
+TEST_F(Gate, DoesNotTakeAScanWhoseAngleStepIs0ForASight) {
+  Scan scan = ScanOf();
+  scan.ranges_m.assign(180, 7.9F);
+  scan.step_rad = 0;
+  EXPECT_FALSE(gate_->OnScan(0, scan, Duration{}, now_));
+  EXPECT_EQ(Check(kAhead).command, Velocity{});
+  EXPECT_EQ(Describe(Check(kAhead)),
+            "no recent scan on scan (its angle step is 0): it does not move blindly");
+  scan.ranges_m.resize(1);
+  EXPECT_TRUE(gate_->OnScan(0, scan, Duration{}, now_)) << "of a single ray it says nothing";
 }
 
 TEST_F(Gate, DoesNotTakeAScanOfBeforeTheClockWasSetBackForASightOfNow) {

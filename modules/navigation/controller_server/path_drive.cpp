@@ -152,10 +152,12 @@ std::optional<DriveEnd> PathDrive::Blind(Time now) const {
   for (std::size_t i = 0; i < seen_at_.size(); ++i) {
     const std::optional<Time>& at = seen_at_[i];
     const std::string& topic = robot_.scanners[i].topic;
-    if (!at) return DriveEnd{FollowCode::kNoValidControl, fmt::format("no scan on {} yet", topic)};
-    if (now - *at <= config_.scan_stale) continue;
+    if (at && now - *at <= config_.scan_stale) continue;
+    const std::string& refused = gate_.WhyRefused(i);
+    const std::string why = refused.empty() ? "" : ": " + refused;
+    const std::string since = at ? fmt::format("for {:.1f} s", ToSeconds(now - *at)) : "yet";
     return DriveEnd{FollowCode::kNoValidControl,
-                    fmt::format("no scan on {} for {:.1f} s", topic, ToSeconds(now - *at))};
+                    fmt::format("no scan on {} {}{}", topic, since, why)};
   }
   return std::nullopt;
 }

@@ -39,7 +39,7 @@ class Rig : public testing::NavigationRig {
   using NavigationRig::walls_;
 
   // Beside what the robot itself publishes.
-  void PublishScan(std::vector<float> ranges, Duration stamp_off = {}) {
+  void PublishScan(std::vector<float> ranges, Duration stamp_off = {}, bool turns = true) {
     if (!scans_) {
       scans_ = Must(transport::MakePublisher<msg::LaserScan>(*peers_, "jetbot_0/scan",
                                                              transport::kSensorDataQos));
@@ -49,7 +49,7 @@ class Rig : public testing::NavigationRig {
     scan.header.frame_id = "map";
     scan.header.stamp = msg::ToStamp(peers_->loop().Now().time_since_epoch() + stamp_off);
     scan.angle_min = -3.14F;
-    scan.angle_increment = ranges.empty() ? 0 : 6.28F / static_cast<float>(ranges.size());
+    scan.angle_increment = ranges.empty() || !turns ? 0 : 6.28F / static_cast<float>(ranges.size());
     scan.range_min = 0.05F;
     scan.range_max = 8;
     scan.ranges = std::move(ranges);
@@ -239,6 +239,49 @@ std::string NameOf(const ::testing::TestParamInfo<BadInput>& info) {
 INSTANTIATE_TEST_SUITE_P(WithAMap, ADrive, ::testing::ValuesIn(kMaps), NameOf);
 INSTANTIATE_TEST_SUITE_P(WithAScan, ADrive, ::testing::ValuesIn(kScans), NameOf);
 INSTANTIATE_TEST_SUITE_P(WithOdometry, ADrive, ::testing::ValuesIn(kOdometries), NameOf);
+
+// Such a drive went on.
+struct UselessInput {
+  const char* name;
+  std::function<void(Rig&)> happens;
+  const char* reason;
+};
+
+void PrintTo(const UselessInput& input, std::ostream* out) {
+  *out << input.name;
+}
+
+class ADriveWithUselessInput : public ::testing::TestWithParam<UselessInput> {};
+
+TEST_P(ADriveWithUselessInput, EndsAtAStandWithItsReason) {
+  Rig rig;
+  const std::size_t drive = rig.DriveAway();
+  GetParam().happens(rig);
+  rig.ExpectDefiniteEnd(drive);
+  EXPECT_GT(rig.CodeOf(drive), 0);
+  EXPECT_THAT(rig.drives_.ends[drive]->result.error_msg, ::testing::HasSubstr(GetParam().reason));
+}
+
+const UselessInput kUselessInputs[] = {
+    {"ScanWithAnAngleStepOf0",
+     [](Rig& r) {
+       r.robot_.scan_silent = true;
+       r.Each(Milliseconds(50), [&r] { r.PublishScan(std::vector<float>(180, 7.9F), {}, false); });
+     },
+     "its angle step is 0"},
+    {"ScanFromTheFutureAndThePastInTurn",
+     [](Rig& r) {
+       r.robot_.scan_silent = true;
+       r.Each(Milliseconds(50), [&r, i = 0]() mutable {
+         const Duration off = ++i % 2 == 0 ? i * std::chrono::minutes(1) : Duration{};
+         r.PublishScan(std::vector<float>(180, 7.9F), off - i * Milliseconds(60));
+       });
+     },
+     "its stamp does not follow that of the one before"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Any, ADriveWithUselessInput, ::testing::ValuesIn(kUselessInputs),
+                         [](const auto& one) { return one.param.name; });
 
 class AClock : public ::testing::TestWithParam<double> {};
 
