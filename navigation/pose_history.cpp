@@ -7,17 +7,14 @@ namespace musher::navigation {
 namespace {
 
 constexpr Duration kKept = std::chrono::seconds(1);
-constexpr Duration kStampsSetBack = std::chrono::seconds(1);  // a larger step back of stamps
 constexpr std::size_t kMostPoses = 2000;
 
 }  // namespace
 
 bool PoseHistory::Add(const Pose& pose, Duration stamp) {
-  if (!poses_.empty() && stamp != Duration::zero()) {
-    const Duration step = stamp - poses_.back().stamp;
-    if (step <= Duration::zero() && step > -kStampsSetBack) return false;
-    if (step < Duration::zero()) poses_.clear();
-  }
+  if (!order_.Take(stamp)) return false;
+  const bool stamped = stamp != Duration::zero();
+  if (stamped && !poses_.empty() && stamp < poses_.back().stamp) poses_.clear();
   poses_.push_back({stamp, pose});
   while (poses_.front().stamp < stamp - kKept || poses_.size() > kMostPoses) poses_.pop_front();
   return true;

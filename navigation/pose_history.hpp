@@ -6,15 +6,19 @@
 
 #include "musher/base/time.hpp"
 #include "musher/navigation/pose.hpp"
+#include "musher/navigation/stamp_order.hpp"
 
 namespace musher::navigation {
 
 class PoseHistory {
  public:
   // `stamp`: of the message, since the zero of its clock; 0: it has none. False: the message is
-  // repeated or late, and is not taken. A clock that was set begins again.
+  // repeated or late, and is not taken. A clock that was set begins again (stamp_order.hpp).
   bool Add(const Pose& pose, Duration stamp);
-  void Clear() { poses_.clear(); }
+  void Clear() {
+    poses_.clear();
+    order_ = {};
+  }
 
   bool empty() const { return poses_.empty(); }
   // The pose nearest in time; for a stamp of 0 the last one. Not if empty().
@@ -26,6 +30,7 @@ class PoseHistory {
     Pose pose;
   };
   std::deque<Stamped> poses_;
+  StampOrder order_;
 };
 
 }  // namespace musher::navigation

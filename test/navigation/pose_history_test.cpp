@@ -30,10 +30,21 @@ TEST(PoseHistory, RefusesWhatIsRepeatedOrLate) {
 TEST(PoseHistory, BeginsAgainWithAClockThatWasSet) {
   PoseHistory poses;
   EXPECT_TRUE(poses.Add(At(1), std::chrono::seconds(100)));
+  EXPECT_FALSE(poses.Add(At(2), Milliseconds(2980)));
   EXPECT_TRUE(poses.Add(At(2), std::chrono::seconds(3)));
   EXPECT_EQ(poses.At(std::chrono::seconds(100)), At(2));
   EXPECT_TRUE(poses.Add(At(3), std::chrono::hours(1000)));
   EXPECT_EQ(poses.At(std::chrono::seconds(3)), At(3)) << "what is older than a second is dropped";
+}
+
+// Each of them began again with a clock that was set.
+TEST(PoseHistory, TakesNoPosesWhoseStampsGoBackAndBack) {
+  PoseHistory poses;
+  EXPECT_TRUE(poses.Add(At(1), std::chrono::seconds(100)));
+  for (int i = 1; i < 20; ++i) {
+    EXPECT_FALSE(poses.Add(At(2), std::chrono::seconds(100 - 2 * i))) << i;
+  }
+  EXPECT_EQ(poses.At({}), At(1));
 }
 
 }  // namespace musher::navigation::pose_history_test

@@ -89,7 +89,8 @@ void PathDrive::SetMap(std::shared_ptr<const Clearance> map, Time now) {
 }
 
 void PathDrive::OnOdometry(const Motion& motion, Duration stamp, Time now) {
-  if (!poses_.Add(motion.pose, stamp)) return;
+  odometry_refused_ = !poses_.Add(motion.pose, stamp);
+  if (odometry_refused_) return;
   seen_.NotePlace(motion.pose.at);
   motion_ = motion;
   motion_at_ = now;
@@ -145,8 +146,9 @@ void PathDrive::Forget() {
 std::optional<DriveEnd> PathDrive::Blind(Time now) const {
   if (!motion_ || now - motion_at_ > config_.odometry_stale) {
     return DriveEnd{FollowCode::kTfError,
-                    motion_ ? fmt::format("no odometry on {} for {:.1f} s", robot_.odometry,
-                                          ToSeconds(now - motion_at_))
+                    motion_ ? fmt::format("no odometry on {} for {:.1f} s{}", robot_.odometry,
+                                          ToSeconds(now - motion_at_),
+                                          odometry_refused_ ? ": its stamps do not go on" : "")
                             : fmt::format("no odometry on {} yet", robot_.odometry)};
   }
   for (std::size_t i = 0; i < seen_at_.size(); ++i) {

@@ -139,6 +139,7 @@ class PathDrive {
   std::vector<double> lengths_m_;  // of the trajectory up to each point
   std::optional<Motion> motion_;
   Time motion_at_;
+  bool odometry_refused_ = false;  // the last one
   PoseHistory poses_;
   LocalGrid seen_;                            // lately
   std::vector<std::optional<Time>> seen_at_;  // by each scanner

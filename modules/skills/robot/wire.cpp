@@ -342,9 +342,9 @@ std::string RosRobot::Wire::WhyNotHeld() const {
 void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
   const auto pose = ToPose(message.pose.pose);
   const Duration stamp = msg::FromStamp(message.header.stamp);
-  const bool again = stamp != Duration::zero() && stamp == odometry_stamp_;
-  if (!pose || again) return;  // stamps that stand are of odometry that stands
-  odometry_stamp_ = stamp;
+  if (!pose) return;
+  // Stamps that stand are of odometry that stands.
+  if (!odometry_order_.Take(stamp)) return refused.Set("its stamps do not go on", Now());
   body_frame_ = message.child_frame_id;
   velocity->OnMotion(*pose, ToMapFrame(message.twist.twist, 0), stamp);
   odometry.Set({*pose, ToMapFrame(message.twist.twist, pose->yaw_rad)}, Now());

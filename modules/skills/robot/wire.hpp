@@ -27,6 +27,7 @@
 #include "musher/modules/skills/robot/traffic.hpp"
 #include "musher/modules/skills/robot/velocity_output.hpp"
 #include "musher/navigation/frames/frame_tree.hpp"
+#include "musher/navigation/stamp_order.hpp"
 #include "musher/navigation/travelled_path.hpp"
 
 namespace musher::skills {
@@ -172,7 +173,7 @@ struct RosRobot::Wire {
   bool battery_refused_ = false;               // logged once
   bool battery_doubted_ = false;               // that it is not present; logged once
   BatteryPresence presence_;
-  Duration odometry_stamp_{};
+  navigation::StampOrder odometry_order_;
   Duration line_stamp_{};           // of the last picture
   transport::LoopHandlePtr holds_;  // last: it uses the rest
 };

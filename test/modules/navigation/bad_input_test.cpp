@@ -278,6 +278,16 @@ const UselessInput kUselessInputs[] = {
        });
      },
      "its stamp does not follow that of the one before"},
+    {"OdometryThatGoesBackByTwoSecondsEachTime",
+     [](Rig& r) {
+       r.robot_.odometry_silent = true;
+       r.Each(Milliseconds(20), [&r, i = 0]() mutable {
+         r.PublishOdometry([&](auto& odometry) {
+           odometry.header.stamp = msg::ToStamp(std::chrono::seconds(50'000 - 2 * ++i));
+         });
+       });
+     },
+     "its stamps do not go on"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Any, ADriveWithUselessInput, ::testing::ValuesIn(kUselessInputs),

@@ -257,6 +257,21 @@ TEST_F(ARosRobot, TakesOdometryWhoseStampsStandForNone) {
   EXPECT_FALSE(robot_.pose());
 }
 
+// Its pose went back with them.
+TEST_F(ARosRobot, TakesOdometryWhoseStampsGoBackForNone) {
+  for (const Duration step : {Milliseconds(20), Milliseconds(2000)}) {
+    msg::Odometry odometry;
+    odometry.pose.pose.orientation.w = 1;
+    for (int i = 0; i < 20; ++i) {
+      odometry.header.stamp = msg::ToStamp(std::chrono::seconds(500) - i * step);
+      EXPECT_TRUE(peers_->odometry->Publish(odometry));
+      Run(100);
+    }
+    EXPECT_FALSE(robot_.pose());
+    EXPECT_THAT(robot_.WhyNoPose(), HasSubstr("its stamps do not go on"));
+  }
+}
+
 TEST_F(ARosRobot, ExecutesTeleoperationThroughTheGateWhileNoSkillMovesIt) {
   sees_m_ = 9;
   Run(200);
