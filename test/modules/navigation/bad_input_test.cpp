@@ -318,6 +318,31 @@ TEST_P(AClock, ThatIsWrongByTenTimesEndsADriveAtAStandWithItsReason) {
 INSTANTIATE_TEST_SUITE_P(TooSlowOrTooFast, AClock, ::testing::Values(0.1, 10.0),
                          [](const auto& one) { return one.param < 1 ? "Slow" : "Fast"; });
 
+// Time stands with it: nothing is sent, and no limit comes nearer.
+TEST(AClockThatStands, HoldsADriveWhichThenArrives) {
+  Rig rig;
+  rig.controller_clock_ = Rig::Must(transport::Clock::FromTopic(*rig.controller_node_, [] {}));
+  const auto clock = Rig::Must(transport::MakePublisher<msg::Clock>(
+      *rig.peers_, transport::kClockTopic, transport::kClockQos));
+  Duration shown = std::chrono::seconds(1000);
+  bool stands = false;
+  rig.Each(Milliseconds(10), [&] {
+    if (!stands) shown += Milliseconds(10);
+    static_cast<void>(clock->Publish({msg::ToStamp(shown)}));
+  });
+  rig.Run(1000);
+  const std::size_t drive = rig.DriveAway();
+  stands = true;
+  rig.Run(700);
+  EXPECT_NEAR(rig.robot_.speed_m_s(), 0, 0.01);
+  const int commands = rig.robot_.commands();
+  rig.Run(5000);
+  EXPECT_EQ(rig.robot_.commands(), commands);
+  stands = false;
+  rig.ExpectDefiniteEnd(drive);
+  EXPECT_EQ(rig.drives_.ends[drive]->end, GoalEnd::kSucceeded);
+}
+
 struct BadGoal {
   const char* name;
   msg::PoseStamped start;
