@@ -60,6 +60,9 @@ Error NoFolder() {
 constexpr Duration kStatusWithin = Milliseconds(1000);
 constexpr Duration kStatusPollPeriod = Milliseconds(5);
 constexpr Duration kStandbyPeriod = Milliseconds(100);
+// The host of the controller that is gone may be off: nothing else is to wait for it longer than a
+// login takes, such as the way down to the on_lost of what ran there.
+constexpr Duration kReachOfStandby = Milliseconds(2500);
 constexpr Duration kMajorityPeriod = Milliseconds(100);
 // As often as the logs.
 constexpr Duration kCheckFolderPeriod = Milliseconds(1000);
@@ -437,6 +440,7 @@ Result<> Controller::OpenHosts() {
 #if MUSHER_HOSTS
   if (config_.hosts.empty() && !config_.own_units) return Ok();
   HostUnits::Options options;
+  if (options_.standby) options.reach_within = kReachOfStandby;
   if (config_.own_units) {
     const OwnSystemd own = FindOwnSystemd(transport::OwnEnvironment(), geteuid());
     if (!own.trouble.empty()) {

@@ -544,7 +544,11 @@ void HostUnits::Start(const ProcessSpec& spec) {
 // Limits how long a start waits for the previous unit to end, and how long for its host until the
 // host is reported as out of reach.
 void HostUnits::ArmDeadline(Unit& unit) {
-  unit.deadline = loop_.At(loop_.Now() + options_.start_within, [this, &unit] {
+  // Armed again once the host is reached.
+  const bool is_up = unit.host.systemd->is_up();
+  const Duration within =
+      is_up ? options_.start_within : std::min(options_.start_within, options_.reach_within);
+  unit.deadline = loop_.At(loop_.Now() + within, [this, &unit] {
     if (!unit.wanted) return;
     if (!unit.host.systemd->is_up()) return Await(unit, Unreached(unit.host));
     const bool silent = unit.examining && unit.unread.empty();

@@ -49,6 +49,8 @@ class HostUnits : public HostProcesses {
   struct Options {
     // How long a start takes at most, without the time that its host is waited for.
     Duration start_within = Milliseconds(10'000);
+    // How long a start waits for its host until that is reported as out of reach, at most.
+    Duration reach_within = Milliseconds(10'000);
     // For how long the controller's host has run, also while it was suspended.
     std::function<Duration()> since_boot = SinceBoot;
     // The systemd of this host, for the actuators without a `host`; empty: they are no units.

@@ -74,15 +74,16 @@ class UnitOfAnotherHost : public ::testing::Test {
     setenv("PATH", path_.c_str(), 1);
   }
 
-  void Make(Duration start_within = kSoon) {
+  void Make(Duration start_within = kSoon, Duration reach_within = std::chrono::hours(1)) {
     units_ = std::make_unique<HostUnits>(
         loop_, config_,
         [this] {
           return MachineIdentity{"robot", id_};
         },
-        BySsh(loop_), HostUnits::Options{.start_within = start_within, .since_boot = [this] {
-                                           return SinceBoot() + suspended_;
-                                         }});
+        BySsh(loop_),
+        HostUnits::Options{.start_within = start_within,
+                           .reach_within = reach_within,
+                           .since_boot = [this] { return SinceBoot() + suspended_; }});
   }
   void Write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / (name + ".new")) << text;
@@ -646,6 +647,20 @@ TEST_F(UnitOfAnotherHost, WaitsForItsHostAndIsStartedOnceThatIsReached) {
   AwaitCall("StartTransientUnit");
   EXPECT_THAT(not_started_, IsEmpty());
   EXPECT_THAT(waits_, SizeIs(1));
+}
+
+// A fail-over waited ten seconds for the host of the controller that is gone before it did
+// anything.
+TEST_F(UnitOfAnotherHost, IsReportedToWaitForItsHostBeforeAStartThereWouldBeOverdue) {
+  Make(std::chrono::hours(1), Milliseconds(100));
+  Write("off", "");
+  SetUnit("inactive", 0);
+  Open();
+  Start();
+  Await([this] { return !waits_.empty(); });
+  std::filesystem::remove(folder_ / "off");
+  AwaitCall("StartTransientUnit");
+  EXPECT_THAT(not_started_, IsEmpty());
 }
 
 TEST_F(UnitOfAnotherHost, IsNotStartedOnAHostThatIsReachedAfterTheEndOfTheMachine) {
