@@ -125,6 +125,11 @@ Result<> Controller::Open() {
     auto standby = Standby::Make(node_, config_, [this] { return shell_->machine_identity(); });
     if (!standby) return standby.error();
     standby_ = std::move(standby).value();
+    const auto reports = standby_->ReportHere(StandbyName(domain_id_, config_.name_space));
+    if (!reports) {
+      Trouble(reports.error().message +
+              "; `musher status` of this host does not know of this standby");
+    }
   }
   listen_for_others_ |= config_.transport == TransportProfile::kLan;
   const Duration listen = listen_for_others_ ? ListenTime(config_) : Duration{};

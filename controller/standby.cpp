@@ -37,7 +37,8 @@ Standby::Standby(transport::Node& node, const MachineConfig& config, IdentityOf 
     : node_(node),
       config_(config),
       identity_(std::move(identity)),
-      decision_(config, node.loop().Now()) {}
+      decision_(config, node.loop().Now()),
+      why_not_("it has just been started") {}
 
 Result<std::unique_ptr<Standby>> Standby::Make(transport::Node& node, const MachineConfig& config,
                                                IdentityOf identity) {
@@ -111,7 +112,21 @@ void Standby::OnStatus(const msg::MachineStatus& status) {
   received_ = false;
 }
 
+Result<> Standby::ReportHere(const std::string& name) {
+  auto server = StandbyServer::Make(node_.loop(), name, [this] {
+    return StandbyReport{{config_.name, identity_().id}, why_not_, 0};
+  });
+  if (!server) return server.error();
+  server_ = std::move(server).value();
+  return Ok();
+}
+
 std::string Standby::WhyNot() {
+  why_not_ = Reason();
+  return why_not_;
+}
+
+std::string Standby::Reason() {
   const std::string why = decision_.WhyNot(node_.loop().Now());
   // The id may have been learned since: then the status may be of another robot of the name.
   const bool is_ours = status_ && IsOurs(status_->machine, status_->machine_id);

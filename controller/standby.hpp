@@ -1,6 +1,7 @@
 #pragma once
 // A controller that stands by on another host: what it receives of the machine, and what the
-// machine's last controller has published. It sends nothing. See
+// machine's last controller has published. It sends nothing but its report to the commands of its
+// host. See
 // lifecycle/coordinator/failover.hpp.
 //
 // Threads: loop thread only.
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/controller/client/standby_call.hpp"
 #include "musher/lifecycle/coordinator/failover.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/lifecycle/machine/stored.hpp"
@@ -39,12 +41,15 @@ class Standby {
   // See StandbyDecision. To be called several times a second. A machine whose TearDown is complete
   // is led by none: what a person starts of it later has to have a controller first.
   std::string WhyNot();
+  // From now on commands of this host receive what WhyNot() has returned; `name`: StandbyName().
+  Result<> ReportHere(const std::string& name);
   // The last status of the controller that is gone; nullopt: none was received.
   const std::optional<msg::MachineStatus>& last_status() const { return status_; }
 
  private:
   Standby(transport::Node& node, const MachineConfig& config, IdentityOf identity);
   Result<> Open();
+  std::string Reason();
   template <class Message, class OnMessage>
   Result<> Receive(const std::string& topic, const transport::Qos& qos, OnMessage on_message);
   void OnStatus(const msg::MachineStatus& status);
@@ -58,6 +63,8 @@ class Standby {
   std::optional<msg::MachineStatus> status_;
   bool received_ = false;  // a controller of the machine
   std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
+  std::string why_not_;  // by the last WhyNot()
+  std::unique_ptr<StandbyServer> server_;
 };
 
 }  // namespace musher

@@ -1,5 +1,7 @@
 // musher status [--follow]: the machine's status now, or every change of it.
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
@@ -13,6 +15,7 @@
 #include "musher/base/words.hpp"
 #include "musher/cli/commands/commands.hpp"
 #include "musher/cli/console/error_json.hpp"
+#include "musher/cli/console/printable.hpp"
 #include "musher/cli/console/wall_time.hpp"
 #include "musher/cli/grammar/grammar.hpp"
 #include "musher/cli/machine/host_clocks.hpp"
@@ -21,6 +24,7 @@
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/render/json.hpp"
 #include "musher/cli/render/text.hpp"
+#include "musher/controller/client/standby_call.hpp"
 #include "musher/controller/process/host_processes.hpp"
 #include "musher/controller/process/own_systemd.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -38,6 +42,7 @@ struct StatusOptions {
 };
 
 constexpr Duration kStatusTime = Milliseconds(300);
+constexpr Duration kStandbyTime = Milliseconds(500);
 constexpr Duration kHistoryTime = std::chrono::seconds(1);
 constexpr Duration kClocksWithin = std::chrono::seconds(8);  // ssh gives up after 5 s
 constexpr std::uint32_t kRecent = 200;  // entries in which the last change of the state is searched
@@ -116,18 +121,45 @@ Uncontrolled OnlyMeant(Uncontrolled running, const std::string& word, bool led) 
   return running;
 }
 
+// "this host stands by for dog (pid 7): …".
+std::string StandbyText(const StandbyReport& standby) {
+  const std::string& name = standby.machine.name;
+  return fmt::format("this host stands by{} (pid {}): {}",
+                     name.empty() ? "" : " for " + Printable(name), standby.pid,
+                     standby.why_not.empty() ? "it leads in a moment" : Printable(standby.why_not));
+}
+
+// The standby of this host, if the command means its machine.
+std::optional<StandbyReport> StandbyHere(Link& link, const GlobalOptions& global) {
+  const auto domain = transport::DomainId({});
+  if (!domain) return std::nullopt;
+  const auto call = StandbyCall::Make(link.loop(), StandbyName(domain.value(), global.name_space));
+  if (!call) return std::nullopt;
+  link.RunUntil([&] { return call->ended(); }, kStandbyTime);
+  const auto report = call->Report();
+  const std::string& meant = global.machine;
+  if (!report || meant.empty() || report->machine.name == meant) return report;
+  return BeginsIdOf(report->machine, meant) ? report : std::nullopt;
+}
+
 // `led`: a controller leads them here, but cannot be reached.
 ExitCode WithoutController(Failure failure, const Uncontrolled& running, bool led,
-                           Console& console) {
-  if (failure.exit != ExitCode::kNoController || running.empty()) return console.Fail(failure);
-  if (!led) {
+                           const std::optional<StandbyReport>& standby, Console& console) {
+  const bool shows = !running.empty() || standby;
+  if (failure.exit != ExitCode::kNoController || !shows) return console.Fail(failure);
+  if (standby) {
+    failure.error.message += "; " + StandbyText(*standby);
+  } else if (!led) {
     failure.error.message += "; " + RunningNames(running) +
                              (running.size() == 1 ? " runs" : " run") +
                              " without one: `musher up` with their config takes control of them, "
                              "`musher down --without-controller` stops them";
   }
-  console.Print(console.mode().json ? RunningJson(failure, running)
-                                    : RunningText(running, console.mode().colour));
+  if (console.mode().json) {
+    console.Print(RunningJson(failure, running, standby));
+  } else if (!running.empty()) {
+    console.Print(RunningText(running, console.mode().colour));
+  }
   console.PrintError(failure.error.message);
   return failure.exit;
 }
@@ -188,7 +220,9 @@ void PrintStatus(const msg::MachineStatus& status, const Uncontrolled& unlisted,
   } else {
     console.Print(StatusText(status, colour, TimesOf(since, status.host)) +
                   (console.mode().terminal ? StatusLegend(status, colour) : "") +
-                  UnitsText(since.units, colour) + (hosts ? HostsText(*hosts, colour) : ""));
+                  UnitsText(since.units, colour) +
+                  (since.standby ? StandbyText(*since.standby) + "\n" : "") +
+                  (hosts ? HostsText(*hosts, colour) : ""));
   }
   if (!hosts) return;
   for (const HostClock& host : *hosts) {
@@ -264,7 +298,7 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
     const bool led = link->LeaderHere() != 0;
     const Uncontrolled others =
         OnlyMeant(running ? running->Now() : Uncontrolled{}, global.machine, led);
-    return WithoutController(*failure, others, led, console);
+    return WithoutController(*failure, others, led, StandbyHere(*link, global), console);
   }
   msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
   if (!running && (transport::ReachesOtherHosts() || HasUnlistedHere(status))) {
@@ -273,7 +307,8 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   if (running) running->OnlyOf({status.machine, status.machine_id});
   AddCredentialHints(status, global);
   const Uncontrolled unlisted = running ? AwaitUnlisted(*link, *running, status) : Uncontrolled{};
-  const StatusSince since = SinceWhen(*link, status);
+  StatusSince since = SinceWhen(*link, status);
+  since.standby = StandbyHere(*link, global);
   if (options.failed) KeepFailed(status);
   PrintStatus(status, unlisted, since, hosts, console);
   if (!unlisted.empty()) {

@@ -20,6 +20,14 @@ void to_json(cli::OrderedJson& json, StrongNumber<Kind> number) {
 namespace musher::cli {
 namespace {
 
+OrderedJson Of(const std::optional<StandbyReport>& standby) {
+  if (!standby) return {};
+  return {{"machine", Known(standby->machine.name)},
+          {"machine_id", Known(standby->machine.id)},
+          {"pid", Known(standby->pid)},
+          {"why_not_leading", standby->why_not}};
+}
+
 // A number of its own type, or of the wire.
 template <class N>
 OrderedJson KnownId(const N& number) {
@@ -204,7 +212,8 @@ std::string StatusJson(const msg::MachineStatus& status,
                    {"uptime_s", since.up_s ? OrderedJson(*since.up_s) : OrderedJson()},
                    {"violated_rules", status.violated_rules},
                    {"not_stopped", status.not_stopped},
-                   {"hosts", hosts ? Of(*hosts) : OrderedJson()}});
+                   {"hosts", hosts ? Of(*hosts) : OrderedJson()},
+                   {"standby", Of(since.standby)}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {
@@ -407,9 +416,11 @@ std::string ProgressJson(const Progress& progress) {
 }
 
 std::string RunningJson(const Failure& failure,
-                        const std::map<std::string, RunningActuators::Actuator>& running) {
+                        const std::map<std::string, RunningActuators::Actuator>& running,
+                        const std::optional<StandbyReport>& standby) {
   OrderedJson json = OrderedJson::parse(FailureJson(failure));
   json["actuators"] = Of(running);
+  json["standby"] = Of(standby);
   return JsonLine(json);
 }
 

@@ -18,6 +18,7 @@
 #include "musher/cli/machine/running_actuators.hpp"
 #include "musher/cli/machine/why.hpp"
 #include "musher/cli/start/progress.hpp"
+#include "musher/controller/client/standby_call.hpp"
 #include "musher/controller/client/stop_latch.hpp"
 #include "musher/controller/journal/replay.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
@@ -41,6 +42,7 @@ struct StatusSince {
   std::optional<std::int64_t> state_since_ns;
   std::optional<double> up_s;
   std::map<std::string, std::string> units = {};  // of actuators whose process is one of this host
+  std::optional<StandbyReport> standby = {};      // of this host
 };
 // `unlisted`: running actuators of the namespace that are not in the machine's config. `hosts`: its
 // other hosts; nullopt: they were not looked at.
@@ -48,9 +50,10 @@ std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, RunningActuators::Actuator>& unlisted = {},
                        const StatusSince& since = {},
                        const std::optional<std::vector<HostClock>>& hosts = {});
-// A failure, and the actuators that run without a controller.
+// A failure, the actuators that run without a controller, and the standby of this host.
 std::string RunningJson(const Failure& failure,
-                        const std::map<std::string, RunningActuators::Actuator>& running);
+                        const std::map<std::string, RunningActuators::Actuator>& running,
+                        const std::optional<StandbyReport>& standby = {});
 std::string EndingJson(const std::vector<DirectTearDown::Outcome>& outcomes);
 std::string SwitchJson(const msg::SetState::Response& result);
 std::string EstopJson(const EstopReport& report);

@@ -273,6 +273,7 @@ fail_over() {
   say "\$ ssh motion musher up --standby --detach robot.toml"
   musher_up --standby "$config" > "$scratch/standby.log" 2>&1
   expect "exit code of up" 0 $?
+  expect "motion stands by" "a controller leads, or has led until just now" "$(status .standby.why_not_leading)"
   say "\$ ssh motion musher set LowPower hands"
   musher set LowPower hands > /dev/null
   expect "hands are held in LowPower: exit code" 0 $?

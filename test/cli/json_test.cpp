@@ -25,7 +25,17 @@ TEST(Json, HasTheStatusOfAMachine) {
       R"("unlisted":{},"phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
       R"("config":"dog.toml","config_hash":"cafe","host":"here",)"
       R"("emergency_stop":{"engaged":false,"by":null,"reason":""},"held_by_stop":[],"not_on_disk":[],"policy":null,)"
-      R"("machine_id":null,"other_machines":[],"other_vendors":[],"requested_by":null,"since":null,"uptime_s":null,"violated_rules":[],"not_stopped":[],"hosts":null})");
+      R"("machine_id":null,"other_machines":[],"other_vendors":[],"requested_by":null,"since":null,"uptime_s":null,"violated_rules":[],"not_stopped":[],"hosts":null,"standby":null})");
+}
+
+TEST(Json, HasTheStandbyOfThisHost) {
+  StatusSince since;
+  since.standby = {{"dog", "id-1"}, "a controller leads", 7};
+  const std::string standby =
+      R"("standby":{"machine":"dog","machine_id":"id-1","pid":7,"why_not_leading":"a controller leads"}})";
+  EXPECT_THAT(StatusJson(RobotStatus(), {}, since), ::testing::HasSubstr(standby));
+  const Failure failure{ExitCode::kNoController, {kCodeNetError, "no controller"}};
+  EXPECT_THAT(RunningJson(failure, {}, since.standby), ::testing::HasSubstr(standby));
 }
 
 TEST(Json, HasAnEmergencyStopAndItsRelease) {

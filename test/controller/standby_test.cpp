@@ -4,6 +4,7 @@
 #include "musher/controller/standby.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/sim/network.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -336,6 +338,47 @@ TEST_F(Listening, LeadsNothingByTheHeartbeatsOfAnotherProcess) {
           .value();
   const auto lost = [&] { EXPECT_TRUE(heartbeats->Publish(HeartbeatOfLegs(true))); };
   EXPECT_THAT(While(Milliseconds(10'000), lost), HasSubstr("only 0 of 1"));
+}
+
+// A standby and a command of its host.
+class Reporting : public ::testing::Test {
+ protected:
+  std::optional<StandbyReport> Call() {
+    const auto call = StandbyCall::Make(loop_, name_);
+    if (!call) return std::nullopt;
+    loop_.RunUntil([&] { return call->ended(); }, loop_.Now() + std::chrono::minutes(2));
+    EXPECT_TRUE(call->ended());
+    return call->Report();
+  }
+
+  transport::LinuxEventLoop loop_;
+  std::string name_ = StandbyName(0, "standby_test_" + std::to_string(getpid()));
+};
+
+TEST_F(Reporting, AnswersACommandOfThisHostWithWhyItDoesNotLead) {
+  const StandbyReport report{{"dog", "id-1"}, "a controller leads,\nor has led", 0};
+  const auto server = StandbyServer::Make(loop_, name_, [&] { return report; });
+  ASSERT_TRUE(server) << server.error().message;
+  StandbyReport expected = report;
+  expected.pid = getpid();
+  EXPECT_EQ(Call(), expected);
+}
+
+TEST_F(Reporting, AnswersNothingOnceItLeads) {
+  auto server = StandbyServer::Make(loop_, name_, [] { return StandbyReport{}; });
+  ASSERT_TRUE(server) << server.error().message;
+  server.value() = nullptr;
+  EXPECT_EQ(Call(), std::nullopt);
+}
+
+// Its process is suspended.
+TEST_F(Reporting, IsKnownAlsoWhereItDoesNotAnswer) {
+  transport::LinuxEventLoop frozen;
+  const auto server = StandbyServer::Make(frozen, name_, [] { return StandbyReport{}; });
+  ASSERT_TRUE(server) << server.error().message;
+  const auto call = StandbyCall::Make(loop_, name_);
+  ASSERT_TRUE(call);
+  EXPECT_EQ(call->Report(), (StandbyReport{{}, "it does not answer", getpid()}));
 }
 
 }  // namespace musher::testing::standby_test
