@@ -111,7 +111,7 @@ class Controller {
   void TakeStopsHere();
   void BeginAfter(Duration listen);
   bool StandBy();
-  void GoOnWith(const msg::MachineStatus& status, event::Begin& begin) const;
+  void GoOnWith(const msg::MachineStatus& status, event::Begin& begin);
   void BeginUnlessLed();
   void WatchMajority();
   ActuatorPeers::RunsHere RunsHere() const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/policy/policy.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -31,6 +32,22 @@ std::vector<StoredActuator> StoredActuatorsOf(const MachineConfig& config,
     stored.push_back(std::move(one));
   }
   return stored;
+}
+
+StoredPolicy StoredPolicyOf(const MachineConfig& config, const msg::MachineStatus& status,
+                            StoredPolicy own) {
+  own.power = PowerAhead::kNone;
+  const msg::PolicyInfo& policy = status.policy;
+  BatteryLevel level = BatteryLevel::kFree;
+  if (!policy.ceiling_reason.empty()) {
+    const State most = CeilingState(config, BatteryLevel::kProtected);
+    const bool is_higher = most != CeilingState(config, BatteryLevel::kLowPower);
+    const bool is_protected = is_higher && policy.ceiling == std::string_view(most);
+    level = is_protected ? BatteryLevel::kProtected : BatteryLevel::kLowPower;
+  }
+  const bool is_known = policy.active && policy.battery >= 0;
+  own.level = is_known ? level : std::max(own.level, level);
+  return own;
 }
 
 Standby::Standby(transport::Node& node, const MachineConfig& config, IdentityOf identity)

@@ -30,6 +30,12 @@ namespace musher {
 std::vector<StoredActuator> StoredActuatorsOf(const MachineConfig& config,
                                               const msg::MachineStatus& status);
 
+// The policy that the next controller begins with. The level of the battery is that of the last
+// status; where that knows no battery, the lower one of it and of `own`, what this host has stored.
+// A power-off that was accepted on either is not gone on with: its command ends this host.
+StoredPolicy StoredPolicyOf(const MachineConfig& config, const msg::MachineStatus& status,
+                            StoredPolicy own);
+
 class Standby {
  public:
   using IdentityOf = std::function<MachineIdentity()>;

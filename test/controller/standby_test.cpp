@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "musher/lifecycle/policy/policy.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -90,6 +91,57 @@ TEST_F(GoingOn, DoesNotHoldDownWhatIsStartedByHand) {
   config_.actuators[*config_.IndexOf("a")].command.clear();
   Of("a").presence = "absent";
   EXPECT_EQ(Stored().at(0).stays_down, StaysDown::kNo);
+}
+
+// The battery of the robot, by the last status and by what the host of the standby has stored.
+class GoingOnWithABattery : public GoingOn {
+ protected:
+  GoingOnWithABattery() {
+    config_.policy.emplace().battery.emplace();
+    status_.policy.active = true;
+  }
+
+  void Limit(BatteryLevel level) {
+    status_.policy.ceiling = CeilingState(config_, level);
+    status_.policy.ceiling_reason = "the battery is low";
+  }
+  BatteryLevel LevelAfter(BatteryLevel own) const {
+    StoredPolicy stored;
+    stored.level = own;
+    return StoredPolicyOf(config_, status_, stored).level;
+  }
+};
+
+TEST_F(GoingOnWithABattery, IsLimitedAsTheControllerBeforeIt) {
+  status_.policy.battery = 12;
+  Limit(BatteryLevel::kProtected);
+  EXPECT_EQ(LevelAfter(BatteryLevel::kFree), BatteryLevel::kProtected);
+  Limit(BatteryLevel::kLowPower);
+  EXPECT_EQ(LevelAfter(BatteryLevel::kFree), BatteryLevel::kLowPower);
+  Limit(BatteryLevel::kEmpty);  // whether it is still empty, the next sample says
+  EXPECT_EQ(LevelAfter(BatteryLevel::kFree), BatteryLevel::kLowPower);
+}
+
+// What this host has stored may be of a day on which it has led.
+TEST_F(GoingOnWithABattery, IsNotLimitedByAnOldFileWhereTheControllerBeforeItKnewBetter) {
+  status_.policy.battery = 80;
+  EXPECT_EQ(LevelAfter(BatteryLevel::kLowPower), BatteryLevel::kFree);
+}
+
+TEST_F(GoingOnWithABattery, IsNeverRaisedWhereTheControllerBeforeItKnewNoBattery) {
+  status_.policy.battery = -1;
+  EXPECT_EQ(LevelAfter(BatteryLevel::kLowPower), BatteryLevel::kLowPower);
+  Limit(BatteryLevel::kLowPower);
+  EXPECT_EQ(LevelAfter(BatteryLevel::kProtected), BatteryLevel::kLowPower);
+  status_.policy = {};
+  EXPECT_EQ(LevelAfter(BatteryLevel::kProtected), BatteryLevel::kProtected);
+}
+
+// It was accepted on the day on which this host has led, and would switch the robot off now.
+TEST_F(GoingOnWithABattery, DoesNotGoOnWithAnOldPowerOff) {
+  StoredPolicy stored;
+  stored.power = PowerAhead::kOff;
+  EXPECT_EQ(StoredPolicyOf(config_, status_, stored).power, PowerAhead::kNone);
 }
 
 // A controller and an actuator on two hosts, as a standby on a third one receives them.
