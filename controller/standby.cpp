@@ -82,7 +82,7 @@ Result<> Standby::Open() {
   using transport::SampleInfo;
   const std::string& name_space = config_.name_space;
   const bool with_keys = !config_.keys.empty();
-  const auto controllers = Receive<msg::ControllerHeartbeat>(
+  auto controllers = Receive<msg::ControllerHeartbeat>(
       transport::ControllerHeartbeatTopic(name_space), transport::kLatchedFromManyQos,
       [this](const msg::ControllerHeartbeat& heartbeat, const SampleInfo& info) {
         if (!transport::IsOwn(heartbeat.participant, info)) return;
@@ -91,7 +91,7 @@ Result<> Standby::Open() {
         decision_.OnController(node_.loop().Now());
       });
   if (!controllers) return controllers;
-  const auto machine = Receive<msg::MachineStatus>(
+  auto machine = Receive<msg::MachineStatus>(
       transport::MachineStatusTopic(name_space), transport::kLatchedFromManyQos,
       [this](const msg::MachineStatus& status, const SampleInfo& info) {
         if (transport::IsOwn(status.participant, info)) OnStatus(status);
@@ -99,7 +99,7 @@ Result<> Standby::Open() {
   if (!machine) return machine;
   transport::Qos statuses_qos = transport::kLatchedFromManyQos;
   statuses_qos.partition = transport::ReaderPartition(with_keys);
-  const auto statuses = Receive<msg::ActuatorStatus>(
+  auto statuses = Receive<msg::ActuatorStatus>(
       transport::ActuatorStatusTopic(name_space), statuses_qos,
       [this](const msg::ActuatorStatus& status, const SampleInfo& info) {
         if (!transport::IsFrom(status, info)) return;
@@ -144,7 +144,7 @@ std::string Standby::WhyNot() {
 }
 
 std::string Standby::Reason() {
-  const std::string why = decision_.WhyNot(node_.loop().Now());
+  std::string why = decision_.WhyNot(node_.loop().Now());
   // The id may have been learned since: then the status may be of another robot of the name.
   const bool is_ours = status_ && IsOurs(status_->machine, status_->machine_id);
   if (!received_ || !is_ours) return "no controller of this machine was received yet";
