@@ -1,8 +1,7 @@
 #pragma once
 // A controller that stands by on another host: what it receives of the machine, and what the
 // machine's last controller has published. It sends nothing but its report to the commands of its
-// host. See
-// lifecycle/coordinator/failover.hpp.
+// host (client/standby_call.hpp). When it leads: lifecycle/coordinator/failover.hpp.
 //
 // Threads: loop thread only.
 
