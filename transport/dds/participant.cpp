@@ -12,6 +12,7 @@
 #include "musher/transport/dds/peers.hpp"
 #include "musher/transport/dds/qos.hpp"
 #include "musher/transport/dds/security.hpp"
+#include "musher/transport/dds/steady_waits.hpp"
 
 namespace musher::transport::dds {
 
@@ -92,6 +93,7 @@ Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture
 Result<Participant*> Join(int domain_id, const std::string& settings,
                           const std::optional<Credentials>& credentials, RosDistro distro,
                           const std::string& name) {
+  LinkSteadyWaits();
   LogCapture log;
   auto domain = OpenDomain(domain_id, settings, log);
   if (!domain) return domain.error();
