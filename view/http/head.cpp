@@ -44,8 +44,11 @@ std::string FillHeaders(const Head& head, Request& request) {
 
 // Through a proxy on this host, each client would seem to be on this host.
 bool IsProxied(const Request& request) {
+  constexpr std::string_view kForwarded = "x-forwarded-";  // …for, …proto, …host
+  const auto forwarded = request.headers.lower_bound(std::string(kForwarded));
   return request.headers.contains("forwarded") || request.headers.contains("via") ||
-         request.headers.contains("x-forwarded-for") || request.headers.contains("x-real-ip");
+         request.headers.contains("x-real-ip") ||
+         (forwarded != request.headers.end() && forwarded->first.starts_with(kForwarded));
 }
 
 std::string ChooseSubprotocol(std::string_view offered, const std::vector<std::string>& known) {

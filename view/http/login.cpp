@@ -106,9 +106,8 @@ void Login::CountFailure(const std::string& peer, Time now) {
 }
 
 Result<> Login::MayMakeLinks(std::string_view token, const std::string& peer, Time now) {
-  auto allowed = CheckFailures(peer, now);
-  if (!allowed) return allowed;
   if (!token_.empty() && SameSecret(token, token_)) return Ok();
+  if (auto allowed = CheckFailures(peer, now); !allowed) return allowed;
   CountFailure(peer, now);
   return LoginError("the token is wrong");
 }
@@ -146,13 +145,12 @@ Result<std::string> Login::RedeemPin(std::string_view offered, const std::string
 }
 
 Result<std::string> Login::Redeem(std::string_view offered, const std::string& peer, Time now) {
-  const auto allowed = CheckFailures(peer, now);
-  if (!allowed) return allowed.error();
   Code* found = nullptr;
   for (Code& code : codes_) {
     if (SameSecret(offered, code.code)) found = &code;
   }
   if (found == nullptr || found->used || found->until <= now) {
+    if (const auto allowed = CheckFailures(peer, now); !allowed) return allowed.error();
     CountFailure(peer, now);
     if (found == nullptr)
       return LoginError("the link is not valid; 'musher view' prints a new one");

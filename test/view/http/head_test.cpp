@@ -53,7 +53,8 @@ TEST(Head, OfAHeadRequestIsOneOfGetWithoutABody) {
 }
 
 TEST(Head, ThroughAProxyIsNotLocal) {
-  for (const std::string name : {"X-Forwarded-For", "Forwarded", "Via", "X-Real-IP"}) {
+  for (const std::string name : {"X-Forwarded-For", "X-Forwarded-Proto", "X-Forwarded-Host",
+                                 "Forwarded", "Via", "X-Real-IP"}) {
     EXPECT_FALSE(std::get<CheckedHead>(Check("GET", "/", {{name, "x"}})).request.local) << name;
   }
 }
