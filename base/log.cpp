@@ -5,28 +5,22 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <iostream>
 
 #include "musher/base/date_text.hpp"
+#include "musher/base/output_thread.hpp"
 
 namespace musher {
 namespace {
 
 constexpr std::array<std::string_view, 4> kNames = {"debug", "info", "warning", "error"};
 
-// In one piece, so that the lines of several threads, and of processes that share the file, do not
-// mix.
-void WriteLine(const std::string& line) {
-  std::cerr << line << std::flush;
-}
-
 LogLevel LevelFromEnvironment() {
   const char* chosen = std::getenv("MUSHER_LOG");
   if (chosen == nullptr || *chosen == '\0') return LogLevel::kInfo;
   const auto level = LogLevelNamed(chosen);
   if (!level) {
-    WriteLine("MUSHER_LOG is \"" + std::string(chosen) +
-              "\": expected debug, info, warning or error; info is used\n");
+    StandardError().Write("MUSHER_LOG is \"" + std::string(chosen) +
+                          "\": expected debug, info, warning or error; info is used\n");
   }
   return level.value_or(LogLevel::kInfo);
 }
@@ -97,7 +91,7 @@ LogLevel LowestLogLevel() {
 
 void WriteLog(LogLevel level, std::string_view name, std::string_view text) {
   if (level < LowestLogLevel()) return;
-  WriteLine((WantsTime() ? LocalNow() : "") + LogLine(level, name, text));
+  StandardError().Write((WantsTime() ? LocalNow() : "") + LogLine(level, name, text));
 }
 
 }  // namespace musher

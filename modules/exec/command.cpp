@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "musher/base/host.hpp"
+#include "musher/base/output_thread.hpp"
 #include "musher/base/toml/text.hpp"
 
 namespace musher::exec {
@@ -21,16 +22,6 @@ namespace {
 constexpr int kPollPeriodMs = 20;
 constexpr std::size_t kLongestLine = 200;  // bytes
 constexpr std::size_t kMostKept = 4 * kLongestLine;
-
-// Writes all of it, or as much as the reader of stdout takes.
-void Forward(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = write(STDOUT_FILENO, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return;
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
 
 // A running command.
 class RunningCommand {
@@ -67,7 +58,8 @@ class RunningCommand {
         return;
       }
       const std::string_view text(buffer.data(), static_cast<std::size_t>(got));
-      Forward(text);
+      StandardOutput().Write(
+          std::string(text));  // the command is watched on, whatever its log does
       line_.Add(text);
       if (child_.Ended() && text.size() < buffer.size()) return;
     }

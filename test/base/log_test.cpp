@@ -4,10 +4,13 @@
 
 #include <gmock/gmock.h>
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <vector>
 
 #include "musher/base/rate_limited_log.hpp"
+#include "musher/test/support/full_pipe.hpp"
 
 namespace musher::log_test {
 
@@ -95,6 +98,18 @@ TEST_F(LogDeathTest, ReportsAnUnknownLevelOnceAndWritesInfo) {
   EXPECT_EXIT(WriteEach("loud"), ExitedWithCode(0),
               HasSubstr("MUSHER_LOG is \"loud\": expected debug, info, warning or error; info is "
                         "used\ngripper: grips\n"));
+}
+
+// It held the loop of an actuator, and with it the emergency stop.
+TEST_F(LogDeathTest, HoldsNoThreadOnADiskThatDoesNotAnswer) {
+  const auto write = [] {
+    const testing::FullPipe pipe;
+    dup2(pipe.writer(), STDERR_FILENO);
+    alarm(60);
+    WriteLog(LogLevel::kError, "gripper", "no jaw");
+    _exit(0);
+  };
+  EXPECT_EXIT(write(), ExitedWithCode(0), "");
 }
 
 class LimitedLog : public ::testing::Test {

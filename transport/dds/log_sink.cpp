@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <string>
+
+#include "musher/base/output_thread.hpp"
 
 namespace musher::transport::dds {
 
@@ -37,7 +39,7 @@ void LogOnceAMinute(void*, const dds_log_data_t* data) {
     if (logged.size() >= kMostLines) logged.clear();
     logged.emplace(key, now);
   }
-  std::fwrite(line.data(), 1, line.size(), stderr);
+  StandardError().Write(std::string(line));  // Cyclone's threads do not wait for a disk
 }
 
 }  // namespace musher::transport::dds

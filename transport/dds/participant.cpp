@@ -2,12 +2,12 @@
 
 #include <dds/ddsrt/log.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <mutex>
 #include <string_view>
 
+#include "musher/base/output_thread.hpp"
 #include "musher/transport/dds/log_sink.hpp"
 #include "musher/transport/dds/peers.hpp"
 #include "musher/transport/dds/qos.hpp"
@@ -27,7 +27,7 @@ class LogCapture {
   LogCapture& operator=(const LogCapture&) = delete;
   ~LogCapture() {
     dds_set_log_sink(LogOnceAMinute, nullptr);
-    if (!text_.empty()) std::fprintf(stderr, "%s\n", text_.c_str());
+    if (!text_.empty()) StandardError().Write(text_ + "\n");
   }
 
   std::string Take() { return std::exchange(text_, {}); }

@@ -1,10 +1,12 @@
 #include "musher/modules/exec/command.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <string>
 
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/test/support/full_pipe.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::exec::command_test {
@@ -50,6 +52,19 @@ TEST_F(CommandTest, HandlesMoreOutputThanAPipeHolds) {
   ASSERT_TRUE(end);
   EXPECT_EQ(output.size(), 20'000U * 11 + 4);
   EXPECT_EQ(end.value().last_line, "end");
+}
+
+// A stop that said what it does ended no program while the disk of the log did not answer.
+TEST_F(CommandTest, EndsAlsoWhereNothingTakesItsOutput) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto run = [this] {
+    const testing::FullPipe pipe;
+    dup2(pipe.writer(), STDOUT_FILENO);
+    alarm(60);
+    const auto end = Run("echo stops");
+    _exit(end && end.value().last_line == "stops" ? 0 : 1);
+  };
+  EXPECT_EXIT(run(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST_F(CommandTest, GetsSigtermWhenItIsNoLongerNeeded) {
