@@ -13,6 +13,12 @@
 #include "musher/lifecycle/event_name.hpp"
 
 namespace musher::cli {
+namespace {
+
+constexpr Duration kBeginsWithin = std::chrono::seconds(10);
+
+}  // namespace
+
 UpLauncher::UpLauncher(Console& console, const MachineConfig& config, pid_t controller,
                        UniqueFd progress, UniqueFd signals, bool detach, bool restarted)
     : console_(console),
@@ -33,6 +39,10 @@ UpLauncher::UpLauncher(Console& console, const MachineConfig& config, pid_t cont
           loop_, std::move(progress), [this](const Progress& p) { OnProgress(p); },
           [this] { OnEnd(); }) {
   console_.TakeLost();  // Show() reports it
+  begin_watch_ = loop_.At(loop_.Now() + kBeginsWithin, [this, folder = config.state_dir] {
+    console_.PrintError(Controller() + " has not begun yet; perhaps the disk of " + folder +
+                        " does not answer");
+  });
   if (getpid() != 1) return;
   children_ = TakeSignals({SIGCHLD});
   children_watch_ = loop_.WhenReadable(children_.get(), [this] {
@@ -46,6 +56,7 @@ ExitCode UpLauncher::Run() {
 }
 
 void UpLauncher::OnProgress(const Progress& progress) {
+  begin_watch_ = nullptr;
   if (progress.kind == Progress::kMachine) return table_.Show(progress.machine);
   if (progress.kind == Progress::kNotStarted) {
     failed_to_start_ = true;

@@ -80,6 +80,7 @@ class UpLauncher {
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr abort_watch_;
   transport::LoopHandlePtr children_watch_;
+  transport::LoopHandlePtr begin_watch_;  // until the controller has sent something
   SwitchProgress table_;
   ProgressReceiver progress_;
 };

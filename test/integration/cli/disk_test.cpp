@@ -28,6 +28,20 @@ class Disk : public MachineByCli {
     up_ = std::make_unique<Process>(Command({"up", config_, "--json"}));
     ASSERT_NE(up_->LineWith("eyes: Active done"), "");
   }
+  // `musher up` with a state folder that hangs while the file `stall` is there, for half a minute
+  // at most: for the controller, and for what actuators print.
+  void StartOnADiskThatMayHang() {
+    const std::string library = BinDir() + "/cli_stalling_disk.so";
+    std::vector<std::string> words = {"env", "LD_PRELOAD=" + library,
+                                      "MUSHER_STALL_BELOW=" + (folder_ / "state"),
+                                      "MUSHER_STALL_WHILE=" + stall_};
+    const auto up = Command({"up", config_, "--json"});
+    words.insert(words.end(), up.begin(), up.end());
+    up_ = std::make_unique<Process>(words);
+  }
+  void Hang() const { std::ofstream(stall_) << "now"; }
+  void Answer() const { std::filesystem::remove(stall_); }
+
   // Of legs, which is restarted on failure.
   void ExpectACrashedActuatorIsRestarted() const {
     const pid_t before = Status()["actuators"]["legs"]["pid"];
@@ -39,6 +53,9 @@ class Disk : public MachineByCli {
   }
 
   std::unique_ptr<Process> up_;
+
+ private:
+  const std::string stall_ = folder_ / "stall";
 };
 
 TEST_F(Disk, WithAFileSizeLimitIsReportedAndDoesNotEndTheController) {
@@ -52,6 +69,31 @@ TEST_F(Disk, WithAFileSizeLimitIsReportedAndDoesNotEndTheController) {
   EXPECT_NE(up_->LineWith("the journal is not on disk: "), "");
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
   EXPECT_EQ(Status()["pid"], controller);
+}
+
+// An actuator whose command had printed a line hung with the disk of its log: it could be neither
+// switched nor stopped.
+TEST_F(Disk, ThatHangsHoldsNoActuatorThatPrints) {
+  for (const char* actuator : {"legs", "voice", "eyes"}) {
+    Does(actuator,
+         "[state.LowPower]\nshell = \"echo rests\"\n[emergency_stop]\nshell = \"echo stops\"\n");
+  }
+  StartOnADiskThatMayHang();
+  ASSERT_NE(up_->LineWith("eyes: Active done"), "");
+  Hang();
+  const Ended set = Musher({"set", "LowPower"});
+  EXPECT_EQ(set.exit, 0) << set.out << set.err;
+  const Ended stop = Musher({"estop"});
+  EXPECT_THAT(stop.err, Not(HasSubstr("not confirmed"))) << stop.out;
+  Answer();
+}
+
+TEST_F(Disk, ThatHangsIsNamedByTheStartThatWaitsForIt) {
+  Hang();
+  StartOnADiskThatMayHang();
+  EXPECT_TRUE(up_->AwaitError("has not begun yet; perhaps the disk of"));
+  Answer();
+  EXPECT_NE(up_->LineWith("the machine is Active"), "");
 }
 
 TEST_F(Disk, ThatIsFullIsInTheStatusAndTheHistoryAndForTheNextController) {
