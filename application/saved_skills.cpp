@@ -8,7 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/toml/file.hpp"
 #include "musher/behavior/skill/snapshot.hpp"
@@ -119,15 +118,10 @@ Result<> SavedSkills::Save(const skill::Manager& manager, Time now) {
   }
   const Result<std::string> text =
       saved ? skill::WriteSnapshot(saved.value()) : Result<std::string>(saved.error());
-  std::error_code ignored;
-  std::filesystem::create_directories(std::filesystem::path(file_).parent_path(), ignored);
   const Result<> written =
-      text ? ReplaceFile(file_,
-                         TextOf(restored_.value_or(Written{host_now_(), stops_})) + text.value(),
-                         {.synced = false})
+      text ? saved_.Replace(TextOf(restored_.value_or(Written{host_now_(), stops_})) + text.value())
            : Result<>(text.error());
-  // It would say that what has ended goes on. That is possible on a full disk, too.
-  if (!written) std::filesystem::remove(file_, ignored);
+  if (!text) saved_.Remove();
   written_at_ = now;
   shown_ = std::move(shown);
   const std::string fault = written ? "" : written.error().message;

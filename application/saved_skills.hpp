@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "musher/base/result.hpp"
+#include "musher/base/saved_file.hpp"
 #include "musher/base/time.hpp"
 #include "musher/behavior/skill/manager.hpp"
 
@@ -48,7 +49,9 @@ class SavedSkills {
   };
 
   explicit SavedSkills(std::string file, std::function<HostTime()> host_now = HostTimeNow)
-      : file_(std::move(file)), host_now_(std::move(host_now)) {}
+      : file_(std::move(file)),
+        saved_(file_, SavedFile::AfterFailure::kRemoved),
+        host_now_(std::move(host_now)) {}
 
   // Fails with the reason when it cannot be written; once for each reason.
   Result<> Save(const skill::Manager& manager, Time now);
@@ -70,6 +73,8 @@ class SavedSkills {
 
  private:
   const std::string file_;
+  // An old one would say that what has ended goes on. Its removal is possible on a full disk, too.
+  SavedFile saved_;
   const std::function<HostTime()> host_now_;
   // The states of the runs that were written last. Nothing at first: what a process before has left
   // in the file is replaced by the first Save().

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -248,6 +249,17 @@ TEST_F(ASavedSkill, IsNotRestoredFromAFileThatDoesNotFit) {
     EXPECT_FALSE(Restore(*after_, false)) << text;
     EXPECT_THAT(after_->Runs(), IsEmpty());
   }
+}
+
+// The pipe in the place of the draft has no reader.
+TEST_F(ASavedSkill, HoldsNoSkillWhereTheDiskDoesNotAnswer) {
+  std::filesystem::create_directories(folder_ / "state");
+  ASSERT_EQ(mkfifo((file_ + ".new").c_str(), 0600), 0);
+  ASSERT_TRUE(before_->Start("wait", {{"duration_s", 5.0}}));
+  before_->RunOnce(At(0));
+  SavedSkills saved = Saved();
+  EXPECT_THAT(saved.Save(*before_, At(0)).error().message, HasSubstr("has not answered"));
+  EXPECT_TRUE(saved.Save(*before_, At(2))) << "said once";
 }
 
 TEST_F(ASavedSkill, SaysOnceWhyItCannotBeSaved) {

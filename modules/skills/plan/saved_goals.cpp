@@ -2,7 +2,6 @@
 
 #include <filesystem>
 
-#include "musher/base/files.hpp"
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/toml/parsed.hpp"
@@ -53,14 +52,12 @@ Result<> SavedGoals::Save(const Goals& goals, Time now) {
   const bool again = failed() && now >= retry_at_;
   if (file_.empty() || (saved_ == goals && !again)) return Ok();
   saved_ = goals;
-  std::error_code ignored;
   if (goals.empty()) {
-    std::filesystem::remove(file_, ignored);  // one that stays names goals that have ended
+    on_disk_.Remove();  // one that stays names goals that have ended
     fault_.clear();
     return Ok();
   }
-  std::filesystem::create_directories(std::filesystem::path(file_).parent_path(), ignored);
-  const Result<> written = ReplaceFile(file_, GoalsText(goals), {.synced = false});
+  const Result<> written = on_disk_.Replace(GoalsText(goals));
   const std::string fault = written ? "" : written.error().message;
   retry_at_ = now + kRetry;
   if (std::exchange(fault_, fault) == fault || written) return Ok();

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "musher/base/result.hpp"
+#include "musher/base/saved_file.hpp"
 #include "musher/base/time.hpp"
 #include "musher/transport/action_goals.hpp"
 
@@ -28,7 +29,7 @@ class SavedGoals {
   using Goals = std::map<transport::GoalId, std::string>;  // the robot of each
 
   // An empty `file`: nothing is saved, and nothing found.
-  explicit SavedGoals(std::string file) : file_(std::move(file)) {}
+  explicit SavedGoals(std::string file) : file_(std::move(file)), on_disk_(file_) {}
 
   // What the process before has saved last. Fails with the reason when it cannot be read.
   Result<Goals> Found() const;
@@ -43,6 +44,7 @@ class SavedGoals {
 
  private:
   const std::string file_;
+  SavedFile on_disk_;
   std::optional<Goals> saved_;  // the last attempt; nullopt: the file is that of the process before
   Time retry_at_{};             // of an attempt that has failed
   std::string fault_;           // of the last attempt

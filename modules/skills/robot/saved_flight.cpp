@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <limits>
 #include <utility>
 
-#include "musher/base/files.hpp"
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/parsed.hpp"
 #include "musher/base/toml/table_reader.hpp"
@@ -56,9 +54,8 @@ std::optional<navigation::Point> SavedFlight::Found() const {
 
 Result<> SavedFlight::Save(const std::optional<navigation::Point>& place) {
   if (file_.empty()) return Ok();
-  std::error_code ignored;
   if (!place) {
-    if (!std::exchange(removed_, true)) std::filesystem::remove(file_, ignored);
+    if (!std::exchange(removed_, true)) saved_.Remove();
     written_at_.reset();
     return Ok();
   }
@@ -66,13 +63,10 @@ Result<> SavedFlight::Save(const std::optional<navigation::Point>& place) {
   if (written_at_ && now.since_boot - *written_at_ < kWrittenEach) return Ok();
   written_at_ = now.since_boot;
   removed_ = false;
-  std::filesystem::create_directories(std::filesystem::path(file_).parent_path(), ignored);
-  const Result<> written =
-      ReplaceFile(file_,
-                  fmt::format("written_host = \"{}\"\nwritten_ns = {}\nx_m = {:.3f}\ny_m = {:.3f}\n"
-                              "z_m = {:.3f}\n",
-                              now.host, now.since_boot.count(), place->x_m, place->y_m, place->z_m),
-                  {.synced = false});
+  const Result<> written = saved_.Replace(
+      fmt::format("written_host = \"{}\"\nwritten_ns = {}\nx_m = {:.3f}\ny_m = {:.3f}\n"
+                  "z_m = {:.3f}\n",
+                  now.host, now.since_boot.count(), place->x_m, place->y_m, place->z_m));
   const std::string fault = written ? "" : written.error().message;
   if (std::exchange(fault_, fault) == fault || written) return Ok();
   return Error{kCodeFailed, "where it is in the air is not saved: " + fault};

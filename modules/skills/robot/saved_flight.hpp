@@ -12,6 +12,7 @@
 #include <string>
 
 #include "musher/application/saved_skills.hpp"
+#include "musher/base/saved_file.hpp"
 #include "musher/navigation/pose.hpp"
 
 namespace musher::skills {
@@ -22,7 +23,7 @@ class SavedFlight {
 
   // An empty `file`: nothing is saved, and nothing found.
   explicit SavedFlight(std::string file, std::function<HostTime()> host_now = HostTimeNow)
-      : file_(std::move(file)), host_now_(std::move(host_now)) {}
+      : file_(std::move(file)), saved_(file_), host_now_(std::move(host_now)) {}
 
   // Where the process before had it in the air a moment ago. Nullopt: it had not, or the file
   // cannot be read.
@@ -34,6 +35,7 @@ class SavedFlight {
 
  private:
   const std::string file_;
+  SavedFile saved_;
   const std::function<HostTime()> host_now_;
   std::optional<Duration> written_at_;  // since the boot; nullopt: there is no file of this process
   bool removed_ = false;                // nor one of the process before

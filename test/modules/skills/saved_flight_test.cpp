@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -61,6 +62,18 @@ TEST_F(ASavedFlight, IsTheLastOneOfASecondBeforeAndEndsWithTheFlight) {
   EXPECT_FALSE(Process().Found());
   EXPECT_TRUE(flight.Save(navigation::Point{2, 0, 1})) << "at once, in the next flight";
   EXPECT_TRUE(Process().Found());
+}
+
+// The loop that waited for the disk held the flyer no more: the wind had it. The pipe in the place
+// of the draft has no reader.
+TEST_F(ASavedFlight, IsNotAwaitedFromADiskThatDoesNotAnswer) {
+  std::filesystem::create_directories(folder_ / "state");
+  ASSERT_EQ(mkfifo((file_ + ".new").c_str(), 0600), 0);
+  SavedFlight flight = Process();
+  EXPECT_THAT(flight.Save(navigation::Point{0, 0, 1}).error().message,
+              ::testing::HasSubstr("the disk has not answered"));
+  now_.since_boot += std::chrono::seconds(1);
+  EXPECT_TRUE(flight.Save(navigation::Point{1, 0, 1})) << "said once";
 }
 
 TEST_F(ASavedFlight, OfTheProcessBeforeEndsWhereTheNextOneFindsItOnTheGround) {
