@@ -1,6 +1,7 @@
 #include "musher/controller/storage/log_rotation.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 namespace musher {
@@ -62,8 +63,11 @@ std::vector<std::pair<std::size_t, std::uint64_t>> PartsBeyond(std::int64_t max_
   std::vector<std::tuple<std::int64_t, std::size_t, std::uint64_t, std::int64_t>> parts;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     total += logs[i].total();
-    for (const LogPart& part : logs[i].parts) {
-      parts.emplace_back(part.written_ns, i, part.number, part.bytes);
+    // A wall clock that was set back has written a newer part earlier.
+    std::int64_t written_ns = std::numeric_limits<std::int64_t>::max();
+    for (auto part = logs[i].parts.rbegin(); part != logs[i].parts.rend(); ++part) {
+      written_ns = std::min(written_ns, part->written_ns);
+      parts.emplace_back(written_ns, i, part->number, part->bytes);
     }
   }
   std::sort(parts.begin(), parts.end());

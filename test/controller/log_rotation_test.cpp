@@ -98,6 +98,14 @@ TEST(PartsBeyond, TakesTheOldestOfAllLogsFirst) {
               ElementsAre(Pair(0, 1), Pair(1, 1), Pair(1, 2), Pair(0, 2)));
 }
 
+// Each new part went at once, until the clock was where it had been.
+TEST(PartsBeyond, TakesTheOldestOfALogFirstAlsoWhereTheClockWasSetBack) {
+  const LogSizes log{1000, 10, {{1, 100, 9000}, {2, 100, 9010}, {3, 100, 20}}};
+  EXPECT_THAT(PartsBeyond(250, {log}), ElementsAre(Pair(0, 1)));
+  const LogSizes other{1000, 10, {{1, 100, 10}, {2, 100, 30}}};
+  EXPECT_THAT(PartsBeyond(250, {log, other}), ElementsAre(Pair(1, 1), Pair(0, 1), Pair(0, 2)));
+}
+
 TEST(LogBound, IsLessWhereThereAreManyLogs) {
   EXPECT_EQ(LogBound(50 * kMb, 500 * kMb, 0), 50 * kMb);
   EXPECT_EQ(LogBound(50 * kMb, 500 * kMb, 16), 50 * kMb);
