@@ -39,7 +39,7 @@ struct PendingCommand {
   friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
 };
 
-// The last command that was superseded before it was answered: the actuator may follow it first.
+// A command that was superseded before it was answered: the actuator may follow it first.
 struct SupersededCommand {
   CommandNumber number = 0;
   State target;
@@ -151,7 +151,8 @@ struct KnownActuator {
   ControlState control;
   std::optional<Time> set_up_by;  // not present by then: given up for now
   std::optional<Time> free_by;    // it is busy with a command that no switch waits for
-  std::optional<SupersededCommand> superseded;  // none, or the actuator was free since
+  // In their order, the last to each state; those are over that it has followed or left out.
+  std::vector<SupersededCommand> superseded;
   std::optional<Time> exit_by;  // lost, and its process may have exited: known by then
 
   // How it follows the machine.
@@ -189,12 +190,20 @@ struct KnownActuator {
   std::optional<std::string> elsewhere;
 
   const State& state() const { return report.state; }
-  // To where the command before the next one leads: the one under way, or one that was superseded.
-  // None: nowhere, as a self-check.
-  std::optional<State> BeforeNext() const {
-    if (!command && !superseded) return std::nullopt;
-    const State& target = command ? command->target : superseded->target;
-    return target == kSelfCheck ? std::nullopt : std::optional(target);
+  void Supersede() {
+    if (!command) return;
+    std::erase_if(superseded, [&](const auto& one) { return one.target == command->target; });
+    superseded.push_back({command->number, command->target});
+    command.reset();
+  }
+  // To where the commands before the next one lead: those that were superseded, and the one under
+  // way. The actuator may follow any of them first. A self-check leads nowhere.
+  std::vector<State> BeforeNext() const {
+    std::vector<State> targets;
+    for (const SupersededCommand& one : superseded) targets.push_back(one.target);
+    if (command) targets.push_back(command->target);
+    std::erase(targets, kSelfCheck);
+    return targets;
   }
 
   friend bool operator==(const KnownActuator&, const KnownActuator&) = default;

@@ -56,8 +56,9 @@ void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
                               report.outcome_number != known.report.outcome_number);
   const bool came_free = was_busy && !report.busy() && !known.command;
   if (!report.busy()) known.free_by.reset();
-  const bool followed = known.superseded && report.number >= known.superseded->number;
-  if (!report.busy() && followed) known.superseded.reset();
+  if (!report.busy()) {
+    std::erase_if(known.superseded, [&](const auto& one) { return one.number <= report.number; });
+  }
   // In the run phase a check leaves the state as it is.
   const bool passed_late = (report.state == kSelfCheck && known.report.state != kSelfCheck) ||
                            (known.report.target == kSelfCheck && report.outcome_code == kCodeOk);
@@ -331,9 +332,9 @@ State Commands::MostActiveOf(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   State most = known.state();
   if (Rises(config_, most, known.report.target)) most = known.report.target;
-  if (known.command && Rises(config_, most, known.command->target)) most = known.command->target;
-  const auto& superseded = known.superseded;
-  if (superseded && Rises(config_, most, superseded->target)) most = superseded->target;
+  for (const State& target : known.BeforeNext()) {
+    if (Rises(config_, most, target)) most = target;
+  }
   return most;
 }
 
@@ -360,7 +361,7 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   known.restart.reset_at.reset();
   known.control.rival_until.reset();
   known.free_by.reset();
-  known.superseded.reset();
+  known.superseded.clear();
   known.report.target = {};
   known.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;

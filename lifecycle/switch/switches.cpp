@@ -251,14 +251,16 @@ std::optional<CommandResult> Switches::FindUnfit(const Leg& leg) const {
   const Switch& s = *machine_.current;
   const bool level = !s.rollback.under_way && s.direction != Direction::kUp;
   // What an emergency stop has switched off waits for a request, also where the machine goes down
-  // by itself to the actuator's state or to a higher one. The actuator may begin in the state that
-  // the command before this one leads to.
+  // by itself to the actuator's state or to a higher one. The actuator may begin in a state that
+  // a command before this one leads to.
   const bool by_itself = s.purpose == Purpose::kFallback || s.purpose == Purpose::kPolicy;
   const bool held = s.stopped || (by_itself && MustBeSetAgain(machine_, known));
-  const std::optional<State> before = known.BeforeNext();
-  const bool switches_on = MaySwitchOn(config_, leg.from, leg.target) ||
+  const auto may_switch_on = [&](const State& from) {
+    return MaySwitchOn(config_, from, leg.target);
+  };
+  const bool switches_on = may_switch_on(leg.from) ||
                            SwitchesOnAgain(config_, leg.from, leg.target) ||
-                           (before && MaySwitchOn(config_, *before, leg.target));
+                           std::ranges::any_of(known.BeforeNext(), may_switch_on);
   if (held && level && switches_on && RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
                          texts::RefusedByEmergencyStop(), false};
@@ -560,8 +562,7 @@ void Switches::Supersede(CommandNumber by, const State& target, RecordId cause) 
   for (const Leg& leg : s.driven_legs()) {
     if (leg.progress != Leg::Progress::kUnderWay) continue;
     KnownActuator& known = Of(leg.actuator);
-    if (known.command) known.superseded = {known.command->number, known.command->target};
-    known.command.reset();
+    known.Supersede();
     known.free_by = now_ + config_.TimeFor(leg.actuator, leg.target);
   }
   Answer(s.requests, result);

@@ -10,6 +10,7 @@ namespace musher::testing::disturbed_switch_test {
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // Time
 
@@ -197,6 +198,23 @@ TEST_F(BackInASwitch, AnActuatorThatIsLostAfterASupersededCommandMayHaveFollowed
   EXPECT_EQ(Of(0).lost_in, kActive);
 }
 
+// Its Active was superseded by Error, and Error by TearDown: only Error was kept in mind.
+TEST_F(BackInASwitch, AnActuatorThatIsLostAfterTwoSupersededCommandsMayHaveFollowedEither) {
+  Begin();
+  for (const ActuatorIndex i : config_.actuators.Indices()) Come(i);
+  for (const ActuatorIndex i : config_.actuators.Indices()) Obey(i);
+  ASSERT_EQ(Of(0).command->target, kActive);
+  Do(event::SetStateRequested{1, kError, {}});
+  Do(event::SetStateRequested{2, kTearDown, {}});
+  ASSERT_EQ(Of(0).command->target, kTearDown);
+  for (int seconds = 0; seconds < 60; ++seconds) {
+    now_ += std::chrono::seconds(1);
+    Do(event::TimePassed{});
+  }
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+  EXPECT_EQ(Of(0).lost_in, kActive);
+}
+
 // Its status from before the superseded command was late.
 TEST_F(BackInASwitch, AnOlderStatusDoesNotMeanThatASupersededCommandIsOver) {
   Begin();
@@ -208,11 +226,11 @@ TEST_F(BackInASwitch, AnOlderStatusDoesNotMeanThatASupersededCommandIsOver) {
   report.number = number - 1;
   report.stamp = now_;
   Say(0, report);
-  ASSERT_TRUE(Of(0).superseded);
-  EXPECT_EQ(Of(0).superseded->target, kActive);
+  ASSERT_EQ(Of(0).superseded.size(), 1U);
+  EXPECT_EQ(Of(0).superseded.front().target, kActive);
   report.number = number;
   Say(0, report);
-  EXPECT_FALSE(Of(0).superseded);
+  EXPECT_THAT(Of(0).superseded, IsEmpty());
 }
 
 // Error was reported as done beside legs that had been lost, were back in Active, and took part in
