@@ -4,8 +4,6 @@
 
 #include "musher/controller/shell/switch_log.hpp"
 #include "musher/controller/shell/wire.hpp"
-#include "musher/lifecycle/health/health.hpp"
-#include "musher/lifecycle/record/texts.hpp"
 #include "musher/lifecycle/refusal.hpp"
 #include "musher/lifecycle/switch/plan.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -31,23 +29,6 @@ std::optional<Error> CheckLengths(const std::string& target, const std::string& 
     return std::nullopt;
   }
   return Refused<Refusal::kNameTooLong>(kLongestName);
-}
-
-// Actuators that may run where this controller does not reach them, so that they have confirmed no
-// release: partitioned, hung, or on another host since before it began.
-std::vector<std::string> OutOfReach(const msg::MachineStatus& status) {
-  std::vector<std::string> names;
-  for (const msg::ActuatorInfo& one : status.actuators) {
-    const bool is_off = one.state == kTearDown && one.target.empty();
-    if (one.protocol != ProtocolName(Protocol::kMusher) || is_off) continue;
-    const bool elsewhere = !one.host.empty() && one.host != status.host;
-    const bool silent = one.health == HealthName(Health::kHung) ||
-                        one.health == HealthName(Health::kPartitioned) || one.pid != 0;
-    const bool lost = one.presence == PresenceName(Presence::kLost) && silent;
-    const bool absent = one.presence == PresenceName(Presence::kAbsent) && elsewhere;
-    if (lost || absent) names.push_back(one.name);
-  }
-  return names;
 }
 
 // A client that names another machine has reached this controller because both serve one namespace.
@@ -186,12 +167,7 @@ void ControllerServices::OnRelease(const msg::ReleaseEmergencyStop::Request& req
   for (const std::string& id : request.seen_stops) seen.push_back(transport::ReadStopId(id));
   const auto done = [this, reply](const Result<>& result) {
     shell_.PublishStatus();
-    const std::vector<std::string> missing =
-        result ? OutOfReach(shell_.Status()) : std::vector<std::string>();
-    if (missing.empty()) return reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
-    const RecordText text = texts::ReleaseUnconfirmed(missing);
-    shell_.Remark(kCodeTimeout, text.message);
-    reply(AnswerTo<msg::ReleaseEmergencyStop>(Error{kCodeTimeout, text.message}));
+    reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
   };
   shell_.ReleaseEmergencyStop(RequesterOf(request.by, "release_emergency_stop", caller), done,
                               std::move(seen));

@@ -281,12 +281,18 @@ bool EmergencyStops::HasConfirmed(ActuatorIndex i, StopId last) const {
       return clear && (last == 0 || report.released_stop == last);
     case Presence::kStarting:
       return clear;
-    case Presence::kLost:  // it may run on, unless its process is known to have exited
-      return clear || report.incarnation == known.process.dead;
-    case Presence::kAbsent:
-      // Its process was found by its name, and has not reported yet what it has latched.
-      return last == 0 || known.process.launch != Launch::kFoundRunning || known.process.pid == 0 ||
-             report.incarnation != 0;
+    case Presence::kLost: {
+      // It may run on, and its last report is from before the release.
+      const bool is_off = known.state() == kTearDown && report.target.empty();
+      return (clear && (last == 0 || is_off)) || report.incarnation == known.process.dead;
+    }
+    case Presence::kAbsent: {
+      // Its process was found by its name, and has not reported yet what it has latched; or it ran
+      // on another host before this controller.
+      const bool unheard = known.process.launch == Launch::kFoundRunning &&
+                           known.process.pid != 0 && report.incarnation == 0;
+      return last == 0 || !(unheard || known.elsewhere);
+    }
   }
   return true;
 }

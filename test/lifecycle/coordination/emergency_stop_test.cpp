@@ -10,6 +10,7 @@
 namespace musher::testing::emergency_stop_test {
 
 using ::testing::Contains;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -439,6 +440,20 @@ TEST_F(EmergencyStopped, AReleaseIsNotConfirmedByAnActuatorWhoseExitIsNotKnown) 
   const Result<> released = t.Released();
   ASSERT_FALSE(released);
   EXPECT_THAT(released.error().message, HasSubstr("not confirmed by b"));
+}
+
+// Its last report has no stop, as the stop came later: the journal had the machine as released.
+TEST_F(EmergencyStopped, AReleaseIsNotConfirmedByAReportFromBeforeTheConnectionWasLost) {
+  Harness& t = In("Active");
+  t.Mute("b", true, true);
+  t.Find("b", Health::kPartitioned, true);
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kLost);
+  Stop(t);
+  const Result<> released = t.Released();
+  ASSERT_FALSE(released);
+  EXPECT_THAT(released.error().message, HasSubstr("not confirmed by b"));
+  EXPECT_THAT(t.whole_records,
+              Not(Contains(Field(&action::Record::event, EventName::kEmergencyStopReleased))));
 }
 
 TEST_F(EmergencyStopped, ALostReleaseIsPublishedUntilItIsConfirmed) {
