@@ -152,16 +152,8 @@ make_config() {
 pid_of() {
   status ".actuators.$1.pid"
 }
-# await_long FILTER: up to a minute.
-await_long() {
-  local _
-  for _ in {1..6}; do
-    await "$1"
-    [[ $(status "$1") == true ]] && return
-  done
-}
 all_active() {
-  await_long '.state == "Active" and ([.actuators[] | select(.state == "Active" and .degraded == false)] | length == 11)'
+  await '.state == "Active" and ([.actuators[] | select(.state == "Active" and .degraded == false)] | length == 11)'
   expect "actuators in Active" 11 "$(status '[.actuators[] | select(.state == "Active")] | length')"
 }
 units_on() {
@@ -197,7 +189,7 @@ kill_one() {
   before=$(pid_of eyes)
   say "\$ ssh vision kill -KILL $before    # eyes"
   killed=$(on vision "date +%s%N; kill -KILL $before")
-  await_long ".actuators.eyes.pid != null and .actuators.eyes.pid != $before and .actuators.eyes.state == \"Active\""
+  await ".actuators.eyes.pid != null and .actuators.eyes.pid != $before and .actuators.eyes.state == \"Active\""
   after=$(pid_of eyes)
   expect "it has another process" yes "$([[ $after != "$before" && $after != null ]] && echo yes)"
   seen=$(history_of "[.[] | select(.message == \"eyes's process $before ended: killed by SIGKILL\")][0].time")
@@ -212,7 +204,7 @@ eat_memory() {
     return
   fi
   musher_set LowPower
-  await_long '.actuators.faces.restarts >= 1'
+  await '.actuators.faces.restarts >= 1'
   expect "it is named" yes "$(history_of '[.[].message | select(test("out of memory: its limit .memory_max_mb = 64"))] | length > 0' | sed 's/true/yes/')"
   printf '[state.LowPower]\nrun = ["true"]\n' > "$disks/vision/faces.toml"
   musher_set Active
