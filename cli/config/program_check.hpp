@@ -15,7 +15,7 @@ namespace musher::cli {
 // program or folder that is missing here has the severity `missing`. Runs Musher's own programs
 // with --check, each for at most `timeout`; runs no other program.
 std::vector<Diagnostic> CheckPrograms(const MachineConfig& config,
-                                      Duration timeout = Milliseconds(5000),
+                                      Duration timeout = Milliseconds(30000),
                                       Severity missing = Severity::kWarning);
 
 }  // namespace musher::cli

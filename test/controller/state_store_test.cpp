@@ -90,7 +90,7 @@ TEST_F(Store, ForgetsAPowerOffOfAnEarlierBootOrOlderThanTheBound) {
     return store.LoadPolicy().power;
   };
   EXPECT_EQ(decided(boot, std::chrono::minutes(9)), PowerAhead::kReboot);
-  EXPECT_EQ(decided(boot, std::chrono::minutes(75)), PowerAhead::kNone);
+  EXPECT_EQ(decided(boot, std::chrono::minutes(75) + std::chrono::seconds(1)), PowerAhead::kNone);
   EXPECT_EQ(WhyPowerForgottenIn(dir_),
             "a reboot that was decided 75 min ago is forgotten: it outlasts its controller for 10 "
             "min");
