@@ -433,12 +433,8 @@ void Controller::WatchStopsHere() {
   if (name_) stops_here_ = node_.loop().WhenReadable(name_->fd(), [this] { TakeStopsHere(); });
 }
 
-// What the folder of this host has is of the last time that this host led.
 void Controller::GoOnWith(const msg::MachineStatus& status, event::Begin& begin) {
-  begin.actuators = StoredActuatorsOf(config_, status);
-  begin.epoch = std::max(begin.epoch, Epoch(status.epoch));
-  begin.stop_intent = status.phase == PhaseName(Phase::kStopping);
-  begin.policy = StoredPolicyOf(config_, status, begin.policy);
+  GoOnFrom(config_, status, begin);
   if (!store_) return;
   disk_.Do(std::string(StoredName(Stored::kPolicy)),
            [store = store_, policy = begin.policy] { return store->SavePolicy(policy); });

@@ -50,6 +50,13 @@ StoredPolicy StoredPolicyOf(const MachineConfig& config, const msg::MachineStatu
   return own;
 }
 
+void GoOnFrom(const MachineConfig& config, const msg::MachineStatus& status, event::Begin& begin) {
+  begin.actuators = StoredActuatorsOf(config, status);
+  begin.epoch = std::max(begin.epoch, Epoch(status.epoch));
+  begin.stop_intent = status.phase == PhaseName(Phase::kStopping);
+  begin.policy = StoredPolicyOf(config, status, begin.policy);
+}
+
 Standby::Standby(transport::Node& node, const MachineConfig& config, IdentityOf identity)
     : node_(node),
       config_(config),

@@ -16,6 +16,7 @@
 #include "musher/lifecycle/coordinator/failover.hpp"
 #include "musher/lifecycle/machine/machine_identity.hpp"
 #include "musher/lifecycle/machine/stored.hpp"
+#include "musher/lifecycle/step/event.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -34,6 +35,10 @@ std::vector<StoredActuator> StoredActuatorsOf(const MachineConfig& config,
 // A power-off that was accepted on either is not gone on with: its command ends this host.
 StoredPolicy StoredPolicyOf(const MachineConfig& config, const msg::MachineStatus& status,
                             StoredPolicy own);
+
+// Completes how the next controller begins, by the last status of the one before it. What the
+// folder of this host has is of the last time that this host led.
+void GoOnFrom(const MachineConfig& config, const msg::MachineStatus& status, event::Begin& begin);
 
 class Standby {
  public:

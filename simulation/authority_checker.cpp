@@ -183,13 +183,13 @@ void AuthorityChecker::CheckControllerOf(const std::string& name, Sender control
 }
 
 // A controller is fenced. A controller of its own machine must have begun beside it, or has
-// requested that as a process of the same host.
+// requested that as a process of the same host; or it leaves the machine to its standby.
 void AuthorityChecker::CheckFence(const SimulatedController& controller,
                                   const action::Record& record) {
   if (record.event != EventName::kControllerFenced || other_ == nullptr) return;
   const bool requested = record.message.find("of this host") != std::string::npos;
   const bool has_rival = word_of_.size() > word_of_.count(controller.serial());
-  if (requested || has_rival) return;
+  if (requested || has_rival || config_.failover) return;
   ReportViolation(
       Invariant::kOtherMachineNeverFences,
       "the only controller of machine " + robot_.identity().id + " is fenced: " + record.message);

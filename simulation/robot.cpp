@@ -38,6 +38,12 @@ msg::BmsStatus BatteryAt(int percent, bool charging) {
   return status;
 }
 
+// As `musher up` reads it on the host of that controller.
+MachineConfig ConfigOn(MachineConfig config, const Layout& layout, std::size_t controller) {
+  if (config.failover) TakeOwnHosts(config, {layout.hosts[layout.controllers[controller]]});
+  return config;
+}
+
 }  // namespace
 
 SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script, const Layout& layout)
@@ -51,6 +57,7 @@ SimRobot::SimRobot(std::unique_ptr<World> world, SimRobot* beside, MachineConfig
                    Script script, Layout layout)
     : config_(std::move(config)),
       layout_(std::move(layout)),
+      configs_({ConfigOn(config_, layout_, 0), ConfigOn(config_, layout_, 1)}),
       world_(std::move(world)),
       network_(world_ ? world_->network : beside->network_),
       hosts_(world_ ? world_->hosts : beside->hosts_),
@@ -123,8 +130,12 @@ void SimRobot::Open(std::size_t which) {
     environment_->loop().Post([this, which, serial] {
       const auto& controller = controllers_[which];
       // The next controller may already run in its place.
-      if (controller && controller->serial() == serial && !controller->leads())
-        EndController(which);
+      if (!controller || controller->serial() != serial || controller->leads()) return;
+      EndController(which);
+      const auto& other = controllers_[1 - which];
+      if (other && other->leads() && other->shell().machine().phase == Phase::kStopped) {
+        EndController(1 - which);  // a real one has exited by itself
+      }
     });
   };
   if (systemds_) {
@@ -136,7 +147,7 @@ void SimRobot::Open(std::size_t which) {
   }
   controllers_[which] = std::make_unique<SimulatedController>(
       network_, layout_.prefix + kControllerEndpoints[which], layout_.controllers[which], hosts_,
-      config_, layout_.machine_id, processes_, DiskOf(which), std::move(hooks));
+      configs_[which], layout_.machine_id, processes_, DiskOf(which), std::move(hooks));
   controllers_ever_.insert(controllers_[which]->participant());
 }
 
@@ -161,7 +172,15 @@ Duration SimRobot::ListenTime() const {
   return config_.transport == TransportProfile::kLan ? kListenTime : Duration::zero();
 }
 
+void SimRobot::StartStandby() {
+  if (!config_.failover || OneHost() || controllers_[1]) return;
+  Open(1);
+  controllers_[1]->StandBy();
+}
+
 void SimRobot::StartRival(bool takeover) {
+  const bool in_place = takeover && controllers_[1] && controllers_[1]->stands_by();
+  if (in_place) EndController(1);
   if (controllers_[1]) return;
   if (!OneHost()) return LaunchController(1, takeover, kListenTime);
   const auto& first = controllers_[0];
@@ -211,6 +230,13 @@ void SimRobot::KillController(std::size_t which) {
 void SimRobot::CrashController() {
   KillController(0);
   KillController(1);
+}
+
+void SimRobot::CrashLeader() {
+  const SimulatedController* leading = leader();
+  for (std::size_t which = 0; which < controllers_.size(); ++which) {
+    if (leading != nullptr && controllers_[which].get() == leading) return KillController(which);
+  }
 }
 
 void SimRobot::RebootHost(std::size_t host) {

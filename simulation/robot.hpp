@@ -115,9 +115,13 @@ class SimRobot {
   // refuses if it has received heartbeats of the first. On the same host the folder of the first is
   // locked: the second ends the first, or refuses.
   void StartRival(bool takeover);
+  // A standby on the host of the second controller. Does nothing where a controller runs there, or
+  // where the config has none.
+  void StartStandby();
   // An operator starts the first controller with --takeover, on a host of its own.
   void TakeBack();
   void CrashController();  // kills all controllers
+  void CrashLeader();      // kills the one that leads
   // Ends all processes of the host and resets its clock. Its systemd answers from BootHost() on.
   void RebootHost(std::size_t host);
   void BootHost(std::size_t host);
@@ -250,7 +254,8 @@ class SimRobot {
 
   MachineConfig config_;
   const Layout layout_;
-  const std::unique_ptr<World> world_;  // null: it is in the world of another machine
+  std::array<MachineConfig, 2> configs_;  // as each controller reads it on its host
+  const std::unique_ptr<World> world_;    // null: it is in the world of another machine
   transport::sim::Network& network_;
   Hosts& hosts_;
   Time switched_on_;

@@ -263,6 +263,7 @@ void Scenario::StartPermits() {
 
 void Scenario::StartController(Starter starter) {
   robot_.LaunchController(0, starter == Starter::kPerson, robot_.ListenTime(), starter);
+  robot_.StartStandby();
 }
 
 bool Scenario::IsByHand(ActuatorIndex actuator) const {
@@ -782,6 +783,7 @@ void Scenario::Reboot(std::size_t host, Duration lasts) {
     for (const ActuatorIndex i : config_.actuators.Indices()) {
       if (IsByHand(i) && robot_.layout().HostOf(i) == host) StartByHand(i);
     }
+    if (robot_.layout().controllers[1] == host) robot_.StartStandby();
     const bool here = robot_.layout().controllers[0] == host;
     if (had_controller && robot_.MayStartFirst()) {
       StartController(supervised_ && here ? Starter::kBoot : Starter::kPerson);
@@ -811,10 +813,11 @@ void Scenario::ApplyToController(const Injection& injection) {
     case InjectionKind::kControllerCrash: {
       // A supervisor restarts only a controller that crashed on its own host.
       const bool restarted = supervised_ && (robot_.controller(0) != nullptr || robot_.OneHost());
-      robot_.CrashController();
+      config_.failover ? robot_.CrashLeader() : robot_.CrashController();
       const Starter starter = restarted ? Starter::kSupervisor : Starter::kPerson;
       return Later(injection.lasts, [this, starter] {
         if (robot_.MayStartFirst()) StartController(starter);
+        robot_.StartStandby();
       });
     }
     case InjectionKind::kStalledDisk:
@@ -902,7 +905,10 @@ void Scenario::EndTornDown() {
 
 // The operator starts a controller where none is left: of two, each may have been replaced.
 bool Scenario::ReachStableState(const std::string& when) {
-  const auto none_runs = [this] { return !robot_.controller(0) && !robot_.controller(1); };
+  const auto none_runs = [this] {
+    const SimulatedController* second = robot_.controller(1);
+    return !robot_.controller(0) && (second == nullptr || second->stands_by());
+  };
   for (int tries = 0; tries < 3; ++tries) {
     RunUntil([&] { return checker_.AtRest() || none_runs(); }, options_.bound);
     if (Over() || !none_runs()) break;

@@ -7,6 +7,13 @@
 #include "musher/lifecycle/step/emergency_stops.hpp"
 
 namespace musher::simulation {
+namespace {
+
+// As Controller's.
+constexpr Duration kStandbyPeriod = Milliseconds(100);
+constexpr Duration kMajorityPeriod = Milliseconds(100);
+
+}  // namespace
 
 std::vector<UnreadFolder> UnreadFoldersOf(const Disk& disk) {
   std::vector<UnreadFolder> found = disk.unread;
@@ -213,12 +220,39 @@ void SimulatedController::Begin(bool takeover, Starter starter) {
   if (opened_ != FolderOpens::kNo) begin.remote = disk_.remote;
   if (opened_ != FolderOpens::kNo) begin.actuators = disk_.actuators;
   begin.policy = LoadPolicy();
+  if (led_before_) GoOnFrom(config_, *led_before_, begin);
   begin.restarted = starter == Starter::kSupervisor;
   begin.supervised = starter != Starter::kPerson;
   begin.at_boot = starter == Starter::kBoot;
   begun_ = true;
   if (hooks_.on_begin) hooks_.on_begin(starter);
   shell_->Begin(std::move(begin), children);
+  if (!config_.failover) return;
+  majority_timer_ = node_->loop().Every(kMajorityPeriod, [this] { WatchMajority(); });
+}
+
+// As Controller's.
+void SimulatedController::WatchMajority() {
+  if (majority_.WhyRelease(config_, shell_->machine(), Now()).empty()) return;
+  majority_timer_ = nullptr;
+  shell_->ReleaseControl("the standby of another host, as far as this one can know", true);
+}
+
+void SimulatedController::StandBy() {
+  standby_ = Standby::Make(*node_, config_, [this] { return shell_->machine_identity(); }).value();
+  LeadWhatIsLost();
+}
+
+// As Controller's.
+void SimulatedController::LeadWhatIsLost() {
+  if (shell_->refused()) return;
+  if (!standby_->WhyNot().empty()) {
+    standby_timer_ = node_->loop().At(Now() + kStandbyPeriod, [this] { LeadWhatIsLost(); });
+    return;
+  }
+  led_before_ = standby_->last_status();
+  standby_ = nullptr;
+  Begin(true, Starter::kSupervisor);
 }
 
 void SimulatedController::OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit) {

@@ -17,6 +17,7 @@
 #include "musher/controller/process/host_units.hpp"
 #include "musher/controller/shell/controller_services.hpp"
 #include "musher/controller/shell/controller_shell.hpp"
+#include "musher/controller/standby.hpp"
 #include "musher/cyberdog/extension.hpp"
 #include "musher/simulation/simulated_processes.hpp"
 
@@ -101,6 +102,10 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   // Takes control of the machine. Refuses when it has received heartbeats of another controller,
   // unless `takeover` is set.
   void Begin(bool takeover, Starter starter = Starter::kPerson);
+  // Begins once the controller of the other host is gone, as a standby does: its supervisor has
+  // started it.
+  void StandBy();
+  bool stands_by() const { return standby_ != nullptr; }
   // A process has ended.
   void OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit);
 
@@ -145,6 +150,8 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   void TakeBacktrace(pid_t pid, Duration timeout,
                      std::function<void(Result<std::string>)> done) override;
   void Append(JournalItem item) noexcept override;
+  void LeadWhatIsLost();
+  void WatchMajority();
   StoredStops LoadStops() const;
   StoredPolicy LoadPolicy();
   bool WritesFail() const { return disk_.full || opened_ != FolderOpens::kYes; }
@@ -173,6 +180,11 @@ class SimulatedController : private ProcessRunner, private ProcessProbe, private
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<HostUnits> units_;  // null: no other host runs processes of the machine
   std::unique_ptr<ControllerShell> shell_;
+  std::unique_ptr<Standby> standby_;              // null unless it stands by
+  std::optional<msg::MachineStatus> led_before_;  // by the controller that this standby replaces
+  transport::LoopHandlePtr standby_timer_;
+  MajorityReach majority_;
+  transport::LoopHandlePtr majority_timer_;
   std::unique_ptr<ControllerServices> services_;  // null unless it leads
   const ControllerExtension cyberdog_ = cyberdog::Extension("SIMULATED-1");
   std::unique_ptr<ExtensionServices> manager_;  // the same; also null where the config has none

@@ -112,7 +112,9 @@ void SimulatedProcesses::AddPart(Process& process, const std::string& name,
                                  const MachineIdentity& machine) {
   Part& part = *process.parts.emplace_back(std::make_unique<Part>());
   part.name = name;
+  const bool name_is_held = IsAlive(name, process.host);
   running_[name].push_back(&process);
+  if (name_is_held) return EndLater(process.serial, {ProcessExit::Kind::kExited, 1});
   if (IsMisconfigured(name)) return EndLater(process.serial, WrongConfigExit());
   if (const auto program = programs_.find(name); program != programs_.end()) {
     part.program = program->second(*process.node);

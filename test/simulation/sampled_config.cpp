@@ -181,4 +181,26 @@ MachineConfig SampleConfigWithUnits(std::uint64_t seed) {
   return config;
 }
 
+MachineConfig SampleConfigWithStandby(std::uint64_t seed) {
+  Random random(seed * 2 + 0x7374616e6462);
+  MachineConfig config = SampleConfig(seed);
+  config.transport = TransportProfile::kLan;
+  config.failover = random.Between(Milliseconds(500), std::chrono::seconds(3));
+  for (const std::string& name : simulation::SampleLayout(config, seed, false).hosts) {
+    HostConfig& host = config.hosts.emplace_back();
+    host.name = host.address = name;
+  }
+  for (ActuatorConfig& actuator : config.actuators) {
+    if (actuator.protocol != Protocol::kMusher || random.Bernoulli(0.3)) {
+      actuator.command.clear();
+      continue;
+    }
+    actuator.command = {"run", actuator.name};
+    actuator.host = config.hosts[random.Next() % config.hosts.size()].name;
+    actuator.times.front() += std::chrono::seconds(3);  // of SetUp: its host has to be reached
+  }
+  config.own_units = random.Bernoulli(0.3);
+  return config;
+}
+
 }  // namespace musher::testing

@@ -14,4 +14,8 @@ MachineConfig SampleConfig(std::uint64_t seed);
 // half of the robots all that a controller starts.
 MachineConfig SampleConfigWithUnits(std::uint64_t seed);
 
+// The same robot with a standby on another host. The first host has actuators, too: they are units
+// of it, or started by hand.
+MachineConfig SampleConfigWithStandby(std::uint64_t seed);
+
 }  // namespace musher::testing

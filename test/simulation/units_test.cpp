@@ -1,11 +1,5 @@
-// Robots of several hosts whose systemds run actuators as units
-// (simulation/simulated_systemds.hpp), with the injected events of their seeds: reboots, hard and
-// in order, and cut links among them. Every invariant of one host holds over them.
-//
-//   MUSHER_SEED=42 simulation_test --gtest_filter='*OfUnits*/0'
-//     runs one scenario, and prints its timeline
-//   MUSHER_SEEDS=100000 [MUSHER_FIRST=1] …
-//     runs that many
+// A robot of several hosts whose systemds run its actuators as units
+// (simulation/simulated_systemds.hpp).
 
 #include <gmock/gmock.h>
 
@@ -32,53 +26,6 @@ using simulation::ScenarioOptions;
 using simulation::SimRobot;
 using simulation::Timeline;
 using ::testing::HasSubstr;
-
-std::uint64_t Environment(const char* name, std::uint64_t otherwise) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? otherwise : std::strtoull(value, nullptr, 10);
-}
-
-ScenarioOptions OptionsFor(const MachineConfig& config) {
-  ScenarioOptions options = simulation::UsualOptions(config);
-  options.provided = false;  // a sampled robot may run without any of its actuators
-  options.shared_processes = true;
-  return options;
-}
-
-std::string TimelineOf(std::uint64_t seed) {
-  const MachineConfig config = SampleConfigWithUnits(seed);
-  Scenario scenario(config, seed, simulation::SampleInjections(config, seed), OptionsFor(config));
-  Timeline timeline(scenario, config);
-  timeline.End(scenario.Run());
-  return timeline.Text();
-}
-
-constexpr std::uint64_t kParts = 4;
-
-class ScenariosOfUnits : public ::testing::TestWithParam<std::uint64_t> {};
-
-TEST_P(ScenariosOfUnits, HoldTheInvariants) {
-  if (const std::uint64_t seed = Environment("MUSHER_SEED", 0); seed != 0) {
-    if (GetParam() != 0) GTEST_SKIP();
-    const std::string run = TimelineOf(seed);
-    std::cout << run;
-    EXPECT_EQ(run.find("✗"), std::string::npos) << "it still fails";
-    return;
-  }
-  constexpr std::uint64_t kInTheGate = 200;
-  const std::uint64_t seeds = Environment("MUSHER_SEEDS", kInTheGate);
-  const std::uint64_t first = Environment("MUSHER_FIRST", 1);
-  for (std::uint64_t seed = first + GetParam(); seed < first + seeds; seed += kParts) {
-    const MachineConfig config = SampleConfigWithUnits(seed);
-    const ScenarioEnd ending =
-        RunScenario(config, seed, simulation::SampleInjections(config, seed), OptionsFor(config));
-    if (!ending.violation) continue;
-    ADD_FAILURE() << ending.violation->what << "\nreplay with: MUSHER_SEED=" << seed
-                  << " simulation_test --gtest_filter='*OfUnits*/0'";
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Part, ScenariosOfUnits, ::testing::Range(std::uint64_t{0}, kParts));
 
 // A robot of three hosts; "a" is a unit of the second one, "b" of the third.
 class Units : public ::testing::Test {
