@@ -957,7 +957,7 @@ void Scenario::RepairActuators() {
 void Scenario::EndElsewhere(const ActuatorConfig& actuator) {
   const std::size_t here = robot_.leader()->host();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
-    const bool unit = !actuator.host.empty() && host == robot_.processes().HomeOf(actuator.name);
+    const bool unit = !actuator.host.empty() && robot_.systemds()->RunsOn(host, actuator.name);
     if (actuator.command.empty() || host == here || unit) continue;
     if (!robot_.processes().IsAlive(actuator.name, host)) continue;
     robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});

@@ -14,6 +14,7 @@
 //
 // Threads: the one of the network.
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -58,6 +59,12 @@ class SimulatedSystemds {
   void Boot(std::size_t host);
   bool IsOn(std::size_t host) const { return machines_[host].on; }
   std::size_t UnitsOn(std::size_t host) const { return machines_[host].units.size(); }
+  // Whether the actuator runs there as a unit.
+  bool RunsOn(std::size_t host, const std::string& actuator) const {
+    return std::ranges::any_of(machines_[host].units, [&](const auto& unit) {
+      return unit.second.actuator == actuator && unit.second.state.main_pid != 0;
+    });
+  }
   // Whether a controller on the host learns nothing from its systemd now, or within a second.
   bool IsSilent(std::size_t host) const;
 

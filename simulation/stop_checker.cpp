@@ -207,13 +207,16 @@ void StopChecker::CheckStaysStopped(const std::string& name, const ActuatorRepor
 }
 
 // A release was answered. Whatever was released before, no actuator that the controller leads may
-// report it any more.
+// report it any more. A process of which nothing has arrived yet receives the release as it starts.
 void StopChecker::CheckReleased(const SimulatedController& controller, const Result<>& released) {
   if (!released) return;
   const Machine& machine = controller.shell().machine();
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
-    if (report == nullptr || machine.actuators[i].presence != Presence::kPresent) continue;
+    const KnownActuator& known = machine.actuators[i];
+    if (report == nullptr || known.presence != Presence::kPresent) continue;
+    const bool second = known.other && known.other->incarnation == report->incarnation;
+    if (report->incarnation != known.report.incarnation && !second) continue;
     if (!released_.contains(report->emergency_stop)) continue;
     ReportViolation(Invariant::kReleaseIsConfirmed,
                     "the emergency stops are reported as released, and " +
