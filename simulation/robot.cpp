@@ -24,6 +24,8 @@ class ScriptedModule : public Module {
 
 // How long a controller listens for others before it begins, with several hosts.
 constexpr Duration kListenTime = Milliseconds(1000);
+// After so long a silent participant of profile lan is lost: a standby waits longer.
+constexpr Duration kLanLease = std::chrono::seconds(2);
 // How long the controller before it has to release control.
 constexpr Duration kReleaseTimeout = Milliseconds(1000);
 // How often the battery and the body publish their status. The body of a simulated world does so
@@ -64,6 +66,7 @@ SimRobot::SimRobot(std::unique_ptr<World> world, SimRobot* beside, MachineConfig
       switched_on_(network_.now()),
       environment_(network_.MakeNode("environment")),
       processes_(network_, config_, hosts_, layout_) {
+  if (config_.failover) network_.SetLease(kLanLease);
   processes_.make_module = [script = std::move(script)](const std::string& name) {
     return std::make_unique<ScriptedModule>(script, name);
   };

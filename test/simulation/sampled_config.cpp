@@ -185,7 +185,7 @@ MachineConfig SampleConfigWithStandby(std::uint64_t seed) {
   Random random(seed * 2 + 0x7374616e6462);
   MachineConfig config = SampleConfig(seed);
   config.transport = TransportProfile::kLan;
-  config.failover = random.Between(Milliseconds(500), std::chrono::seconds(3));
+  config.failover = random.Between(std::chrono::seconds(3), std::chrono::seconds(6));
   for (const std::string& name : simulation::SampleLayout(config, seed, false).hosts) {
     HostConfig& host = config.hosts.emplace_back();
     host.name = host.address = name;

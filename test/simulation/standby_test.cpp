@@ -16,7 +16,7 @@ using simulation::Layout;
 using simulation::SimRobot;
 using simulation::SimulatedController;
 
-constexpr Duration kFailover = std::chrono::seconds(1);
+constexpr Duration kFailover = std::chrono::seconds(3);
 
 // "a" is a unit of the robot, "b" of the dock, "c" of the arm, where the standby is.
 class StandbyOfThree : public ::testing::Test {
