@@ -235,18 +235,35 @@ class ChoiceList {
            });
   }
 
+  bool StandsStill() const {
+    if ((world_.stop_seen_due || world_.battery_due) && Leads()) return true;
+    const auto indices = world_.actuators.Indices();
+    return std::any_of(indices.begin(), indices.end(),
+                       [&](ActuatorIndex i) { return IsSending(i); });
+  }
+
   // Time passes when no message is under way; a callback that still runs then is overdue.
   void ListTime() {
-    if ((world_.stop_seen_due || world_.battery_due) && Leads()) return;
-    std::uint8_t cost = 0;
-    for (const ActuatorIndex i : world_.actuators.Indices()) {
-      if (IsSending(i)) return;
-      if (world_.actuators[i].work == Work::kRunning) ++cost;
-    }
-    if (cost > 0 && !IsSearched(ChoiceKind::kTime)) return;
+    if (StandsStill()) return;
     const auto next = NextDeadline(model_.config, world_.machine);
-    if (cost > world_.faults_left || !next || IsNoticedBefore(*next)) return;
-    choices_.push_back({ChoiceKind::kTime, 0, 0, cost});
+    if (next && !IsNoticedBefore(*next)) {
+      std::uint8_t running = 0;
+      std::uint8_t overdue = 0;
+      for (const ActuatorIndex i : world_.actuators.Indices()) {
+        if (world_.actuators[i].work != Work::kRunning) continue;
+        ++running;
+        const auto own = OverdueAt(world_, i);
+        if (own && *own <= *next) ++overdue;
+      }
+      PassTime(0, running);
+      if (!model_.timed_rules.empty() && overdue < running) PassTime(1, overdue);
+    }
+    if (!model_.timed_rules.empty() && EndOfWait(model_, world_)) Free(ChoiceKind::kWait);
+  }
+
+  void PassTime(std::uint8_t index, std::uint8_t cost) {
+    if (cost > 0 && (cost > world_.faults_left || !IsSearched(ChoiceKind::kTime))) return;
+    choices_.push_back({ChoiceKind::kTime, 0, index, cost});
   }
 
   const Model& model_;
@@ -260,6 +277,30 @@ std::vector<std::int32_t> BatteryLevels(const MachineConfig& config) {
   if (!config.policy || !config.policy->battery) return {};
   const BatteryPolicy& battery = *config.policy->battery;
   return {battery.protected_at, battery.low_power_at, battery.tear_down_at};
+}
+
+std::optional<Time> OverdueAt(const World& world, ActuatorIndex i) {
+  const KnownActuator& known = world.machine.actuators[i];
+  if (known.command) return known.command->deadline;
+  if (known.set_up_by && known.presence != Presence::kPresent) return known.set_up_by;
+  return known.free_by;
+}
+
+std::optional<Time> EndOfWait(const Model& model, const World& world) {
+  std::optional<Time> end = NextDeadline(model.config, world.machine);
+  const auto consider = [&end](const std::optional<Time>& when) {
+    if (when) end = end ? std::min(*end, *when) : *when;
+  };
+  for (const Link& link : world.links) consider(link.silent_by);
+  for (const SimActuator& one : world.actuators) consider(one.await_by);
+  if (end) {
+    *end -= Duration(1);
+  } else if (std::ranges::count(world.actuators, Work::kRunning, &SimActuator::work) > 0) {
+    for (const TimedRuleCheck& check : world.timed_checks) {
+      if (const auto due = check.due()) end = end ? std::max(*end, *due) : *due;
+    }
+  }
+  return end && *end > world.now ? end : std::nullopt;
 }
 
 std::vector<Choice> Choices(const Model& model, const World& world) {

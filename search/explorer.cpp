@@ -107,6 +107,7 @@ class DepthFirstExplorer {
   DepthFirstExplorer(const Model& model, const World& root, SearchLimits& limits)
       : model_(model), root_(root), limits_(limits) {
     searched_.rule_coverage.resize(model.stable_rules.size());
+    searched_.timed_coverage.resize(model.timed_rules.size());
   }
 
   Searched Run() && {
@@ -181,6 +182,7 @@ class DepthFirstExplorer {
     const Choice choice = node.choices[node.next++];
     World world = node.next < node.choices.size() ? node.world : std::move(node.world);
     Notes notes;
+    notes.timed_coverage = &searched_.timed_coverage;
     Make(model_, world, choice, notes);
     ++searched_.figures.transitions;
     if (!notes.violations.empty()) return ReportFault(std::move(notes));

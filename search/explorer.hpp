@@ -40,6 +40,8 @@ struct Searched {
   bool finished = true;  // false: a limit has ended it
   // Depth first alone: of each rule of the user, in the nodes in which nothing is left to happen.
   std::vector<RuleCoverage> rule_coverage = {};
+  // The same of each one with a time, in all transitions.
+  std::vector<TimedRuleCoverage> timed_coverage = {};
 };
 
 // What other threads set while a search runs.

@@ -309,6 +309,8 @@ Identity IdentityOf(const Model& model, const World& w) {
   for (const Link& link : w.links) mixer.Add(link.cut, link.silent_by, link.boots);
   mixer.Add(m, m.policy.clock.time_since_epoch().count(), m.emergency.stop.has_value(),
             m.emergency.others.size());
+  // Once met or violated, it waits until the machine goes elsewhere, as is seen from the machine.
+  for (const TimedRuleCheck& check : w.timed_checks) mixer.Add(check.due());
   return {mixer.Get(), twins};
 }
 

@@ -54,6 +54,17 @@ void Harness::StepWith(const Event& event) {
     }
   }
   CheckStep(model_, world_, before, notes_);
+  CheckTimedRules();
+}
+
+void Harness::Wait() {
+  const Time end = *EndOfWait(model_, world_);
+  Log("almost " + std::to_string(ToMilliseconds(end + Duration(1) - world_.now)) + " ms pass");
+  world_.now = end;
+}
+
+void Harness::CheckTimedRules() {
+  if (!model_.timed_rules.empty()) UpdateTimedRules(model_, world_, notes_);
 }
 
 void Harness::RequestSwitch(const State& target) {
@@ -68,6 +79,7 @@ void Harness::RestartController(bool by_person) {
   ++w.generation;
   if (w.repeat == Repeat::kDone) w.repeat = Repeat::kRequested;
   w.machine = MakeMachine(config_);
+  CheckTimedRules();  // no controller leads: their times begin again
   w.outbox.clear();
   for (Request& request : w.requests) request.abandoned |= request.replies == 0;
   w.stop_seen_due = w.stopped && !w.released && w.disk.stops.engaged.empty();

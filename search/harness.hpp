@@ -31,6 +31,11 @@ class Harness : public FakeRobot {
   void FeedWaits(ActuatorIndex i);  // for its host
   void FeedHeartbeat(ActuatorIndex i);
 
+  // Time passes until EndOfWait().
+  void Wait();
+  // After each step of the controller, and after each choice.
+  void CheckTimedRules();
+
   // Events for actuators.
   void StartActuator(ActuatorIndex i);
   void Transmit(const Message& message);     // unless its host is out of reach

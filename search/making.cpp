@@ -165,6 +165,7 @@ class ChoiceMaker {
   void Make() {
     world_.faults_left -= choice_.cost;
     if (choice_.kind == ChoiceKind::kTime) return PassTime();
+    if (choice_.kind == ChoiceKind::kWait) return harness_.Wait();
     if (choice_.kind == ChoiceKind::kLate) return ReceiveLate();
     if (choice_.kind == ChoiceKind::kHang) return HangWorkThread();
     if (choice_.kind >= ChoiceKind::kHangReport && choice_.kind <= ChoiceKind::kProgress)
@@ -319,11 +320,16 @@ class ChoiceMaker {
     harness_.Log(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
     world_.now = std::max(world_.now, next);
     for (const ActuatorIndex k : world_.actuators.Indices()) {
-      if (world_.actuators[k].work != Work::kRunning) continue;
+      if (world_.actuators[k].work != Work::kRunning || !IsOverdueAt(k, next)) continue;
       harness_.Log("FAULT: " + harness_.Name(k) + "'s callback is overdue");
       world_.actuators[k].work = Work::kOverdue;
     }
     harness_.Feed(event::TimePassed{});
+  }
+
+  bool IsOverdueAt(ActuatorIndex k, Time now) const {
+    const auto own = OverdueAt(world_, k);
+    return choice_.index == 0 || (own && *own <= now);
   }
 
   void ReceiveLate() {
@@ -472,6 +478,7 @@ void Make(const Model& model, World& world, const Choice& choice, Notes& notes) 
   Harness harness(model, world, notes);
   ChoiceMaker(harness, choice).Make();
   Tidy(harness);
+  harness.CheckTimedRules();
 }
 
 Model::Model(MachineConfig machine, State wanted, Rules decisions)

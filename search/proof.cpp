@@ -19,6 +19,7 @@
 #include "musher/base/words.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/search/fingerprint.hpp"
+#include "musher/search/rules.hpp"
 
 namespace musher::search {
 namespace {
@@ -114,6 +115,7 @@ class Prover {
   Prover(const MachineConfig& config, const ProofOptions& options)
       : config_(config), options_(options), roots_(config) {
     proof_.rule_coverage.resize(options.stable_rules.size());
+    proof_.timed_coverage.resize(options.timed_rules.size());
   }
 
   Proof Run() && {
@@ -127,6 +129,10 @@ class Prover {
       if (!proof_.counter_example) proof_.proved_faults = faults;
     }
     AddUpFigures();
+    std::erase_if(proof_.left, [&](const ProofTask& task) {
+      const auto found = std::ranges::find(proof_.tasks, task, &ProvedTask::task);
+      return found != proof_.tasks.end() && found->finished;
+    });
     if (proof_.counter_example) {
       proof_.end = ProofEnd::kViolated;
       Replay(*proof_.counter_example);
@@ -184,6 +190,9 @@ class Prover {
       for (std::size_t i = 0; i < task.rule_coverage.size(); ++i) {
         proof_.rule_coverage[i] += task.rule_coverage[i];
       }
+      for (std::size_t i = 0; i < task.timed_coverage.size(); ++i) {
+        proof_.timed_coverage[i] += task.timed_coverage[i];
+      }
     }
   }
 
@@ -219,6 +228,7 @@ class Prover {
   Model ModelOf(const ProofTask& task) const {
     Model model(config_, task.to, options_.rules);
     model.stable_rules = options_.stable_rules;
+    model.timed_rules = options_.timed_rules;
     model.other_machine = options_.other_machine;
     const auto alike = model.kinds;
     for (const ActuatorIndex i : model.kinds.Indices()) {
@@ -233,6 +243,8 @@ class Prover {
 
   // Such an actuator is like no other one.
   bool IsInRule(ActuatorIndex i) const {
+    if (std::ranges::count(options_.timed_rules, std::optional(i), &TimedRule::subject) > 0)
+      return true;
     return std::ranges::any_of(options_.stable_rules, [&](const StableRule& rule) {
       return rule.never.actuator == i || (rule.condition && rule.condition->actuator == i);
     });
@@ -241,13 +253,27 @@ class Prover {
   World RootOf(const Model& model, const ProofTask& task) const {
     World root = task.IsStart() ? Roots::OfStart(model) : roots_.worlds().at(task.from);
     root.faults = root.faults_left = task.faults;
+    BeginTimedRules(model, root);
     return root;
+  }
+
+  // Of a rule that does not hold where the search begins, the search that leads there says it.
+  static void BeginTimedRules(const Model& model, World& root) {
+    root.timed_checks.clear();
+    const Time begun = root.now;
+    Notes ignored;
+    UpdateTimedRules(model, root, ignored);
+    for (const TimedRule& rule : model.timed_rules)
+      root.now = std::max(root.now, begun + rule.within);
+    UpdateTimedRules(model, root, ignored);
+    root.now = begun;
   }
 
   // Returns whether all searches with so many faults have ended by themselves. The first violation
   // ends all; then its shortest scenario is searched for.
   bool SearchAllWith(int faults) {
-    const std::vector<ProofTask> tasks = WithoutEarlier(TasksWith(faults));
+    proof_.left = TasksWith(faults);
+    const std::vector<ProofTask> tasks = WithoutEarlier(proof_.left);
     ForEach(tasks, [this](const ProofTask& task) { Search(task); });
     if (!proof_.counter_example) return !limits_.stop;
     if (!proof_.why.empty()) return true;
@@ -335,7 +361,8 @@ class Prover {
     const Searched searched = SearchDepthFirst(model, root, limits_);
     const std::lock_guard lock(mutex_);
     const bool finished = searched.finished && !searched.fault;
-    proof_.tasks.push_back({task, searched.figures, finished, false, searched.rule_coverage});
+    proof_.tasks.push_back(
+        {task, searched.figures, finished, false, searched.rule_coverage, searched.timed_coverage});
     if (searched.fault) limits_.stop = true;
     KeepIfShorter(task, root, searched);
   }

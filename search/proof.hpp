@@ -35,8 +35,9 @@ struct ProvedTask {
   Figures figures;
   bool finished = false;  // all was searched, without a violation
   bool earlier = false;   // by an earlier run
-  // Of each rule of the user, in the stable states of this search.
+  // Of each rule of the user, in the stable states of this search, and in its transitions.
   std::vector<RuleCoverage> rule_coverage = {};
+  std::vector<TimedRuleCoverage> timed_coverage = {};
 };
 
 // A scenario that violates a rule: of the fewest faults, and with these of the fewest choices, if
@@ -64,6 +65,7 @@ struct ProofOptions {
   std::optional<State> from;  // search only what begins there
   unsigned threads = 1;
   std::vector<StableRule> stable_rules = {};  // of the user
+  std::vector<TimedRule> timed_rules = {};    // of the user
   Rules rules = {};
   // Of states that differ by alike actuators, search one. Off: it is not exact where one step sends
   // to two of them, and the controller is killed between the two.
@@ -93,10 +95,12 @@ struct Proof {
   // States that no sequence of requests without a fault leads to; but TearDown, its end.
   std::vector<State> not_reached;
   std::vector<ProvedTask> tasks;  // that were begun, and those of an earlier run
+  std::vector<ProofTask> left;    // with the last number of faults, not finished or not begun
   Figures figures;                // of all
   // Of each rule of the user, in the stable states of all searches: one that several searches reach
   // counts in each.
   std::vector<RuleCoverage> rule_coverage;
+  std::vector<TimedRuleCoverage> timed_coverage;  // of each with a time, in all transitions
   std::optional<CounterExample> counter_example;
 };
 

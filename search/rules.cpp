@@ -368,11 +368,17 @@ void CheckBattery(const Model& model, const World& world, Notes& notes) {
                              " %, and the machine stays in " + machine.state);
 }
 
+// Of a rule of the user: the state of an actuator, empty where it has exited; of none, the
+// machine's.
+State SubjectState(const World& world, std::optional<ActuatorIndex> actuator) {
+  if (!actuator) return world.machine.state;
+  const SimActuator& one = world.actuators[*actuator];
+  return one.alive ? one.core.report.state : State();
+}
+
 void CheckStableRules(const Model& model, const World& world, Notes& notes) {
   const auto state_of = [&](std::optional<ActuatorIndex> actuator) {
-    if (!actuator) return world.machine.state;
-    const SimActuator& one = world.actuators[*actuator];
-    return one.alive ? one.core.report.state : State();
+    return SubjectState(world, actuator);
   };
   for (std::size_t i = 0; i < model.stable_rules.size(); ++i) {
     const StableRule& rule = model.stable_rules[i];
@@ -383,7 +389,32 @@ void CheckStableRules(const Model& model, const World& world, Notes& notes) {
   }
 }
 
+// Their time goes on, and nothing is left to happen.
+void CheckTimedRulesAtRest(const Model& model, const World& world, Notes& notes) {
+  for (std::size_t i = 0; i < world.timed_checks.size(); ++i) {
+    if (!world.timed_checks[i].due()) continue;
+    notes.violations.push_back("your rule: " + model.timed_rules[i].text +
+                               " (nothing is left to happen)");
+  }
+}
+
 }  // namespace
+
+void UpdateTimedRules(const Model& model, World& world, Notes& notes) {
+  const auto goal = GoalOf(model.config, world.machine);
+  world.timed_checks.resize(model.timed_rules.size());
+  for (std::size_t i = 0; i < model.timed_rules.size(); ++i) {
+    const TimedRule& rule = model.timed_rules[i];
+    TimedRuleCheck& check = world.timed_checks[i];
+    const TimedRuleCoverage before = check.coverage();
+    const bool violated = check.Update(rule, goal, SubjectState(world, rule.subject), world.now);
+    if (violated) notes.violations.push_back("your rule: " + rule.text);
+    if (notes.timed_coverage == nullptr) continue;
+    TimedRuleCoverage& coverage = (*notes.timed_coverage)[i];
+    coverage.begun += check.coverage().begun - before.begun;
+    coverage.met += check.coverage().met - before.met;
+  }
+}
 
 bool IsHigher(const MachineConfig& config, const State& to, const State& from) {
   const auto high = config.RankOf(to);
@@ -546,6 +577,7 @@ void CheckRest(const Model& model, const World& world, Notes& notes) {
   }
   CheckStarted(model, world, notes);
   if (!ends) CheckStableRules(model, world, notes);
+  CheckTimedRulesAtRest(model, world, notes);
   if (world.machine.phase != Phase::kRunning) return;
   CheckBattery(model, world, notes);
   CheckDegraded(model, world, notes);

@@ -44,6 +44,10 @@ void CheckStart(const Model& model, const World& world, ActuatorIndex i, Notes& 
 void CheckAnswer(const Model& model, const World& world, const action::AnswerSetState& answer,
                  Notes& notes);
 
+// The rules of the user with a time, after anything has happened; counts in Notes how often their
+// times begin, and they are met.
+void UpdateTimedRules(const Model& model, World& world, Notes& notes);
+
 // Nothing is left to happen.
 void CheckRest(const Model& model, const World& world, Notes& notes);
 

@@ -13,6 +13,12 @@
 // Time stands still while a message is under way, and then jumps to the next deadline. A callback
 // that runs at that moment is overdue, which is a fault; so is a delayed message.
 //
+// Where the user has rules with a time, it counts, too, as the decision code counts it. Then two
+// more choices exist: time passes until just before the next deadline, so that what ends then has
+// taken as long as it may (kWait); and a deadline of another actuator passes while a callback,
+// whose own time is not over, goes on (kTime with an index). So whatever takes time takes none, or
+// all that it has, in every combination.
+//
 // What is not searched separately, and why nothing is lost by that (actions of A and B commute when
 // they share neither a process nor a message):
 //   - A command reaches its actuator as soon as it is sent. An event between (a crash, an emergency
@@ -62,6 +68,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config/user_rules.hpp"
+#include "musher/lifecycle/machine/timed_rule_check.hpp"
 #include "musher/lifecycle/per_actuator.hpp"
 #include "musher/search/fake_robot.hpp"
 
@@ -140,9 +147,10 @@ struct World : FakeController {
   // A supervisor has started the controller after a TearDown, and no person has since.
   bool stays_down = false;
   Repeat repeat = Repeat::kNotYet;
-  std::vector<Link> links;              // to Model::hosts
-  std::optional<std::int32_t> battery;  // in percent; none: it is full, and not published
-  bool battery_due = false;             // the controller has received no sample of it
+  std::vector<Link> links;                   // to Model::hosts
+  std::optional<std::int32_t> battery;       // in percent; none: it is full, and not published
+  bool battery_due = false;                  // the controller has received no sample of it
+  std::vector<TimedRuleCheck> timed_checks;  // of Model::timed_rules
 };
 
 enum class ChoiceKind : std::uint8_t {
@@ -158,7 +166,8 @@ enum class ChoiceKind : std::uint8_t {
   kSeeStop,       // the controller receives the emergency stop
   kRelease,       // a person releases it, usually when nothing else is left to happen
   kRepeat,        // and then requests the same switch again
-  kTime,          // to the next deadline
+  kTime,          // to the next deadline; `index` 1: only what that is of is overdue
+  kWait,          // until just before it
   kLate,          // a delayed message arrives
   kHangReport,    // a controller that takes over notices that an actuator hangs
   kBacktrace,     // of a hung actuator, is taken
@@ -208,7 +217,7 @@ static_assert(static_cast<int>(ChoiceKind::kHang) < 64, "Model::faults has a bit
 struct Choice {
   ChoiceKind kind = ChoiceKind::kRequest;
   std::uint8_t actuator = 0;
-  std::uint8_t index = 0;  // of the delayed message, or of the level of the battery
+  std::uint8_t index = 0;  // of the delayed message, of the level of the battery, or of kTime
   std::uint8_t cost = 0;   // in faults
 
   ActuatorIndex which() const { return ActuatorIndex(std::size_t{actuator}); }
@@ -250,6 +259,7 @@ struct Model {
   bool releases = false;                 // whether kRelease and kRepeat are choices
   bool releases_early = false;           // whether kRelease is one while anything is under way
   std::vector<StableRule> stable_rules;  // of the user
+  std::vector<TimedRule> timed_rules;    // of the user
   bool other_machine = false;            // whether kOtherCommand and what follows it are choices
 };
 
@@ -260,6 +270,7 @@ struct Notes {
   std::vector<std::string> violations;  // of the rules
   // Of each rule of the user, where these are to be counted.
   std::vector<RuleCoverage>* rule_coverage = nullptr;
+  std::vector<TimedRuleCoverage>* timed_coverage = nullptr;
 };
 
 // Whether the actuator is on a host to which the link is cut.
@@ -276,6 +287,13 @@ std::vector<std::int32_t> BatteryLevels(const MachineConfig& config);
 
 // Makes one of the Choices().
 void Make(const Model& model, World& world, const Choice& choice, Notes& notes);
+
+// When the callback that runs there is overdue for its controller; none: nothing awaits its end.
+std::optional<Time> OverdueAt(const World& world, ActuatorIndex i);
+
+// The last moment before the controller does something by itself, or where it awaits nothing and a
+// callback runs, before no more rule with a time is begun. None: there is none after now.
+std::optional<Time> EndOfWait(const Model& model, const World& world);
 
 // Whether nothing is left to happen but delayed messages.
 bool IsQuiet(const World& world, const std::vector<Choice>& choices);

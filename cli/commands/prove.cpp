@@ -234,18 +234,6 @@ std::string ReplayError(const std::string& text) {
   return "'" + text.substr(0, 40) + "' is not the path of a scenario, as in 0.3.1";
 }
 
-// Of the file of --rules, which is to be proved. In that of the config such a rule is left out.
-std::optional<Error> TimedRuleError(const std::string& file, const UserRules& rules) {
-  if (file.empty() || rules.timed.empty()) return std::nullopt;
-  const TimedRule& rule = rules.timed.front();
-  const std::string message =
-      "'" + rule.text +
-      "' has a time, and `musher prove` knows the order of events alone; `musher simulate` checks "
-      "it, and the controller of a config that names it in [safety] rules";
-  return Error{kCodeParametersInvalid,
-               FormatDiagnostic({file, rule.line, 1, Severity::kError, message})};
-}
-
 // Runs the scenario of --replay.
 ExitCode ReplayOne(const ProveOptions& options, const search::ProofOptions& proof,
                    ProofReport& report, Console& console) {
@@ -280,8 +268,8 @@ ExitCode Prove(const ProveOptions& options, const GlobalOptions& /*global*/, Con
   if (!options.from.empty()) proof.from = State(options.from);
   UserRules rules;
   if (!LoadUserRules(options.rules, *config, console, rules)) return ExitCode::kUsage;
-  if (const auto timed = TimedRuleError(options.rules, rules)) return console.Fail(*timed);
   proof.stable_rules = rules.stable;
+  proof.timed_rules = rules.timed;
   const std::string why_not = search::WhyNotSearchable(*config, proof.from);
   if (!why_not.empty()) return console.Fail(Error{kCodeParametersInvalid, why_not});
   proof.threads =
@@ -290,7 +278,7 @@ ExitCode Prove(const ProveOptions& options, const GlobalOptions& /*global*/, Con
   ProofReport report{*config, options.file, options.faults, options.from, {}, {}, {}, {}};
   report.rules_file = options.rules;
   report.other_machine = options.other_machine;
-  if (!options.rules.empty() || !config->rules_file.empty()) report.rules = rules.stable.size();
+  if (!options.rules.empty() || !config->rules_file.empty()) report.rules = rules.size();
   report.user_rules = std::move(rules);
   if (!options.replay.empty()) return ReplayOne(options, proof, report, console);
   const MachineConfig searched = search::SearchableConfig(*config);
@@ -345,8 +333,9 @@ void AddProve(Grammar& grammar) {
       ->type_name("STATE");
   grammar
       .Offer(app.add_option("--rules", options.rules,
-                            "Rules of your own for stable states, as in\n"
-                            "never lamp Active while base is not Active;\n"
+                            "Rules of your own, as in\n"
+                            "never lamp Active while base is not Active,\n"
+                            "within 5 s of Error arm in DeActive;\n"
                             "default: those that the config names"),
              Names::kFiles)
       ->type_name("FILE");

@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using search::ProvedTask;
 
-constexpr std::string_view kKeptHeader = "musher prove 1\n";
+constexpr std::string_view kKeptHeader = "musher prove 2\n";
 constexpr std::string_view kOfStart = "-";  // instead of a state
 constexpr const char* kKeptDamaged = "it is damaged";
 
@@ -48,11 +48,15 @@ std::string KeptLine(const ProvedTask& search) {
   for (const RuleCoverage& rule : search.rule_coverage) {
     line += fmt::format(" {} {} {}", rule.states, rule.condition, rule.forbidden);
   }
+  line += fmt::format(" {}", search.timed_coverage.size());
+  for (const TimedRuleCoverage& rule : search.timed_coverage) {
+    line += fmt::format(" {} {}", rule.begun, rule.met);
+  }
   return line + "\n";
 }
 
 // nullopt: it is not as KeptLine() makes it.
-std::optional<ProvedTask> SearchOfLine(const std::string& line, std::size_t rules) {
+std::optional<ProvedTask> SearchOfLine(const std::string& line, const RuleCounts& rules) {
   std::istringstream words(line);
   std::string from;
   std::string to;
@@ -61,11 +65,15 @@ std::optional<ProvedTask> SearchOfLine(const std::string& line, std::size_t rule
   ProvedTask search;
   words >> from >> to >> search.task.faults >> search.figures.nodes >> search.figures.transitions >>
       search.figures.leaves >> took_ms >> kept_rules;
-  if (!words || kept_rules != rules) return std::nullopt;
-  search.rule_coverage.resize(rules);
+  if (!words || kept_rules != rules.stable) return std::nullopt;
+  search.rule_coverage.resize(rules.stable);
   for (RuleCoverage& rule : search.rule_coverage) {
     words >> rule.states >> rule.condition >> rule.forbidden;
   }
+  words >> kept_rules;
+  if (!words || kept_rules != rules.timed) return std::nullopt;
+  search.timed_coverage.resize(rules.timed);
+  for (TimedRuleCoverage& rule : search.timed_coverage) words >> rule.begun >> rule.met;
   if (!words) return std::nullopt;
   if (from != kOfStart) search.task.from = State(from);
   if (to != kOfStart) search.task.to = State(to);
@@ -155,6 +163,7 @@ Result<std::string> ProofKey(const MachineConfig& config, const search::ProofOpt
   }
   add(config.hash);
   for (const StableRule& rule : proof.stable_rules) add(rule.text);
+  for (const TimedRule& rule : proof.timed_rules) add(rule.text);
   add(proof.other_machine ? "other machine" : "");
   return sha.Finish();
 }
@@ -166,7 +175,7 @@ std::string KeptText(const std::string& key, const std::vector<ProvedTask>& sear
 }
 
 Result<std::vector<ProvedTask>> ReadKept(std::string_view text, const std::string& key,
-                                         std::size_t rules) {
+                                         const RuleCounts& rules) {
   if (!text.starts_with(kKeptHeader)) {
     return Error{kCodeFailed, "it has no finished searches, or those of another version"};
   }
@@ -198,7 +207,7 @@ Result<KeptSearches> KeptSearches::Open(const MachineConfig& config,
   KeptSearches kept;
   kept.key_ = key.value();
   kept.file_ = (folder / kept.key_.substr(0, 32)).string();
-  kept.rules_ = proof.stable_rules.size();
+  kept.rules_ = {proof.stable_rules.size(), proof.timed_rules.size()};
   auto searches = kept.Read();
   if (searches) {
     kept.earlier_ = std::move(searches).value();

@@ -2,9 +2,10 @@
 // The finished searches of proofs that were interrupted: `musher prove --resume` does not make them
 // again. A file for each config, its rules and this program, in the user's cache:
 //
-//   musher prove 1
+//   musher prove 2
 //   <key>
 //   <from> <to> <faults> <states> <transitions> <ends> <ms> <rules> <three numbers of each rule> …
+//       <rules with a time> <two numbers of each> …       in the same line
 //   sum <16 hexadecimal digits, of all above>
 //
 // A search is whole, or not in the file. Where the file is damaged, or of another key, none of it
@@ -33,11 +34,16 @@ namespace musher::cli {
 // Error: a file of this program cannot be read.
 Result<std::string> ProofKey(const MachineConfig& config, const search::ProofOptions& proof);
 
-// The content of the file, and the searches in it. Error: why none of them counts; `rules`: how
-// many the proof has.
+// How many rules of the user a proof has.
+struct RuleCounts {
+  std::size_t stable = 0;
+  std::size_t timed = 0;
+};
+
+// The content of the file, and the searches in it. Error: why none of them counts.
 std::string KeptText(const std::string& key, const std::vector<search::ProvedTask>& searches);
 Result<std::vector<search::ProvedTask>> ReadKept(std::string_view text, const std::string& key,
-                                                 std::size_t rules);
+                                                 const RuleCounts& rules);
 
 class KeptSearches {
  public:
@@ -65,7 +71,7 @@ class KeptSearches {
 
   std::string key_;
   std::string file_;
-  std::size_t rules_ = 0;  // of the proof
+  RuleCounts rules_;  // of the proof
   std::string damage_;
   std::vector<search::ProvedTask> earlier_;
 };

@@ -18,9 +18,9 @@ struct ProofReport {
   search::Proof proof;
   Duration took{};
   std::string rules_file = {};  // empty: no --rules
-  UserRules user_rules = {};    // those with a time are not searched
-  bool other_machine = false;   // whether its messages are faults
-  std::size_t kept = 0;         // of the searches, for --resume
+  UserRules user_rules = {};
+  bool other_machine = false;  // whether its messages are faults
+  std::size_t kept = 0;        // of the searches, for --resume
 };
 
 // What is left out of the search: of the config, of the rules that it names, and of the faults.

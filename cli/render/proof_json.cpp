@@ -62,7 +62,7 @@ std::string ProofJson(const ProofReport& report) {
   json["rule_coverage"] = nullptr;
   if (report.rules) {
     json["rule_coverage"] =
-        RuleCoverageJson({report.user_rules.stable, {}}, {proof.rule_coverage, {}});
+        RuleCoverageJson(report.user_rules, {proof.rule_coverage, proof.timed_coverage});
   }
   json["counter_example"] = nullptr;
   if (proof.counter_example) {

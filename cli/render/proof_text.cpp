@@ -130,8 +130,24 @@ std::string Levels(const ProofReport& report) {
   return text;
 }
 
+// The searches that were not finished, the first ones by name.
+std::string Left(const ProofReport& report) {
+  constexpr std::size_t kMostNamed = 3;
+  const std::vector<search::ProofTask>& left = report.proof.left;
+  if (report.proof.end != ProofEnd::kNotFinished || left.empty()) return "";
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(left.size(), kMostNamed); ++i) {
+    names.push_back(left[i].Text());
+  }
+  if (left.size() > kMostNamed) {
+    names.push_back(Grouped(left.size() - kMostNamed) + " more");
+  }
+  return fmt::format("  note      not complete, {}: {}\n", WithFaults("with", left.front().faults),
+                     fmt::join(names, "; "));
+}
+
 std::string Notes(const ProofReport& report) {
-  std::string text;
+  std::string text = Left(report);
   const auto earlier = std::ranges::count_if(report.proof.tasks, &search::ProvedTask::earlier);
   if (earlier > 0) {
     text += fmt::format("  note      {} made by an earlier run\n",
@@ -197,10 +213,10 @@ std::string Conclusion(const ProofReport& report, bool colour) {
 
 std::vector<std::string> NotSearched(const ProofReport& report) {
   std::vector<std::string> left_out = search::LeftOutOf(report.config);
-  for (const TimedRule& rule : report.user_rules.timed) {
-    left_out.push_back("the rule '" + rule.text +
-                       "', which `musher simulate` and the controller check: the search knows the "
-                       "order of events, and no time");
+  if (!report.user_rules.timed.empty() && report.faults > 0) {
+    left_out.emplace_back(
+        "for rules with a time, with a fault: callbacks that take some of their time (`musher "
+        "simulate` has them), not none or all of it");
   }
   if (!report.other_machine) {
     left_out.emplace_back("messages of another machine (--other-machine searches three kinds)");
@@ -251,10 +267,11 @@ std::string ProofText(const ProofReport& report, bool colour) {
       Counted(report.config.actuators.size(), "actuator"), Counted(proof.reached.size(), "state"),
       report.rules ? Counted(*report.rules, "rule") + " of your own, " : "",
       WithFaults("up to", report.faults), Scope(report));
-  text += Levels(report) + Notes(report) +
-          RuleCoverageText(report.config, {report.user_rules.stable, {}}, {proof.rule_coverage, {}},
-                           colour) +
-          "\n";
+  text +=
+      Levels(report) + Notes(report) +
+      RuleCoverageText(report.config, report.user_rules,
+                       {proof.rule_coverage, proof.timed_coverage}, CoverageOf::kSearch, colour) +
+      "\n";
   if (proof.counter_example) {
     const bool is_shortest = proof.why.empty() && !proof.counter_example->repeats;
     const std::string shortest = is_shortest ? "The shortest" : "A";

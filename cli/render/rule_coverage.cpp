@@ -35,8 +35,13 @@ std::string CoverageText(const MachineConfig& config, const StableRule& rule,
                      place, Grouped(c.forbidden));
 }
 
-std::string CoverageText(const TimedRule& rule, const TimedRuleCoverage& c) {
+// A search branches: of one begin there are many ends.
+std::string CoverageText(const TimedRule& rule, const TimedRuleCoverage& c, CoverageOf what) {
   if (c.begun == 0) return "the machine never goes to " + rule.of;
+  if (what == CoverageOf::kSearch) {
+    return fmt::format("its time begins in {} {}, and it is met in {}", Grouped(c.begun),
+                       NounOf(c.begun, "transition"), Grouped(c.met));
+  }
   return fmt::format("its time begins {} {}, and it is met in {} of them", Grouped(c.begun),
                      NounOf(c.begun, "time"), Grouped(c.met));
 }
@@ -57,7 +62,7 @@ OrderedJson CoverageRow(const std::string& rule, bool is_tested) {
 }  // namespace
 
 std::string RuleCoverageText(const MachineConfig& config, const UserRules& rules,
-                             const UserRulesCoverage& coverage, bool colour) {
+                             const UserRulesCoverage& coverage, CoverageOf what, bool colour) {
   std::string text;
   for (std::size_t i = 0; i < rules.stable.size(); ++i) {
     const StableRule& rule = rules.stable[i];
@@ -67,7 +72,7 @@ std::string RuleCoverageText(const MachineConfig& config, const UserRules& rules
   for (std::size_t i = 0; i < rules.timed.size(); ++i) {
     const TimedRule& rule = rules.timed[i];
     const TimedRuleCoverage c = CoverageOfRule(coverage.timed, i);
-    text += CoverageLine(c.begun > 0, rule.text, CoverageText(rule, c), colour);
+    text += CoverageLine(c.begun > 0, rule.text, CoverageText(rule, c, what), colour);
   }
   return text;
 }

@@ -3,6 +3,7 @@
 // and as JSON. A rule whose condition was never reached, or whose time never began, was not tested,
 // and says nothing.
 
+#include <cstdint>
 #include <string>
 
 #include "musher/cli/console/json_line.hpp"
@@ -10,9 +11,11 @@
 
 namespace musher::cli {
 
+enum class CoverageOf : std::uint8_t { kSearch, kSimulation };
+
 // A line for each rule. `coverage`: of each of them, or of none.
 std::string RuleCoverageText(const MachineConfig& config, const UserRules& rules,
-                             const UserRulesCoverage& coverage, bool colour);
+                             const UserRulesCoverage& coverage, CoverageOf what, bool colour);
 OrderedJson RuleCoverageJson(const UserRules& rules, const UserRulesCoverage& coverage);
 
 }  // namespace musher::cli

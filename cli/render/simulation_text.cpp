@@ -73,7 +73,8 @@ std::string Invariants(const SimulationReport& report, bool colour) {
     }
     text += "\n";
     if (!of_user) continue;
-    text += RuleCoverageText(report.config, report.options.rules, s.rule_coverage, colour);
+    text += RuleCoverageText(report.config, report.options.rules, s.rule_coverage,
+                             CoverageOf::kSimulation, colour);
   }
   return text;
 }

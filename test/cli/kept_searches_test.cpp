@@ -33,9 +33,11 @@ const search::ProofTask kUp{State("LowPower"), State("Active"), 1};
 TEST(KeptText, IsReadAsItWasWritten) {
   ProvedTask up = Finished(kUp, 5'000'000'000);
   up.rule_coverage = {{7, 6, 5}, {7, 7, 0}};
+  up.timed_coverage = {{4, 3}};
   ProvedTask start = Finished(kStart, 12);
   start.rule_coverage.resize(2);
-  const auto read = ReadKept(KeptText("key", {start, up}), "key", 2);
+  start.timed_coverage.resize(1);
+  const auto read = ReadKept(KeptText("key", {start, up}), "key", {2, 1});
   ASSERT_TRUE(read);
   ASSERT_EQ(read.value().size(), 2U);
   EXPECT_TRUE(read.value()[0].task.IsStart());
@@ -50,26 +52,30 @@ TEST(KeptText, IsReadAsItWasWritten) {
   ASSERT_EQ(second.rule_coverage.size(), 2U);
   EXPECT_EQ(second.rule_coverage[0].forbidden, 5U);
   EXPECT_EQ(second.rule_coverage[1].condition, 7U);
+  ASSERT_EQ(second.timed_coverage.size(), 1U);
+  EXPECT_EQ(second.timed_coverage[0].begun, 4U);
+  EXPECT_EQ(second.timed_coverage[0].met, 3U);
 }
 
 TEST(KeptText, DoesNotCountWithAChangedOrAMissingByte) {
   const std::string text = KeptText("key", {Finished(kStart, 12), Finished(kUp, 34)});
-  ASSERT_TRUE(ReadKept(text, "key", 0));
+  ASSERT_TRUE(ReadKept(text, "key", {}));
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string changed = text;
     changed[i] = static_cast<char>(changed[i] ^ 1);
-    EXPECT_FALSE(ReadKept(changed, "key", 0)) << i;
-    EXPECT_FALSE(ReadKept(text.substr(0, i), "key", 0)) << i;
-    EXPECT_FALSE(ReadKept(text.substr(0, i) + text.substr(i + 1), "key", 0)) << i;
+    EXPECT_FALSE(ReadKept(changed, "key", {})) << i;
+    EXPECT_FALSE(ReadKept(text.substr(0, i), "key", {})) << i;
+    EXPECT_FALSE(ReadKept(text.substr(0, i) + text.substr(i + 1), "key", {})) << i;
   }
 }
 
 TEST(KeptText, OfAnotherProofDoesNotCount) {
   const std::string text = KeptText("key", {Finished(kUp, 34)});
-  EXPECT_THAT(ReadKept(text, "other", 0).error().message,
+  EXPECT_THAT(ReadKept(text, "other", {}).error().message,
               HasSubstr("of another config, other rules or another build of Musher"));
-  EXPECT_FALSE(ReadKept(text, "key", 1)) << "it has no figures of a rule";
-  EXPECT_THAT(ReadKept("musher prove 2\n", "key", 0).error().message,
+  EXPECT_FALSE(ReadKept(text, "key", {1, 0})) << "it has no figures of a rule";
+  EXPECT_FALSE(ReadKept(text, "key", {0, 1})) << "nor of one with a time";
+  EXPECT_THAT(ReadKept("musher prove 3\n", "key", {}).error().message,
               HasSubstr("those of another version"));
 }
 
