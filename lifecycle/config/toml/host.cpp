@@ -165,7 +165,14 @@ void WarnOfUnusedHosts(TableReader& root, Draft& draft) {
 void ReadHostOf(TableReader& reader, ActuatorConfig& config, Draft& draft) {
   constexpr std::string_view kKey = "host";
   const auto host = reader.String(kKey);
-  if (!host) return;
+  if (!host) {
+    if (draft.config.failover && reader.Has("command")) {
+      reader.Warn(reader.At("command"), "command",
+                  "without a host the standby starts it on its own one, also beside a process that "
+                  "runs on beyond a cut link");
+    }
+    return;
+  }
   if (!draft.known_hosts.contains(host->text)) {
     const std::vector<std::string_view> known(draft.known_hosts.begin(), draft.known_hosts.end());
     std::string guess = draft.findings.Guess(host->text, known);
