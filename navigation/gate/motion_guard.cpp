@@ -21,6 +21,7 @@ constexpr double kRestsAfterS = 1.5;
 constexpr double kPushedM = 0.3;
 constexpr double kPushedRad = 0.8;
 constexpr double kLongestGuardS = 0.2;
+constexpr double kMostHeldUpS = 10;  // of messages
 
 double Turned(const Pose& from, const Pose& to) {
   return std::abs(Wrapped(to.yaw_rad - from.yaw_rad));
@@ -53,10 +54,8 @@ void MotionGuard::Forget() {
 }
 
 std::optional<Error> MotionGuard::Jump(const Seen& from, const Seen& to) const {
-  // Messages that were held up come at once: their stamps say how much time has passed.
-  const bool stamped = from.stamp != Duration::zero() && to.stamp > from.stamp;
   const double here_s = ToSeconds(to.at - from.at);
-  const double there_s = stamped ? std::min(ToSeconds(to.stamp - from.stamp), 10.0) : 0;
+  const double there_s = std::min(ToSeconds(to.taken - from.taken), kMostHeldUpS);
   const double passed_s = std::max({here_s, there_s, 0.0});
   const double moved_m = Distance(from.pose.at, to.pose.at);
   if (moved_m > rules_.jump_m + kFasterThanLimit * rules_.speed_m_s * passed_s) {
@@ -74,7 +73,8 @@ std::optional<Error> MotionGuard::Jump(const Seen& from, const Seen& to) const {
 
 std::optional<Error> MotionGuard::OnPose(const Pose& pose, Duration stamp, Time now) {
   if (!IsFinite(pose)) return std::nullopt;
-  const Seen here{pose, stamp, now};
+  taken_ = age_.Take(stamp, now).value_or(taken_.value_or(now));
+  const Seen here{pose, *taken_, now};
   std::optional<Error> fault;
   if (!seen_.empty()) fault = Jump(seen_.back(), here);
   if (!seen_.empty() && !fault) fault = Jump(seen_.front(), here);

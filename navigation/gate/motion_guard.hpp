@@ -7,14 +7,18 @@
 //            stands although it is fresh
 //   kPushed  moving but not commanded: a body that is carried or pushed
 //
-// Small corrections of a localisation are no jump. Velocities in the frame of the body, poses of
-// one frame. Pure; one thread.
+// Small corrections of a localisation are no jump. Messages that were held up come at once: then
+// their stamps say how much time has passed, but never more than since the earlier one was taken,
+// by the time at which it came.
+//
+// Velocities in the frame of the body, poses of one frame. Pure; one thread.
 
 #include <deque>
 #include <optional>
 
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
+#include "musher/navigation/gate/sample_age.hpp"
 #include "musher/navigation/pose.hpp"
 
 namespace musher::navigation {
@@ -50,7 +54,7 @@ class MotionGuard {
  private:
   struct Seen {
     Pose pose;
-    Duration stamp{};
+    Time taken{};  // by its stamp, in our time; as the one before if that says nothing
     Time at{};
   };
 
@@ -69,6 +73,8 @@ class MotionGuard {
   std::optional<Error> Pushed(Time now);
 
   GuardRules rules_;
+  SampleAge age_;
+  std::optional<Time> taken_;   // the last one, by its stamp
   std::deque<Seen> seen_;       // of the last half second
   std::optional<Pose> anchor_;  // where it has last moved on from
   Commanded since_anchor_;

@@ -111,6 +111,33 @@ TEST_F(Guard, TakesMessagesThatWereHeldUpForNoJump) {
   }
 }
 
+// They counted as time, in which a body can move that far.
+TEST_F(Guard, SaysThatThePoseHasJumpedAlsoWhereTheStampsLeapAhead) {
+  for (const int ahead_s : {1, 8, 100}) {
+    guard_.Forget();
+    EXPECT_FALSE(RunFor(1, {1, 0, 0, 0}, {1, 0, 0, 0}));
+    now_ += Milliseconds(20);
+    pose_.at.x_m += 2;
+    const Duration stamp = now_.time_since_epoch() + std::chrono::seconds(ahead_s);
+    const auto fault = guard_.OnPose(pose_, stamp, now_);
+    ASSERT_TRUE(fault) << ahead_s;
+    EXPECT_THAT(fault->message, HasSubstr("the pose has jumped by 2 m in 0.02 s"));
+  }
+}
+
+TEST_F(Guard, SaysThatAPoseRunsAwayAlsoWhereTheStampsRunFaster) {
+  EXPECT_FALSE(RunFor(1, {1, 0, 0, 0}, {1, 0, 0, 0}));
+  Duration stamp = now_.time_since_epoch();
+  std::optional<Error> fault;
+  for (int i = 0; i < 50 && !fault; ++i) {
+    now_ += Milliseconds(20);
+    stamp += Milliseconds(200);
+    pose_.at.x_m += 0.2;
+    fault = guard_.OnPose(pose_, stamp, now_);
+  }
+  EXPECT_TRUE(fault) << "10 m in a second";
+}
+
 TEST_F(Guard, SaysThatABodyIsCarried) {
   EXPECT_FALSE(RunFor(1, {1, 0, 0, 0}, {1, 0, 0, 0}));
   EXPECT_FALSE(RunFor(1, {}, {0.3, 0, 0, 0})) << "it rolls out";
