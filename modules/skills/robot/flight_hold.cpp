@@ -228,6 +228,14 @@ std::string FlightHold::MovedAgainstCommands(const navigation::Pose& pose, Durat
   return fmt::format("it stands {:.2f} m off its place against its commands", off_m);
 }
 
+// Around the one that is taken; nullopt: its scan covers the way to none that is left.
+std::optional<navigation::Point> FlightHold::NextPlace() {
+  while (auto place = LandingPlace(*taken_, tried_++, kMostAsideM)) {
+    if (Sees(*place)) return place;
+  }
+  return std::nullopt;
+}
+
 std::optional<navigation::Velocity> FlightHold::GoAside(const navigation::Pose& pose,
                                                         Duration step) {
   const bool held = std::exchange(descent_held_, false);
@@ -240,7 +248,7 @@ std::optional<navigation::Velocity> FlightHold::GoAside(const navigation::Pose& 
       taken_ = pose.at;
       tried_ = 0;
     }
-    aside_ = LandingPlace(*taken_, tried_++, kMostAsideM);
+    aside_ = NextPlace();
     aside_from_ = pose.at;
     unmoved_ = going_ = {};
     if (!aside_) {  // the same places again, later
@@ -263,8 +271,8 @@ std::optional<navigation::Velocity> FlightHold::GoAside(const navigation::Pose& 
   place_->at.x_m = aside_->x_m;
   place_->at.y_m = aside_->y_m;
   const bool there = std::hypot(pose.at.x_m - aside_->x_m, pose.at.y_m - aside_->y_m) <= kThereM;
-  if (there || going_ >= kLongestAside) {
-    if (!there) place_ = pose;  // something holds it here
+  if (there || going_ >= kLongestAside || !Sees(*aside_)) {
+    if (!there) place_ = pose;  // something holds it here, or its scan is lost
     aside_.reset();
     return std::nullopt;
   }

@@ -6,7 +6,8 @@
 // in an updraught, the descent goes on slowly until it is charged.
 //
 // Above something that its sensor below sees it goes aside, to the nearest free place within
-// kMostAsideM.
+// kMostAsideM, and to its own place again, but only where its scan covers the way: without a scan
+// it is held there, and lands once that has gone.
 //
 //   not needed ── used, low ──▶ armed ── not used, in the air, braked ──▶ holding, or descending
 //        ▲                                                             │
@@ -28,8 +29,10 @@
 // Metres; the frame of the odometry, with its zero on the ground. Pure; one thread.
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "musher/base/time.hpp"
 #include "musher/modules/skills/robot/position_hold.hpp"
@@ -58,6 +61,12 @@ class FlightHold {
   static constexpr double kDescentMps = 0.5;
   static constexpr double kMostAsideM = 2.1;      // to land with a low battery
   static constexpr double kLastDescentMps = 0.2;  // near the ground, and without a height
+
+  // Says whether a recent scan covers the way to a place, in the frame of the odometry. Without it
+  // none does.
+  void SetSight(std::function<bool(const navigation::Point& place)> covers) {
+    covers_ = std::move(covers);
+  }
 
   // A skill or a drive moves it.
   void Use();
@@ -97,6 +106,8 @@ class FlightHold {
   std::optional<navigation::Velocity> Descend(const navigation::Pose& pose, Duration step);
   // The command to another place, if its own is taken; nullopt: it descends where it is.
   std::optional<navigation::Velocity> GoAside(const navigation::Pose& pose, Duration step);
+  bool Sees(const navigation::Point& place) const { return covers_ && covers_(place); }
+  std::optional<navigation::Point> NextPlace();
   // Why a body at `pose` is moved by something else than its commands; empty: it is not.
   std::string MovedAgainstCommands(const navigation::Pose& pose, Duration step);
   void End(std::string why);
@@ -106,6 +117,7 @@ class FlightHold {
   void AfterOther(const navigation::Pose* pose, Duration step);
 
   PositionHold hold_;
+  std::function<bool(const navigation::Point& place)> covers_;
   std::optional<OtherProgram> other_;
   std::optional<navigation::Point> restored_;  // until the first pose
   bool armed_ = false;

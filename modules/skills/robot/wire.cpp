@@ -83,6 +83,7 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   SubscribeDrives(endpoints);
   if (!config.flies) return;
   SubscribeCommandsOfOthers(endpoints);
+  hold.SetSight([this](const navigation::Point& place) { return SeesTowards(place); });
   holds_ = clock.Every(kHoldPeriod, [this] {
     HoldPlace();
     SavePlace();
@@ -193,6 +194,16 @@ bool RosRobot::Wire::HasScan() const {
   return !obstacles.empty() && std::ranges::all_of(obstacles, [this](const auto& points) {
     return points.At(Now()) != nullptr;
   });
+}
+
+// In the frame of the odometry.
+bool RosRobot::Wire::SeesTowards(const navigation::Point& place) const {
+  const Motion* own = odometry.At(Now());
+  if (own == nullptr) return false;
+  const navigation::Pose& here = own->pose;
+  const navigation::Velocity off = navigation::InBodyFrame(
+      {place.x_m - here.at.x_m, place.y_m - here.at.y_m, 0, 0}, here.yaw_rad);
+  return velocity->Covers({off.x_m_s, off.y_m_s, 0});
 }
 
 // A person moves the robot only in Active, and while no skill does.
@@ -319,9 +330,10 @@ void RosRobot::Wire::HoldPlace() {
 }
 
 void RosRobot::Wire::LogHeldDescent() {
-  const std::string& why = velocity->WhyNotDescending();
+  const std::string why = velocity->WhyNotDescending();
   if (low_battery_.empty() || why.empty() || std::exchange(held_high_, true)) return;
-  Log(LogLevel::kWarning, config.robot + " lands with a low battery: " + why);
+  const std::string stays = HasScan() ? "" : "; without a scan it does not go aside";
+  Log(LogLevel::kWarning, config.robot + " lands with a low battery: " + why + stays);
 }
 
 void RosRobot::Wire::LogEndOfHold() {

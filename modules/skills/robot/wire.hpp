@@ -74,6 +74,8 @@ struct RosRobot::Wire {
   std::vector<navigation::Point> Seen() const;
   // Of each scanner; false without one.
   bool HasScan() const;
+  // Whether a recent scan covers the way to a place, in the frame of the odometry.
+  bool SeesTowards(const navigation::Point& place) const;
   Time Now() const { return clock.Now(); }
   // Where a frame of a message is in the map, as /tf says; an empty one counts as the map's. Fails
   // with the reason where that is not known.

@@ -96,9 +96,10 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
   tick.data.Set(kStillFor, still_s);
   if (still_s >= kStillS && above_m <= kGroundToleranceM) {
     NoteLanding();
-    if (tick.data.Find(kTaken) == nullptr) return skill::Next::Succeed("Landed");
-    return skill::Next::Succeed(fmt::format("Landed {:.1f} m aside: its place was taken",
-                                            Aside(now.at, PointOf(tick, kTaken))));
+    const double aside_m =
+        tick.data.Find(kTaken) == nullptr ? 0 : Aside(now.at, PointOf(tick, kTaken));
+    if (aside_m < kLandingRingM / 2) return skill::Next::Succeed("Landed");
+    return skill::Next::Succeed(fmt::format("Landed {:.1f} m aside: its place was taken", aside_m));
   }
   const navigation::Pose place = Remembered(tick);
   KeepWhile(above_m < kSlowBelowM ? -kLastDescentMps : -kDescentMps, place, now, tick);
@@ -116,15 +117,20 @@ skill::Next Land::Elsewhere(const navigation::Pose& now, skill::Tick& tick, std:
   while (auto place = LandingPlace(taken, tried, most_m)) {
     tick.data.Set(kTried, static_cast<double>(++tried));
     place->z_m = now.at.z_m;
+    if (Aside(now.at, *place) <= kThereM) continue;
     if (!SeesTowards(*place, now) || !IsFreeWay(now.at, *place)) continue;
     SetPoint(tick, kAsideTo, *place);
     SetPoint(tick, kAsideFrom, now.at);
     tick.data.Set(kAsideFor, 0.0);
     tick.data.Set(kTakenBy, why);
+    const double aside_m = Aside(taken, *place);
     return skill::Next::To(
-        moving_aside_, fmt::format("Goes {:.1f} m aside to land: {}", Aside(taken, *place), why));
+        moving_aside_, aside_m > 0 ? fmt::format("Goes {:.1f} m aside to land: {}", aside_m, why)
+                                   : "Goes back to its place to land: " + why);
   }
-  if (tried > 0) why += fmt::format("; none of {} places within {:g} m is free", tried, most_m);
+  if (tried > 0) {
+    why += fmt::format("; none of {} places within {:g} m is free", PlacesAside(tried), most_m);
+  }
   return AgainOrFail(tick, initializing_, std::move(why));
 }
 

@@ -7,6 +7,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 namespace musher::skills::flight_hold_test {
@@ -438,10 +439,15 @@ TEST(FlightHold, GoesOnSlowlyWithADescentThatComesNoLowerFarAboveTheGround) {
   EXPECT_FALSE(hold.StandsHigh());
 }
 
+bool SeesAll(const navigation::Point&) {
+  return true;
+}
+
 // With a low battery, above something wide that its sensor sees below until it has left it; returns
 // the seconds until it stands on the ground.
 double LandFromAbove(Flyer& flyer, double wide_m, double limit_s) {
   FlightHold hold;
+  hold.SetSight(SeesAll);
   hold.Use();
   for (int i = 0; i < 50; ++i) flyer.Move(*hold.Command(flyer.pose, flyer.speed_m_s(), kStep));
   const navigation::Point above = flyer.pose.at;
@@ -485,8 +491,85 @@ TEST(FlightHold, StaysNearItsPlaceWhereNothingAroundIsFree) {
   EXPECT_LT(navigation::Distance(flyer.pose.at, begin), 3);
 }
 
+// Descends where nothing is taken; for so long, or until it has landed. `taken`: whether something
+// is below it, by where it is and the seconds since the begin.
+void LandAmong(Flyer& flyer, FlightHold& hold, double seconds,
+               const std::function<bool(const navigation::Point&, double)>& taken) {
+  for (int i = 0; i < 10 * seconds; ++i) {
+    auto command = hold.Command(flyer.pose, flyer.speed_m_s(), kStep);
+    if (!command) return;
+    if (command->z_m_s < 0 && taken(flyer.pose.at, i / 10.0)) {
+      command->z_m_s = 0;
+      hold.NoteStopped();
+      hold.NoteHeldDescent();
+    }
+    flyer.Move(*command);
+    flyer.pose.at.z_m = std::max(flyer.pose.at.z_m, 0.0);
+  }
+}
+
+// It flew to where nothing saw.
+TEST(FlightHold, StaysAboveItsPlaceWithoutAScanAndLandsThereOnceThatIsFree) {
+  Flyer flyer;
+  flyer.pose.at.z_m = 2;
+  FlightHold hold;
+  hold.Use();
+  const navigation::Point begin = flyer.pose.at;
+  double farthest_m = 0;
+  hold.SetBatteryLow(true);
+  LandAmong(flyer, hold, 120, [&](const navigation::Point& at, double seconds) {
+    farthest_m = std::max(farthest_m, std::hypot(at.x_m - begin.x_m, at.y_m - begin.y_m));
+    return seconds < 60;
+  });
+  EXPECT_LT(farthest_m, 0.3);
+  EXPECT_EQ(flyer.pose.at.z_m, 0);
+}
+
+TEST(FlightHold, GoesNoFartherAsideWhereItsScanIsLost) {
+  Flyer flyer;
+  flyer.pose.at.z_m = 2;
+  FlightHold hold;
+  hold.Use();
+  const navigation::Point begin = flyer.pose.at;
+  const auto aside_m = [&](const navigation::Point& at) {
+    return std::hypot(at.x_m - begin.x_m, at.y_m - begin.y_m);
+  };
+  double farthest_m = 0;
+  hold.SetSight([&](const navigation::Point&) {
+    farthest_m = std::max(farthest_m, aside_m(flyer.pose.at));
+    return farthest_m < 0.3;
+  });
+  hold.SetBatteryLow(true);
+  LandAmong(flyer, hold, 60, [&](const navigation::Point& at, double) {
+    farthest_m = std::max(farthest_m, aside_m(at));
+    return true;
+  });
+  EXPECT_GT(farthest_m, 0.3);
+  EXPECT_LT(farthest_m, 0.6);
+}
+
+// The person who stood below it had gone; it tried the places around again and again.
+TEST(FlightHold, TriesItsFirstPlaceAgain) {
+  Flyer flyer;
+  flyer.pose.at.z_m = 2;
+  FlightHold hold;
+  hold.SetSight(SeesAll);
+  hold.Use();
+  const navigation::Point begin = flyer.pose.at;
+  const auto aside_m = [&](const navigation::Point& at) {
+    return std::hypot(at.x_m - begin.x_m, at.y_m - begin.y_m);
+  };
+  hold.SetBatteryLow(true);
+  LandAmong(flyer, hold, 200, [&](const navigation::Point& at, double seconds) {
+    return seconds < 15 || aside_m(at) > 0.4;
+  });
+  EXPECT_EQ(flyer.pose.at.z_m, 0);
+  EXPECT_LT(aside_m(flyer.pose.at), 0.4);
+}
+
 TEST(FlightHold, GoesNotAsideByAnOdometryThatStands) {
   FlightHold hold;
+  hold.SetSight(SeesAll);
   hold.Use();
   hold.SetBatteryLow(true);
   const navigation::Pose stands{{0, 0, 2}, 0};

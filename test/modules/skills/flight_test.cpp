@@ -476,6 +476,18 @@ TEST_F(Flight, LandGoesAsideWhereItsPlaceIsTakenAsFarAsARequestSays) {
               Contains(HasSubstr("Goes 0.7 m aside to land: something 1.6 m high")));
 }
 
+// The person had gone from there meanwhile.
+TEST_F(Flight, LandTriesItsFirstPlaceAgainAfterThoseAround) {
+  InTheAir(2);
+  bench_.robot.below = kPersonBelow;
+  bench_.robot.is_below = [&](const navigation::Point& at) {
+    return bench_.seconds() < 15 || std::hypot(at.x_m, at.y_m) > 0.4;
+  };
+  EXPECT_EQ(bench_.Execute("land", {{"aside", 0.8}}).message, "Landed");
+  EXPECT_LT(std::hypot(bench_.robot.body.at.x_m, bench_.robot.body.at.y_m), 0.4);
+  EXPECT_THAT(bench_.messages, Contains(HasSubstr("Goes back to its place to land")));
+}
+
 TEST_F(Flight, LandTriesAllPlacesWithinItsReachAndThenFailsWithWhatIsBelow) {
   InTheAir(2);
   bench_.robot.below = kPersonBelow;
