@@ -103,6 +103,9 @@ void ReadDown(TableReader& reader, DownRules& rules) {
   Set(reader, "ground_m", -1000, 10'000, rules.ground_m);
   Set(reader, "ground_tolerance_m", 0.02, 1, rules.ground_tolerance_m);
   Set(reader, "blind_m_s", 0, 1, rules.blind_m_s);
+  Set(reader, "person_m_s", 0, 20, rules.person_m_s);
+  Set(reader, "person_m", 0, 100, rules.person_m);
+  Set(reader, "low_m_s", 0.02, 20, rules.low_m_s);
   rules.stale = reader.Time("stale_ms").value_or(rules.stale);
   if (const auto cone = reader.Number("cone_deg", 1, 160)) rules.cone_rad = *cone * M_PI / 180;
   SetOptional(reader, "least_m", 0, kFarM, rules.least_m);

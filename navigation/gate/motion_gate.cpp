@@ -79,6 +79,13 @@ std::string TextOf(const DescentVerdict& descent, const std::string& topic) {
     return fmt::format("its sensor does not see below where it flies to: it {}",
                        descent.z_m_s < 0 ? "descends slowly" : "stays level");
   }
+  if (descent.kind == Kind::kLow) return "a person may come below it: it descends slowly";
+  if (descent.kind == Kind::kBeside) {
+    const std::string high =
+        descent.height_m ? fmt::format(" {:.1f} m high or higher", *descent.height_m) : "";
+    return fmt::format("something{} is below it, or {:.2f} m beside it: it {}", high, descent.gap_m,
+                       descent.z_m_s < 0 ? "descends slowly" : "does not descend");
+  }
   const std::string what =
       descent.height_m ? fmt::format("something {:.1f} m high", *descent.height_m) : "something";
   return fmt::format("{} is {:.2f} m below it: it {}", what, descent.gap_m,
@@ -214,7 +221,8 @@ void MotionGate::Advance(Time now) {
   if (last_ && now > *last_ && !commanded) Assume({}, ToSeconds(now - *last_));
   if (last_ && now > *last_) {
     const double climb_m_s = std::min(Measured(*last_).z_m_s, assumed_.z_m_s);
-    descent_.Move(climb_m_s, std::min(ToSeconds(now - *last_), kLongestTrackS));
+    const double over_ground_m_s = std::max(OverGround(Measured(*last_)), OverGround(assumed_));
+    descent_.Move(climb_m_s, over_ground_m_s, std::min(ToSeconds(now - *last_), kLongestTrackS));
     measured_track_.Advance(Measured(*last_), *last_, now);
     commanded_track_.Advance(assumed_, *last_, now);
   }
@@ -506,12 +514,24 @@ double MotionGate::AsideMS(Time now) const {
   return std::clamp(along_m_s, 0.0, measured_m_s);
 }
 
+// From its middle to the nearest point of recent scans.
+std::optional<double> MotionGate::NearestM(Time now) const {
+  std::optional<double> nearest_m;
+  for (const Point& point : Seen(measured_track_, now)) {
+    const double away_m = std::hypot(point.x_m, point.y_m);
+    if (!nearest_m || away_m < *nearest_m) nearest_m = away_m;
+  }
+  return nearest_m;
+}
+
 void MotionGate::LimitDescent(GateVerdict& verdict, Time now) {
   using Kind = GateVerdict::Kind;
   const Velocity wanted = verdict.command;
-  const DescentVerdict descent = descent_.Check(wanted.z_m_s, AsideMS(now), now);
+  const std::optional<double> wall_m = wanted.z_m_s < 0 ? NearestM(now) : std::nullopt;
+  const DescentVerdict descent = descent_.Check(wanted.z_m_s, AsideMS(now), wall_m, now);
   if (descent.kind == DescentVerdict::Kind::kFree) return;
   verdict.command.z_m_s = descent.z_m_s;
+  verdict.careful = descent.kind == DescentVerdict::Kind::kLow;
   verdict.descent = TextOf(descent, descent_.rules().topic);
   const bool stops = descent.z_m_s == 0 && descent.kind != DescentVerdict::Kind::kAside &&
                      -wanted.z_m_s >= OverGround(wanted);

@@ -85,6 +85,7 @@ struct GateVerdict {
   std::string scanner;      // the topic without a recent scan
   std::string refused;      // why its last one is not used; empty: none came
   std::string descent;      // why it does not descend as wanted; empty: it does
+  bool careful = false;     // only since a person may come below it
   Duration held{};          // so long a wanted motion has been stopped
 
   bool holds() const { return kind == Kind::kStopped || kind == Kind::kBlind; }
@@ -164,6 +165,7 @@ class MotionGate {
 
   void Advance(Time now);
   double AsideMS(Time now) const;
+  std::optional<double> NearestM(Time now) const;
   void LimitDescent(GateVerdict& verdict, Time now);
   void Assume(const Velocity& command, double seconds);
   bool IsRecent(const ScanView& view, Time now) const;

@@ -21,6 +21,7 @@ constexpr double kRoomM = 1.5;      // to each side
 constexpr double kSeenLongS = 0.7;  // in which a descent at 0.5 m/s stops
 constexpr double kNearM = 0.25;     // above a head
 constexpr double kSinksMS = 0.03;
+constexpr double kMostDriftM = 0.2;   // of its height
 constexpr double kNothingM = 4;       // beyond it the sensor sees nothing
 constexpr double kHalfConeRad = 0.5;  // of the sensor
 
@@ -73,7 +74,7 @@ class Flight {
     at_.y_m = std::clamp(at_.y_m + velocity_.y_m_s * kFlightStepS, -kRoomM, kRoomM);
     at_.z_m = std::clamp(at_.z_m + velocity_.z_m_s * kFlightStepS, 0.0, 3.0);
     sunk_m_ += std::max(0.0, was_m - at_.z_m);
-    drifted_m_ += drift_m_s_ * kFlightStepS;
+    drifted_m_ = std::clamp(drifted_m_ + drift_m_s_ * kFlightStepS, -kMostDriftM, kMostDriftM);
     for (Person& person : persons_) Touch(person, was_m, measures);
   }
 
@@ -103,17 +104,21 @@ class Flight {
     return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
   }
 
-  // Onto a person whose head is below, the flyer's ray goes on to the ground.
+  // To a person, who is a column on the ground, or to the ground.
   double Along(double off_rad, double turn_rad) const {
-    const double down = std::cos(off_rad);
+    const double down = std::cos(off_rad), aside = std::sin(off_rad);
     double nearest_m = at_.z_m / down;
     for (const Person& person : persons_) {
-      const double along_m = (at_.z_m - person.at.z_m) / down;
-      if (along_m < 0) continue;
-      const double aside_m = along_m * std::sin(off_rad);
-      const Point hit{at_.x_m + aside_m * std::cos(turn_rad),
-                      at_.y_m + aside_m * std::sin(turn_rad), 0};
-      if (Flat(hit, person.at) <= kPersonM) nearest_m = std::min(nearest_m, along_m);
+      const double x = person.at.x_m - at_.x_m, y = person.at.y_m - at_.y_m;
+      const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+      const double square = kPersonM * kPersonM - std::pow(y * c - x * s, 2);
+      if (square < 0) continue;
+      const double enters_m = std::max(0.0, x * c + y * s - std::sqrt(square));
+      const double leaves_m = x * c + y * s + std::sqrt(square);
+      const double to_head_m = std::max(0.0, (at_.z_m - person.at.z_m) / down);
+      if (leaves_m < 0 || (aside == 0 && enters_m > 0)) continue;
+      const double along_m = aside > 0 ? std::max(enters_m / aside, to_head_m) : to_head_m;
+      if (along_m * aside <= leaves_m) nearest_m = std::min(nearest_m, along_m);
     }
     return std::min(nearest_m, kNothingM);
   }
@@ -204,7 +209,7 @@ DescentRun RunDescents(std::uint64_t seed, bool gated) {
   run(4000, false);
   DescentRun result{flight.sunk_onto(), flight.touched(), flight.sunk_m()};
   flight.Empty();
-  run(2000, true);
+  run(5000, true);
   result.landed = flight.height_m() < 0.01;
   return result;
 }

@@ -1,7 +1,8 @@
 #pragma once
 // A flyer above persons who walk about, for 40 s of velocities of a source that knows nothing, with
 // a range sensor that looks down: with noise, with samples that are lost, late and wrong, with a
-// height that drifts. With and without the gate's rule. Deterministic; simulated time.
+// height that drifts. With and without the gate's rule. A person is a column on the ground: what
+// has only a head is in no cone until the flyer is above it. Deterministic; simulated time.
 
 #include <cstdint>
 
@@ -10,7 +11,7 @@ namespace musher::navigation::testing {
 struct DescentRun {
   // Persons onto whom it sinks nearer than 0.25 m, that its sensor has seen long enough to stop.
   int sunk_onto = 0;
-  int touched = 0;  // from above, also by who steps below it, and is not in the cone
+  int touched = 0;  // from above, also by who steps below it
   double sunk_m = 0;
   bool landed = false;  // at the end, where it then descends to free ground
 };

@@ -25,6 +25,7 @@ class Descent : public ::testing::Test {
  protected:
   Descent() {
     rules_.down.topic = "range_down";
+    rules_.down.person_m_s = 0;  // those of AmongPersons walk
     Rebuild();
   }
   void Rebuild() { gate_.emplace(rules_); }
@@ -355,12 +356,138 @@ TEST_F(Descent, IsNotCheckedWithoutASensor) {
   EXPECT_EQ(Check().kind, Kind::kFree);
 }
 
+// --- A person comes from the side ---
+
+class AmongPersons : public Descent {
+ protected:
+  AmongPersons() {
+    rules_.down.person_m_s = DownRules{}.person_m_s;
+    rules_.scanners = {{.topic = "scan"}};
+    Rebuild();
+  }
+  // The planar scan sees a wall all around.
+  void SeesWall(double away_m) {
+    const Scan scan{-M_PI, M_PI / 180, 0.02, 8,
+                    std::vector<float>(360, static_cast<float>(away_m))};
+    ASSERT_TRUE(gate_->OnScan(0, scan, now_.time_since_epoch(), now_));
+  }
+  // For a while, at this height.
+  void SeesFor(double seconds, double range_m, double wall_m = 5) {
+    for (int i = 0; i < 20 * seconds; ++i) {
+      At(height_m_);
+      Sees(range_m + 0.001 * (i % 2));
+      SeesWall(wall_m);
+      Check();
+    }
+    At(height_m_);
+  }
+
+  double height_m_ = 1.5;
+};
+
+TEST_F(AmongPersons, DescendsSlowlyWhereOneMayComeBelowIt) {
+  SeesFor(0.5, height_m_);
+  EXPECT_EQ(Check().command, (Velocity{0, 0, -0.1, 0}));
+  EXPECT_EQ(Check().kind, Kind::kSlowed);
+  EXPECT_TRUE(Check().careful);
+  EXPECT_EQ(Describe(Check()), "a person may come below it: it descends slowly");
+  rules_.down.low_m_s = 0.2;
+  Rebuild();
+  SeesFor(0.5, height_m_);
+  EXPECT_EQ(Check().command.z_m_s, -0.2);
+  rules_.down.person_m_s = 0;
+  Rebuild();
+  SeesFor(0.5, height_m_);
+  EXPECT_EQ(Check().command, kDown) << "there are none";
+}
+
+TEST_F(AmongPersons, BrakesInTimeBeforeItIsAsLowAsThey) {
+  double before_m_s = 5;
+  for (height_m_ = 3; height_m_ > 1.95; height_m_ -= 0.1) {
+    Rebuild();
+    SeesFor(0.5, height_m_);
+    const double down_m_s = -Check({0, 0, -5, 0}).command.z_m_s;
+    EXPECT_LT(down_m_s, before_m_s) << height_m_;
+    const double stops_m =
+        down_m_s * rules_.reaction_s + (down_m_s * down_m_s) / (2 * rules_.brake_m_s2);
+    EXPECT_TRUE(down_m_s < 0.5 || stops_m < height_m_ - 2 + 0.01) << height_m_;
+    before_m_s = down_m_s;
+  }
+}
+
+TEST_F(AmongPersons, DescendsFasterByAWiderConeWhichSeesThemEarlier) {
+  rules_.down.cone_rad = 2;
+  Rebuild();
+  SeesFor(0.5, height_m_);
+  EXPECT_LT(Check().command.z_m_s, -0.45);
+  rules_.down.most_m = 1;
+  Rebuild();
+  SeesFor(0.5, height_m_);
+  EXPECT_GT(Check().command.z_m_s, -0.4) << "it does not reach so far";
+}
+
+// What is 0.9 m away was taken for the top of something 0.8 m high, far below.
+TEST_F(AmongPersons, IsHeldByOneWhoComesFromTheSide) {
+  SeesFor(1, height_m_);
+  for (const double range_m : {1.2, 1.1, 1.0}) {
+    At(height_m_);
+    Sees(range_m);
+    SeesWall(5);
+    Check();
+  }
+  EXPECT_EQ(Check().command, Velocity{});
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  EXPECT_FALSE(Check().careful);
+  EXPECT_THAT(Describe(Check()), HasSubstr("something 0.5 m high or higher is below it, or 0.30 m "
+                                           "beside it: it does not descend"));
+}
+
+TEST_F(AmongPersons, GoesOnBesideOneWhoStandsFarEnoughAwayToStopWhereThatStepsOff) {
+  SeesFor(1, height_m_);
+  SeesFor(1.5, 0.9);
+  EXPECT_EQ(Check().command.z_m_s, -0.1);
+  SeesFor(1.5, 0.6);
+  EXPECT_EQ(Check().kind, Kind::kStopped);
+  SeesFor(1.5, 0.6, 0.3);
+  EXPECT_EQ(Check().command.z_m_s, -0.1) << "it is a wall, which its scan sees as well";
+  SeesFor(1.5, 0.6, 0.8);
+  EXPECT_EQ(Check().kind, Kind::kStopped) << "the wall is elsewhere";
+}
+
+TEST_F(AmongPersons, TakesNoWallForOneWhoComesWhereItDriftsTowardsIt) {
+  SeesFor(2, 0.9);
+  for (int i = 0; i < 8; ++i) {  // with 0.2 m/s
+    gate_->OnVelocity({0.2, 0, 0, 0}, now_);
+    At(height_m_);
+    Sees(0.9 - 0.01 / std::sin(0.525) * i);
+    Check();
+  }
+  EXPECT_EQ(Check().command.z_m_s, -0.1);
+}
+
+TEST_F(AmongPersons, DescendsSlowlyBesideWhatStandsWhereItHasToLand) {
+  gate_->MustLand(true);
+  SeesFor(1.5, 0.6);
+  EXPECT_EQ(Check().command.z_m_s, -0.1);
+  Sees(0.4);
+  EXPECT_EQ(Check().kind, Kind::kStopped) << "that comes nearer";
+}
+
+TEST_F(AmongPersons, DescendsSlowlyWithoutAHeight) {
+  for (int i = 0; i < 40; ++i) {
+    Sees(3.5 + 0.001 * (i % 2));
+    SeesWall(5);
+  }
+  EXPECT_EQ(Check().command.z_m_s, -0.1);
+}
+
 // --- A flyer never comes down onto what its sensor sees ---
 
 void ExpectNoContactFromAbove(std::uint64_t from, std::uint64_t to) {
   for (std::uint64_t seed = from; seed < to; ++seed) {
     const DescentRun run = RunDescents(seed, true);
     EXPECT_EQ(run.sunk_onto, 0) << "seed " << seed;
+    EXPECT_EQ(run.touched, 0) << "seed " << seed;
     EXPECT_TRUE(run.landed) << "seed " << seed;
   }
 }

@@ -74,7 +74,7 @@ class VelocityOutput {
   // What the gate stops it for; empty: nothing.
   std::string HeldBy() const;
   // Why a flyer does not descend as commanded; empty: it does.
-  const std::string& WhyNotDescending() const { return verdict_.descent; }
+  std::string WhyNotDescending() const { return verdict_.careful ? "" : verdict_.descent; }
 
  private:
   void Send(const navigation::Velocity& command);

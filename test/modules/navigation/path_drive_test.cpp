@@ -78,7 +78,7 @@ TEST(ADriveOfAFlyer, EndsWithItsReasonAboveAPersonBelowIt) {
     EXPECT_GT(pose.at.z_m, 1.6 + 0.3);
   }
   ASSERT_TRUE(end);
-  EXPECT_THAT(end->reason, HasSubstr("something 1.6 m high is 0."));
+  EXPECT_THAT(end->reason, HasSubstr("something 1.6 m high"));
   EXPECT_THAT(end->reason, HasSubstr("it does not descend, for 2.0 s"));
 }
 

@@ -193,6 +193,9 @@ cone_deg = 90
 most_m = 3
 ground_m = -0.5
 stale_ms = 300
+person_m_s = 2.0
+person_m = 1.8
+low_m_s = 0.2
 [[robot]]
 name = "b"
 kind = "flyer"
@@ -208,6 +211,9 @@ kind = "flyer"
   EXPECT_EQ(down.least_m, std::nullopt);
   EXPECT_EQ(down.ground_m, -0.5);
   EXPECT_EQ(down.stale, Milliseconds(300));
+  EXPECT_EQ(down.person_m_s, 2);
+  EXPECT_EQ(down.person_m, 1.8);
+  EXPECT_EQ(down.low_m_s, 0.2);
   EXPECT_EQ(reading.config->robots[1].gate.down.topic, "");
   EXPECT_EQ(
       ControllerError("[[robot]]\nname = \"a\"\n[robot.gate.down]\nz_m = 0.1\n"),

@@ -217,22 +217,41 @@ double SceneWorld::ToWallAlong(const Point& from, double angle_rad, double most_
   return most_m;
 }
 
-// Heads, the upper sides of robots below, walls, and the ground.
-double SceneWorld::DownAlong(const Point& from, double off_rad, double turn_rad) const {
+// Where a ray meets a column, of a person or a robot; `most_m`: it does not.
+double SceneWorld::ToColumn(const Ray& ray, const Column& column, double most_m) {
+  const double x = column.at.x_m - ray.from.x_m, y = column.at.y_m - ray.from.y_m;
+  const double c = std::cos(ray.turn_rad), s = std::sin(ray.turn_rad);
+  const double down = std::cos(ray.off_rad), aside = std::sin(ray.off_rad);
+  const double middle_m = x * c + y * s;
+  const double square = column.radius_m * column.radius_m - std::pow(y * c - x * s, 2);
+  if (square < 0) return most_m;
+  // Of the way over the ground, between its sides.
+  const double enters_m = std::max(0.0, middle_m - std::sqrt(square));
+  const double leaves_m = middle_m + std::sqrt(square);
+  if (leaves_m < 0) return most_m;
+  const double to_top_m = std::max(0.0, (ray.from.z_m - column.top_m) / down);
+  const double along_m = aside > 0      ? std::max(enters_m / aside, to_top_m)
+                         : enters_m > 0 ? most_m
+                                        : to_top_m;
+  const bool below = ray.from.z_m - along_m * down < column.bottom_m;
+  return below || along_m * aside > leaves_m ? most_m : std::min(most_m, along_m);
+}
+
+// Persons, who stand on the ground, robots, walls, and the ground.
+double SceneWorld::DownAlong(std::size_t robot, const Point& from, double off_rad,
+                             double turn_rad) const {
   const double down = std::cos(off_rad), aside = std::sin(off_rad);
+  const Ray ray{from, off_rad, turn_rad};
   double nearest_m = from.z_m / down;
-  const auto meet = [&](const Point& at, double top_m, double radius_m) {
-    const double along_m = (from.z_m - top_m) / down;
-    const Point hit{from.x_m + along_m * aside * std::cos(turn_rad),
-                    from.y_m + along_m * aside * std::sin(turn_rad), top_m};
-    if (along_m >= 0 && Flat(hit, at) <= radius_m) nearest_m = std::min(nearest_m, along_m);
-  };
   for (std::size_t i = 0; i < movers_.size(); ++i) {
-    meet(movers_[i].at, scene_.movers[i].height_m, scene_.movers[i].radius_m);
+    const SceneMover& mover = scene_.movers[i];
+    nearest_m = ToColumn(ray, {movers_[i].at, 0, mover.height_m, mover.radius_m}, nearest_m);
   }
-  // That of the robot itself is above the sensor.
-  for (const Body& body : bodies_) {
-    meet(body.pose.at, body.pose.at.z_m + kSceneBodyHeightM, kSceneBodyM);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Point& at = bodies_[i].pose.at;
+    if (i == robot) continue;
+    nearest_m = ToColumn(
+        ray, {at, at.z_m - kSceneBodyHeightM, at.z_m + kSceneBodyHeightM, kSceneBodyM}, nearest_m);
   }
   if (aside > 0) {
     nearest_m = std::min(nearest_m, ToWallAlong(from, turn_rad, nearest_m * aside) / aside);
@@ -244,11 +263,12 @@ double SceneWorld::LookDown(std::size_t robot) {
   constexpr int kRings = 4, kRaysARing = 6;
   Point from = bodies_[robot].pose.at;
   from.z_m = std::max(0.0, from.z_m - kSceneBodyHeightM);
-  double nearest_m = DownAlong(from, 0, 0);
+  double nearest_m = DownAlong(robot, from, 0, 0);
   for (int ring = 1; ring <= kRings; ++ring) {
     for (int i = 0; i < kRaysARing * ring; ++i) {
-      nearest_m = std::min(nearest_m, DownAlong(from, kSceneConeRad / 2 * ring / kRings,
-                                                2 * M_PI * i / (kRaysARing * ring)));
+      const double off_rad = kSceneConeRad / 2 * ring / kRings;
+      const double turn_rad = 2 * M_PI * i / (kRaysARing * ring);
+      nearest_m = std::min(nearest_m, DownAlong(robot, from, off_rad, turn_rad));
     }
   }
   std::uniform_real_distribution<double> error_m(-0.01, 0.01);

@@ -5,8 +5,9 @@
 //
 // A body that would enter a wall or another disc stays where it is, which is a contact; as long as
 // it pushes, it is the same one. Of a mover that runs into a robot that stands the contact is the
-// mover's. A flyer that sinks onto a mover below it is counted apart: no planar scan sees it.
-// Metres, radians, seconds; one thread; deterministic.
+// mover's. A flyer that sinks onto a mover below it is counted apart: no planar scan sees it. Its
+// sensor that looks down does: movers and robots are columns, movers from the ground to their
+// heads. Metres, radians, seconds; one thread; deterministic.
 
 #include <random>
 #include <vector>
@@ -70,13 +71,23 @@ class SceneWorld {
     double waited_s = 0;  // for a robot in its way
   };
 
+  struct Ray {
+    navigation::Point from;
+    double off_rad = 0, turn_rad = 0;  // from straight down; around that
+  };
+  struct Column {
+    navigation::Point at;
+    double bottom_m = 0, top_m = 0, radius_m = 0;
+  };
+  static double ToColumn(const Ray& ray, const Column& column, double most_m);
   static bool IsOver(const SceneEvent& event, double now_s);
   double ToWalls(const navigation::Point& centre, double within_m) const;
   bool Reaches(const SceneMover& mover, double height_m) const;
   bool SinksOntoMover(const navigation::Point& from, const navigation::Point& to) const;
   // From the rim of a robot at a place to what is nearest.
   double RoomOf(std::size_t robot, const navigation::Point& at) const;
-  double DownAlong(const navigation::Point& from, double off_rad, double turn_rad) const;
+  double DownAlong(std::size_t robot, const navigation::Point& from, double off_rad,
+                   double turn_rad) const;
   double ToWallAlong(const navigation::Point& from, double angle_rad, double most_m) const;
   void MoveBody(std::size_t robot, double seconds);
   void MoveMover(std::size_t index, double seconds);
