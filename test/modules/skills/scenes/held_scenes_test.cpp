@@ -171,9 +171,10 @@ TEST(RandomScenesNightly, EndWithoutContact) {
 // --- Flyers that land among persons ---
 
 // How often they sink onto one.
-int SunkIn(std::uint64_t seed, bool looks_down) {
+int SunkIn(std::uint64_t seed, bool looks_down, bool only_heads = false) {
   Scene scene = LandingScene(seed);
   scene.looks_down = looks_down;
+  scene.only_heads = only_heads;
   int sunk = 0;
   for (const RobotOutcome& robot : RunScene(scene, true, seed).robots) {
     EXPECT_EQ(robot.contacts, 0) << "seed " << seed;
@@ -192,6 +193,21 @@ TEST(LandingScenes, HaveNoneThatSinksOntoAPersonWithOne) {
   for (const std::uint64_t seed : {70305, 70831, 70937}) {
     EXPECT_EQ(SunkIn(seed, true), 0) << "seed " << seed;
   }
+}
+
+// It came from the side, and was not in the cone before the flyer had sunk onto the head.
+TEST(LandingScenes, HaveNoneThatSinksOntoAPersonOfWhomItsSensorSeesOnlyTheHead) {
+  for (const std::uint64_t seed : {70882, 95023}) {
+    EXPECT_EQ(SunkIn(seed, true, true), 0) << "seed " << seed;
+  }
+}
+
+TEST(RandomScenes, HaveNoFlyerThatDescendsOntoAPersonWhoComesFromTheSide) {
+  Scene scene = RandomScene(72099);
+  scene.looks_down = scene.only_heads = true;
+  const SceneOutcome outcome = RunScene(scene, true, 72099);
+  EXPECT_EQ(outcome.contacts() + outcome.robots[0].from_above, 0);
+  EXPECT_EQ(outcome.robots[0].end, RobotOutcome::End::kArrived);
 }
 
 // They descended on their way, onto persons who came into the cone of their sensor too late.

@@ -55,6 +55,7 @@ struct Scene {
   double cell_m = 0.25;
   bool flies = false;
   bool looks_down = false;   // a flyer has a sensor for it
+  bool only_heads = false;   // of persons, for that sensor: their trousers reflect nothing
   bool lands = false;        // a flyer, where its drive has ended
   double aside_m = 0;        // so far from there, where its place is taken
   bool map_is_late = false;  // it comes with the first event kMap only

@@ -12,6 +12,7 @@ using navigation::Velocity;
 
 constexpr double kApartAgainM = 0.01;
 constexpr double kStandsMS = 0.02;
+constexpr double kHeadM = 1e-3;  // where only heads are seen, from above
 
 double Flat(const Point& a, const Point& b) {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
@@ -245,7 +246,8 @@ double SceneWorld::DownAlong(std::size_t robot, const Point& from, double off_ra
   double nearest_m = from.z_m / down;
   for (std::size_t i = 0; i < movers_.size(); ++i) {
     const SceneMover& mover = scene_.movers[i];
-    nearest_m = ToColumn(ray, {movers_[i].at, 0, mover.height_m, mover.radius_m}, nearest_m);
+    const double bottom_m = scene_.only_heads ? mover.height_m - kHeadM : 0;
+    nearest_m = ToColumn(ray, {movers_[i].at, bottom_m, mover.height_m, mover.radius_m}, nearest_m);
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Point& at = bodies_[i].pose.at;
