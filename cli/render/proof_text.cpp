@@ -270,7 +270,7 @@ std::string ProofText(const ProofReport& report, bool colour) {
   text +=
       Levels(report) + Notes(report) +
       RuleCoverageText(report.config, report.user_rules,
-                       {proof.rule_coverage, proof.timed_coverage}, CoverageOf::kSearch, colour) +
+                       {proof.rule_coverage, proof.timed_coverage}, CheckedIn::kSearch, colour) +
       "\n";
   if (proof.counter_example) {
     const bool is_shortest = proof.why.empty() && !proof.counter_example->repeats;

@@ -36,9 +36,9 @@ std::string CoverageText(const MachineConfig& config, const StableRule& rule,
 }
 
 // A search branches: of one begin there are many ends.
-std::string CoverageText(const TimedRule& rule, const TimedRuleCoverage& c, CoverageOf what) {
+std::string CoverageText(const TimedRule& rule, const TimedRuleCoverage& c, CheckedIn what) {
   if (c.begun == 0) return "the machine never goes to " + rule.of;
-  if (what == CoverageOf::kSearch) {
+  if (what == CheckedIn::kSearch) {
     return fmt::format("its time begins in {} {}, and it is met in {}", Grouped(c.begun),
                        NounOf(c.begun, "transition"), Grouped(c.met));
   }
@@ -62,7 +62,7 @@ OrderedJson CoverageRow(const std::string& rule, bool is_tested) {
 }  // namespace
 
 std::string RuleCoverageText(const MachineConfig& config, const UserRules& rules,
-                             const UserRulesCoverage& coverage, CoverageOf what, bool colour) {
+                             const UserRulesCoverage& coverage, CheckedIn what, bool colour) {
   std::string text;
   for (std::size_t i = 0; i < rules.stable.size(); ++i) {
     const StableRule& rule = rules.stable[i];

@@ -11,11 +11,11 @@
 
 namespace musher::cli {
 
-enum class CoverageOf : std::uint8_t { kSearch, kSimulation };
+enum class CheckedIn : std::uint8_t { kSearch, kSimulation };
 
 // A line for each rule. `coverage`: of each of them, or of none.
 std::string RuleCoverageText(const MachineConfig& config, const UserRules& rules,
-                             const UserRulesCoverage& coverage, CoverageOf what, bool colour);
+                             const UserRulesCoverage& coverage, CheckedIn what, bool colour);
 OrderedJson RuleCoverageJson(const UserRules& rules, const UserRulesCoverage& coverage);
 
 }  // namespace musher::cli

@@ -74,7 +74,7 @@ std::string Invariants(const SimulationReport& report, bool colour) {
     text += "\n";
     if (!of_user) continue;
     text += RuleCoverageText(report.config, report.options.rules, s.rule_coverage,
-                             CoverageOf::kSimulation, colour);
+                             CheckedIn::kSimulation, colour);
   }
   return text;
 }
