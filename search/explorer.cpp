@@ -9,10 +9,26 @@
 
 #include "musher/search/fingerprint.hpp"
 #include "musher/search/fingerprint_set.hpp"
+#include "musher/search/reduction.hpp"
 #include "musher/search/rules.hpp"
 
 namespace musher::search {
 namespace {
+
+// Which of the choices in a world are not searched.
+class LeftOut {
+ public:
+  LeftOut(const Model& model, const World& world, unsigned twins)
+      : twins_(twins), only_(SearchedAlone(model, world)) {}
+
+  bool Has(const Choice& choice) const {
+    return (twins_ >> choice.actuator & 1U) != 0 || (only_ && choice.which() != *only_);
+  }
+
+ private:
+  unsigned twins_;
+  std::optional<ActuatorIndex> only_;
+};
 
 class Explorer {
  public:
@@ -62,8 +78,9 @@ class Explorer {
       CheckRest(model_, node.world, notes);
       if (!notes.violations.empty()) return ReportFault(node.id, std::nullopt, std::move(notes));
     }
+    const LeftOut left_out(model_, node.world, node.twins);
     for (std::uint32_t k = 0; k < choices.size(); ++k) {
-      if ((node.twins >> choices[k].actuator & 1U) != 0) continue;
+      if (left_out.Has(choices[k])) continue;
       World world = k + 1 < choices.size() ? node.world : std::move(node.world);
       Notes notes;
       Make(model_, world, choices[k], notes);
@@ -127,10 +144,10 @@ class DepthFirstExplorer {
  private:
   struct Node {
     World world;
-    std::vector<Choice> choices;
-    unsigned twins = 0;
+    LeftOut left_out;
+    std::vector<Choice> choices = {};
     std::size_t next = 0;  // of the choices; the one before it leads to the next node of the path
-    Fingerprint fingerprint;
+    Fingerprint fingerprint = {};
     int cost = 0;  // of the choice that leads here
     // The nodes have numbers as they are reached. `low`: of the first one that is known to be in
     // the same circle.
@@ -144,7 +161,10 @@ class DepthFirstExplorer {
     const Identity identity = IdentityOf(model_, world);
     if (!seen_.Insert(identity.fingerprint)) return SeeAgain(identity.fingerprint, cost);
     ++limits_.nodes;
-    Node node{std::move(world), {}, identity.twins, 0, identity.fingerprint, cost};
+    const LeftOut left_out(model_, world, identity.twins);
+    Node node{std::move(world), left_out};
+    node.fingerprint = identity.fingerprint;
+    node.cost = cost;
     node.number = node.low = seen_.size();
     node.choices = Choices(model_, node.world);
     if (IsQuiet(node.world, node.choices)) {
@@ -174,8 +194,7 @@ class DepthFirstExplorer {
   // Makes the next choice of the last node of the path.
   void Advance() {
     Node& node = path_.back();
-    while (node.next < node.choices.size() &&
-           (node.twins >> node.choices[node.next].actuator & 1U) != 0) {
+    while (node.next < node.choices.size() && node.left_out.Has(node.choices[node.next])) {
       ++node.next;
     }
     if (node.next == node.choices.size()) return Leave();

@@ -230,6 +230,7 @@ class Prover {
     model.stable_rules = options_.stable_rules;
     model.timed_rules = options_.timed_rules;
     model.other_machine = options_.other_machine;
+    model.reduces = options_.reduces;
     const auto alike = model.kinds;
     for (const ActuatorIndex i : model.kinds.Indices()) {
       model.kinds[i] = i;

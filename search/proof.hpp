@@ -70,6 +70,8 @@ struct ProofOptions {
   // Of states that differ by alike actuators, search one. Off: it is not exact where one step sends
   // to two of them, and the controller is killed between the two.
   bool symmetry = false;
+  // Whether one order of what commutes is searched (reduction.hpp); off: all.
+  bool reduces = true;
   // Whether faults are also what another machine sends an actuator (a command to Active with a
   // higher epoch, a release of the stop), and a heartbeat with a lower epoch, of a controller that
   // was replaced. None arrives between two commands of one step.

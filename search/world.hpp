@@ -56,6 +56,9 @@
 // A battery falls to one of the levels of [policy.battery], and never rises. Its samples go on: the
 // three that confirm an empty one come at once, and a controller that takes over receives them.
 //
+// Of messages to a controller that takes over one order is searched where all lead to the same
+// (reduction.hpp).
+//
 // Actuators are interchangeable where the config stays the same when their names are exchanged: of
 // states that differ by their names only one is searched (fingerprint.hpp).
 
@@ -261,6 +264,7 @@ struct Model {
   std::vector<StableRule> stable_rules;  // of the user
   std::vector<TimedRule> timed_rules;    // of the user
   bool other_machine = false;            // whether kOtherCommand and what follows it are choices
+  bool reduces = true;                   // whether what reduction.hpp says is left out
 };
 
 // The results of one choice.
