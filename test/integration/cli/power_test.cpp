@@ -47,7 +47,8 @@ TEST_F(PowerOff, TearsTheMachineDownAndRunsTheCommand) {
   ASSERT_NO_FATAL_FAILURE(
       Start("command = [\"sh\", \"-c\", \"echo good night; touch " + mark + "\"]\n"));
   EXPECT_TRUE(CallTrigger("poweroff").success);
-  EXPECT_EQ(up_->Wait().exit, 0) << up_->Output();
+  const Ended end = up_->Wait();
+  EXPECT_EQ(end.exit, 0) << end.out << end.err;
   ASSERT_TRUE(AwaitFile(mark)) << "the command has not run";
   const std::string said = ReadFile(folder_ / "state" + "/logs/power_off.log");
   EXPECT_THAT(said, ::testing::HasSubstr("good night"));
@@ -56,7 +57,7 @@ TEST_F(PowerOff, TearsTheMachineDownAndRunsTheCommand) {
 TEST_F(PowerOff, WithoutACommandIsATearDown) {
   ASSERT_NO_FATAL_FAILURE(Start(""));
   EXPECT_TRUE(CallTrigger("poweroff").success);
-  EXPECT_EQ(up_->Wait().exit, 0) << up_->Output();
+  EXPECT_EQ(up_->Wait().exit, 0);
   EXPECT_THAT(Musher({"history", "--journal", folder_ / "state" + "/journal.sqlite"}).out,
               ::testing::HasSubstr("no command is configured"));
 }
@@ -87,7 +88,7 @@ TEST_F(PowerOff, OfAnEarlierBootIsForgottenByAControllerThatItsSupervisorRestart
   restart_after("power off " + host.substr(0, host.find('/')) + " " +
                     std::to_string(ToMilliseconds(SinceBoot())) + "\n",
                 status["pid"]);
-  EXPECT_EQ(up_->Wait().exit, 0) << up_->Output();
+  EXPECT_EQ(up_->Wait().exit, 0);
   EXPECT_TRUE(AwaitFile(mark)) << "the command has not run";
 }
 
