@@ -72,6 +72,10 @@ void PlainParticipant::Every(std::int64_t ms, std::function<void()> work) {
 
 bool PlainParticipant::Spin(const std::function<bool()>& done, std::int64_t ms) {
   const dds_time_t end = dds_time() + DDS_MSECS(ms);
+  const auto read = [this] {
+    for (std::size_t i = 0; i < on_data_.size(); ++i) on_data_[i]();
+  };
+  read();  // what has arrived since the last call: a timer must not take it for silence
   while (!done()) {
     dds_time_t until = end;
     for (Timer& timer : timers_) {
@@ -83,7 +87,7 @@ bool PlainParticipant::Spin(const std::function<bool()>& done, std::int64_t ms) 
     }
     if (dds_time() >= end) return done();
     dds_waitset_wait_until(waitset_, nullptr, 0, until);
-    for (std::size_t i = 0; i < on_data_.size(); ++i) on_data_[i]();
+    read();
   }
   return true;
 }
