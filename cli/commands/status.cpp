@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
@@ -183,6 +184,18 @@ void AddUnits(const msg::MachineStatus& status, StatusSince& since) {
   }
 }
 
+// When that entry was recorded, by the present wall clock: it may have been set since then, as on a
+// robot that gets its time from the network after its boot. Of an earlier controller only the wall
+// clock's time is known.
+std::int64_t WallTimeOf(const msg::GetHistory::Response& history, std::size_t entry,
+                        const msg::MachineStatus& status) {
+  const bool same_clock = history.entries[entry].epoch == status.epoch &&
+                          IsOfThisBoot(status.host) && entry < history.steady_ns.size();
+  if (!same_clock) return history.entries[entry].wall_ns;
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return WallNow() - (std::chrono::nanoseconds(now).count() - history.steady_ns[entry]);
+}
+
 // Of a machine that works: what is not known is left out.
 StatusSince SinceWhen(Link& link, const msg::MachineStatus& status) {
   StatusSince since;
@@ -196,7 +209,8 @@ StatusSince SinceWhen(Link& link, const msg::MachineStatus& status) {
   const auto change = std::find_if(history->entries.rbegin(), history->entries.rend(),
                                    [](const auto& entry) { return !entry.state.empty(); });
   if (change != history->entries.rend() && change->state == status.state) {
-    since.state_since_ns = change->wall_ns;
+    const auto entry = static_cast<std::size_t>(history->entries.rend() - change) - 1;
+    since.state_since_ns = WallTimeOf(*history, entry, status);
   }
   return since;
 }

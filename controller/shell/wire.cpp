@@ -139,6 +139,7 @@ msg::GetHistory::Response ToMessage(const std::vector<JournalEntry>& entries) {
   for (const JournalEntry& entry : entries) {
     history.entries.push_back(ToMessage(entry));
     history.events.push_back(entry.event);
+    history.steady_ns.push_back(entry.steady_ns);
   }
   return history;
 }

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -177,6 +178,7 @@ host = "payload"
       msg::GetHistory::Response history;
       history.entries.emplace_back().state = "Active";
       history.entries.back().wall_ns = WallNow() - 3'600'000'000'000;
+      if (steady_ns_) history.steady_ns = {*steady_ns_};
       reply(history);
     });
     words.insert(words.begin(), {"--namespace", name_space_, "status"});
@@ -184,6 +186,7 @@ host = "payload"
   }
 
   const std::string name_space_ = "host_clocks_test_" + std::to_string(getpid());
+  std::optional<std::int64_t> steady_ns_;  // of the change of state; nullopt: an older controller
 };
 
 TEST_F(StatusOfHosts, HasTheirClocksAndNamesTheOneThatDoesNotAnswer) {
@@ -224,6 +227,14 @@ TEST_F(StatusOfHosts, DoesNotSayForHowLongByTheClockOfAnotherComputer) {
   const Ran elsewhere = Status("another boot/1", {});
   EXPECT_EQ(elsewhere.exit, 0) << elsewhere.err;
   EXPECT_THAT(elsewhere.out, Not(HasSubstr("  for ")));
+}
+
+// "for 365 d" of a robot that has got its time from the network a minute ago.
+TEST_F(StatusOfHosts, SaysForHowLongByTheSteadyClockWhereTheWallClockWasSet) {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  steady_ns_ = std::chrono::nanoseconds(now - std::chrono::minutes(7)).count();
+  EXPECT_THAT(Status(HostId(), {}).out, HasSubstr("  for 7 min"));
+  EXPECT_THAT(Status("another boot/1", {}).out, Not(HasSubstr("  for ")));
 }
 
 TEST_F(StatusOfHosts, NeedsAConfigThatIsValidYet) {
