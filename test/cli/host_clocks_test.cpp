@@ -174,7 +174,7 @@ host = "payload"
       now.status.config_file = folder_ / "robot.toml";
       reply(now);
     });
-    dog.Serve<msg::GetHistory>("get_history", [](const auto&, const auto& reply) {
+    dog.Serve<msg::GetHistory>("get_history", [this](const auto&, const auto& reply) {
       msg::GetHistory::Response history;
       history.entries.emplace_back().state = "Active";
       history.entries.back().wall_ns = WallNow() - 3'600'000'000'000;
