@@ -301,7 +301,7 @@ bool Link::ChooseHere(Duration limit) {
   if (RunPatiently(found, limit)) return !ended;
   searched_ = true;
   const auto origin = OriginOfProcess(LeaderHere());
-  machine_ = {origin ? origin->name : "of this host", origin ? origin->id : ""};
+  machine_ = {origin ? origin->name : "the machine of this host", origin ? origin->id : ""};
   return true;
 }
 

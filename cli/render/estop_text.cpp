@@ -115,8 +115,7 @@ std::string ReleaseText(const msg::MachineStatus& shown, bool colour) {
 std::string RestartText(const msg::ActuatorInfo& shown, bool colour) {
   const msg::ActuatorInfo actuator = Printable(shown);
   return actuator.name + " is back in " +
-         Paint(actuator.state, StyleOfState(actuator.state), colour) +
-         fmt::format(" (pid {})\n", actuator.pid);
+         Paint(actuator.state, StyleOfState(actuator.state), colour) + PidText(actuator.pid) + '\n';
 }
 
 }  // namespace musher::cli

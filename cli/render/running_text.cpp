@@ -39,11 +39,14 @@ std::string RunningText(const std::map<std::string, RunningActuators::Actuator>&
   return table.Text(colour);
 }
 
+std::string PidText(std::int64_t pid) {
+  return pid == 0 ? "" : fmt::format(" (pid {})", pid);
+}
+
 std::string RunningNames(const std::map<std::string, RunningActuators::Actuator>& running) {
   std::string names;
   for (const auto& [name, actuator] : running) {
-    names += fmt::format("{}{} (pid {})", names.empty() ? "" : ", ", Printable(name),
-                         actuator.status.pid);
+    names += (names.empty() ? "" : ", ") + Printable(name) + PidText(actuator.status.pid);
   }
   return names;
 }

@@ -40,6 +40,9 @@ std::string UnitsText(const std::map<std::string, std::string>& units, bool colo
 // The status on one line, for output that is not a terminal.
 std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 
+// Behind a name: " (pid 7)"; nothing of a process that is not known.
+std::string PidText(std::int64_t pid);
+
 // Actuators that run without a controller; RunningNames(): "legs (pid 7), …".
 std::string RunningText(const std::map<std::string, RunningActuators::Actuator>& running,
                         bool colour);

@@ -1,8 +1,13 @@
 // musher-record record: topics, the journal and trouble into a file or a ring of files.
 
+#include <sys/signalfd.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
+#include <future>
 #include <utility>
 
 #include "musher/base/date_text.hpp"
@@ -26,6 +31,8 @@ namespace musher::view {
 namespace {
 
 constexpr Duration kLastSamples = Milliseconds(20);
+constexpr Duration kSilentClose = std::chrono::seconds(2);
+constexpr Duration kSignalPeriod = Milliseconds(100);
 
 std::int64_t WallNow() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -49,7 +56,8 @@ class Session {
       : loop_(loop), options_(options) {}
 
   Result<> Start();
-  int End();
+  // `signals`: of EndSignals().
+  int End(int signals);
 
  private:
   Result<> OpenSink();
@@ -59,6 +67,7 @@ class Session {
   std::uint64_t SizeNow() const;
   std::string SizeOf(double seconds) const;
   void ShowProgress();
+  Result<> Close(int signals);
 
   transport::EventLoop& loop_;
   const RecordOptions& options_;
@@ -205,7 +214,24 @@ void Session::ShowProgress() {
   ShowLine(RecordedText(bytes, ToSeconds(loop_.Now() - began_), static_cast<double>(more)));
 }
 
-int Session::End() {
+// Writes what waits and ends the file, on a thread of its own: a disk that hangs may hold that one
+// for ever. This one does nothing else meanwhile but take a second signal.
+Result<> Session::Close(int signals) {
+  signalfd_siginfo info{};
+  while (read(signals, &info, sizeof info) > 0) continue;  // those that have ended the recording
+  auto closed =
+      std::async(std::launch::async, [this] { return file_ ? file_->Close() : ring_->Close(); });
+  if (closed.wait_for(kSilentClose) == std::future_status::ready) return closed.get();
+  Print("waits for its disk to take the rest; a second Ctrl-C ends it without");
+  while (closed.wait_for(kSignalPeriod) != std::future_status::ready) {
+    if (read(signals, &info, sizeof info) <= 0) continue;
+    Print("ended before its disk had taken everything");
+    std::_Exit(1);
+  }
+  return closed.get();
+}
+
+int Session::End(int signals) {
   progress_.reset();
   const double seconds = ToSeconds(loop_.Now() - began_);
   // Samples that arrived before the end are recorded, later ones neither recorded nor counted.
@@ -215,7 +241,7 @@ int Session::End() {
   const std::uint64_t of_journal = journal_->entries();
   std::uint64_t lost = journal_->lost();
   journal_.reset();
-  const auto closed = file_ ? file_->Close() : ring_->Close();
+  const auto closed = Close(signals);
   // What the disk's thread has reported meanwhile.
   static_cast<void>(loop_.RunUntil([] { return false; }, loop_.Now() + Milliseconds(1)));
   if (!closed && exit_ == 0) exit_ = Fail(closed.error(), 1);
@@ -245,7 +271,7 @@ int RunRecord(const RecordOptions& options) {
   if (auto started = session.Start(); !started) return Fail(started.error());
   const auto ending = loop.WhenReadable(signals.value().get(), [&loop] { loop.Stop(); });
   loop.Run();
-  return session.End();
+  return session.End(signals.value().get());
 }
 
 }  // namespace musher::view

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -133,6 +136,62 @@ TEST_F(RecordProgram, OfAKilledRecorderAllButTheLastSecondIsRead) {
   EXPECT_EQ(recovered.exit, 0) << recovered.err;
   EXPECT_THAT(TextsOf(whole, "/chat"), ElementsAre("hello"));
   EXPECT_EQ(testing::RunToEnd({kRecord, "info", whole}).exit, 0);
+}
+
+// A thread of another process that does not go on, like one in a write to a disk that hangs.
+class HeldThread {
+ public:
+  HeldThread(pid_t pid, const std::string& name) {
+    for (const auto& task : fs::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+      std::ifstream comm(task.path() / "comm");
+      std::string is;
+      if (std::getline(comm, is) && is == name) thread_ = std::stoi(task.path().filename());
+    }
+    if (thread_ == 0 || ptrace(PTRACE_SEIZE, thread_, nullptr, nullptr) != 0) return;
+    held_ = ptrace(PTRACE_INTERRUPT, thread_, nullptr, nullptr) == 0 &&
+            waitpid(thread_, nullptr, __WALL) == thread_;
+  }
+  ~HeldThread() { Release(); }
+
+  bool held() const { return held_; }
+  void Release() {
+    if (std::exchange(held_, false)) ptrace(PTRACE_DETACH, thread_, nullptr, nullptr);
+  }
+
+ private:
+  pid_t thread_ = 0;
+  bool held_ = false;
+};
+
+TEST_F(RecordProgram, SaysThatItWaitsForADiskThatHangs) {
+  testing::Process recorder({kRecord, "record", "-o", file_});
+  const auto chat = Publish("chat", transport::kDefaultQos);
+  Say(*chat, "hello");
+  ASSERT_TRUE(Has(file_, "/chat", "hello"));
+  HeldThread disk(recorder.pid(), "record-disk");
+  if (!disk.held()) GTEST_SKIP() << "no ptrace";
+  Say(*chat, "the rest");
+  recorder.Signal(SIGINT);
+  ASSERT_TRUE(recorder.AwaitError("waits for its disk to take the rest"));
+  disk.Release();
+  const auto ended = recorder.Wait();
+  EXPECT_EQ(ended.exit, 0) << ended.err;
+  EXPECT_THAT(TextsOf(file_, "/chat"), ElementsAre("hello", "the rest"));
+}
+
+TEST_F(RecordProgram, EndsBesideADiskThatHangsAtASecondSignal) {
+  testing::Process recorder({kRecord, "record", "-o", file_});
+  const auto chat = Publish("chat", transport::kDefaultQos);
+  Say(*chat, "hello");
+  ASSERT_TRUE(Has(file_, "/chat", "hello"));
+  const HeldThread disk(recorder.pid(), "record-disk");
+  if (!disk.held()) GTEST_SKIP() << "no ptrace";
+  recorder.Signal(SIGINT);
+  ASSERT_TRUE(recorder.AwaitError("a second Ctrl-C ends it without"));
+  recorder.Signal(SIGINT);
+  const auto ended = recorder.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("ended before its disk had taken everything"));
 }
 
 TEST_F(RecordProgram, PlayPublishesInTheRecordedOrderAndGaps) {
