@@ -9,8 +9,13 @@
 namespace musher::transport {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x4C433032;  // "LC02"
-constexpr std::size_t kHeader = 8;            // magic and sequence number
+constexpr std::uint32_t kMagic = 0x4C433032;          // "LC02"
+constexpr std::size_t kHeader = 8;                    // magic and sequence number
+constexpr std::uint32_t kFragmentMagic = 0x4C433033;  // "LC03"
+// Magic, sequence number, size of the message, offset, number of the fragment, their count.
+constexpr std::size_t kFragmentHeader = 20;
+constexpr std::size_t kFragmentSizeAt = 8;
+constexpr std::size_t kFragmentNumberAt = 16;
 
 std::uint32_t ReadBigEndian(std::span<const std::byte> bytes) {
   std::uint32_t value = 0;
@@ -24,6 +29,14 @@ void WriteBigEndian(std::uint32_t value, std::vector<std::byte>& bytes) {
   for (int shift = 24; shift >= 0; shift -= 8) {
     bytes.push_back(static_cast<std::byte>(value >> shift & 0xFF));
   }
+}
+
+// The name up to its end; nullopt: it is none.
+std::optional<std::string_view> ReadChannel(std::span<const std::byte> bytes) {
+  const auto end = std::find(bytes.begin(), bytes.end(), std::byte{0});
+  const auto length = static_cast<std::size_t>(end - bytes.begin());
+  if (end == bytes.end() || length == 0 || length > kLongestLcmChannel) return std::nullopt;
+  return std::string_view(reinterpret_cast<const char*>(bytes.data()), length);
 }
 
 template <typename T>
@@ -44,14 +57,29 @@ bool IsMulticast(const std::string& address) {
 std::optional<LcmPacket> ReadLcmPacket(std::span<const std::byte> datagram) {
   if (datagram.size() <= kHeader || ReadBigEndian(datagram) != kMagic) return std::nullopt;
   const std::span<const std::byte> rest = datagram.subspan(kHeader);
-  const auto end = std::find(rest.begin(), rest.end(), std::byte{0});
-  const auto length = static_cast<std::size_t>(end - rest.begin());
-  if (end == rest.end() || length == 0 || length > kLongestLcmChannel) return std::nullopt;
+  const auto channel = ReadChannel(rest);
+  if (!channel) return std::nullopt;
   LcmPacket packet;
   packet.sequence = ReadBigEndian(datagram.subspan(4));
-  packet.channel = {reinterpret_cast<const char*>(rest.data()), length};
-  packet.data = rest.subspan(length + 1);
+  packet.channel = *channel;
+  packet.data = rest.subspan(channel->size() + 1);
   return packet;
+}
+
+std::optional<LcmFragment> ReadLcmFragment(std::span<const std::byte> datagram) {
+  if (datagram.size() <= kFragmentHeader || ReadBigEndian(datagram) != kFragmentMagic) {
+    return std::nullopt;
+  }
+  LcmFragment fragment;
+  fragment.message_size = ReadBigEndian(datagram.subspan(kFragmentSizeAt));
+  constexpr std::byte kNone{0};
+  const bool first =
+      datagram[kFragmentNumberAt] == kNone && datagram[kFragmentNumberAt + 1] == kNone;
+  if (!first) return fragment;
+  const auto channel = ReadChannel(datagram.subspan(kFragmentHeader));
+  if (!channel) return std::nullopt;
+  fragment.channel = *channel;
+  return fragment;
 }
 
 Result<std::vector<std::byte>> WriteLcmPacket(const LcmPacket& packet) {

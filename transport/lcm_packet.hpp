@@ -1,7 +1,7 @@
 #pragma once
 // LCM's messages as UDP datagrams (https://lcm-proj.github.io: "LC02"). A datagram is a magic
-// number, a number that its sender counts up, the name of a channel and the encoded message. A
-// message that needs several datagrams ("LC03", above 64 KiB) is not supported.
+// number, a number that its sender counts up, the name of a channel and the encoded message. Of a
+// message that needs several datagrams ("LC03", above 64 KiB) only the channel is read.
 //
 // Threads: any. Pure functions.
 
@@ -27,11 +27,19 @@ struct LcmPacket {
   std::span<const std::byte> data;
 };
 
+// A part of a message that needs several datagrams. Refers to the bytes of its datagram.
+struct LcmFragment {
+  std::string_view channel;  // of the first one; empty: a later one, which has none
+  std::uint32_t message_size = 0;
+};
+
 // Where the host is that has sent a datagram.
 enum class HostPlace { kThisComputer, kThisNetwork, kElsewhere };
 
 // nullopt: the bytes are no whole LCM message.
 std::optional<LcmPacket> ReadLcmPacket(std::span<const std::byte> datagram);
+// nullopt: they are no part of one.
+std::optional<LcmFragment> ReadLcmFragment(std::span<const std::byte> datagram);
 
 // Fails if the name of the channel or the message is too long.
 Result<std::vector<std::byte>> WriteLcmPacket(const LcmPacket& packet);

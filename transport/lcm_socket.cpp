@@ -208,16 +208,23 @@ Result<> LcmSocket::Send(std::string_view channel, std::span<const std::byte> da
   return Failed("cannot send to", url_);
 }
 
-HostPlace PlaceOf(const std::string& sender, const std::string& network_interface) {
+HostAddresses::HostAddresses() {
+  for (const OwnAddress& own : Addresses()) {
+    addresses_.push_back({own.network_interface, own.address.s_addr, own.mask.s_addr});
+  }
+}
+
+HostPlace HostAddresses::PlaceOf(const std::string& sender,
+                                 const std::string& network_interface) const {
   in_addr host{};
   if (inet_pton(AF_INET, sender.substr(0, sender.rfind(':')).c_str(), &host) != 1) {
     return HostPlace::kElsewhere;
   }
   HostPlace place = HostPlace::kElsewhere;
-  for (const auto& [name, address, mask] : Addresses()) {
-    if (address.s_addr == host.s_addr) return HostPlace::kThisComputer;
+  for (const auto& [name, address, mask] : addresses_) {
+    if (address == host.s_addr) return HostPlace::kThisComputer;
     const bool by_it = network_interface.empty() || name == network_interface;
-    if (by_it && mask.s_addr != 0 && ((address.s_addr ^ host.s_addr) & mask.s_addr) == 0) {
+    if (by_it && mask != 0 && ((address ^ host.s_addr) & mask) == 0) {
       place = HostPlace::kThisNetwork;
     }
   }
@@ -243,6 +250,7 @@ void LcmSocket::Receive() {
     sample.sender = SenderText(from);
     sample.size = static_cast<std::size_t>(read);
     sample.packet = ReadLcmPacket(std::span(buffer_).first(sample.size));
+    if (!sample.packet) sample.fragment = ReadLcmFragment(std::span(buffer_).first(sample.size));
     on_sample_(sample);
   }
 }

@@ -8,9 +8,12 @@
 //
 // Threads: loop thread only. On a simulated loop, which has no sockets, nothing is received.
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/base/unique_fd.hpp"
 #include "musher/transport/event_loop.hpp"
@@ -27,8 +30,9 @@ struct LcmOptions {
 // A datagram of the group; the callback's only.
 struct LcmSample {
   std::string sender;               // "192.168.44.233:41234"
-  std::optional<LcmPacket> packet;  // nullopt: no LCM message
-  std::size_t size = 0;             // of the datagram, in bytes
+  std::optional<LcmPacket> packet;  // nullopt: no LCM message, or a part of one
+  std::optional<LcmFragment> fragment;
+  std::size_t size = 0;  // of the datagram, in bytes
   // The time since the kernel of this computer received the datagram: how long it waited for the
   // loop. 1 s at most.
   Duration age{};
@@ -72,8 +76,23 @@ class LcmSocket {
   LoopHandlePtr readable_;  // last: its callback uses the rest
 };
 
-// Where the host of a sender is, "192.168.44.233:41234": whether it is in the network of an address
-// of `network_interface`; empty: of any interface. Any thread; queries the system each time.
-HostPlace PlaceOf(const std::string& sender, const std::string& network_interface);
+// The IPv4 addresses that this computer had when it was made. To read them takes some 50 us: more
+// than a datagram of a flood may cost. A plain value.
+class HostAddresses {
+ public:
+  HostAddresses();
+
+  // Where the host of a sender is, "192.168.44.233:41234": whether it is in the network of an
+  // address of `network_interface`; empty: of any interface.
+  HostPlace PlaceOf(const std::string& sender, const std::string& network_interface) const;
+
+ private:
+  struct Address {
+    std::string network_interface;
+    std::uint32_t address = 0;  // in network byte order, as its mask
+    std::uint32_t mask = 0;
+  };
+  std::vector<Address> addresses_;
+};
 
 }  // namespace musher::transport

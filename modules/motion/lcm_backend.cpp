@@ -15,15 +15,20 @@ using transport::LcmSocket;
 using OpenedSocket = Result<std::unique_ptr<LcmSocket>>;
 
 constexpr Duration kReopenPeriod = std::chrono::seconds(1);
+constexpr Duration kAddressesPeriod = Milliseconds(100);
 
 }  // namespace
 
-LcmLink::Sender LcmBackend::SenderOf(const LcmSample& sample) const {
+// Where the host of a sender is does not matter where the config names the board's.
+LcmLink::Sender LcmBackend::SenderOf(const LcmSample& sample) {
   LcmLink::Sender sender{sample.sender, sample.packet->sequence};
   sender.age = sample.age;
-  if (!link_.IsHostOfBoard(sample.sender)) {
-    sender.place = transport::PlaceOf(sample.sender, responses_->network_interface());
+  if (!config_.board.empty() || link_.IsHostOfBoard(sample.sender)) return sender;
+  if (loop_.Now() - addresses_at_ >= kAddressesPeriod) {
+    addresses_ = transport::HostAddresses();
+    addresses_at_ = loop_.Now();
   }
+  sender.place = addresses_.PlaceOf(sample.sender, responses_->network_interface());
   return sender;
 }
 
@@ -89,13 +94,23 @@ void LcmBackend::Send(const BodyCommand& command) {
   Handle(link_.OnCommand(command, Now()));
 }
 
+// Of a message in several datagrams only the first one has a channel; other programs may send such
+// messages on channels of their own.
+void LcmBackend::OnNoMessage(const LcmSample& sample, const char* channel) {
+  if (sample.fragment && sample.fragment->channel != channel) return;
+  const std::size_t size = sample.fragment ? sample.fragment->message_size : sample.size;
+  Handle(link_.OnMalformed(
+      channel,
+      std::to_string(size) + " bytes are " + (sample.fragment ? "too long" : "no LCM message"),
+      Now()));
+}
+
 void LcmBackend::OnCommandGroup(const LcmSample& sample) {
   if (sample.sender == commands_->sender()) return;
   const Time now = Now();
-  if (!sample.packet) {
-    const std::string what = std::to_string(sample.size) + " bytes are no LCM message";
-    return Handle(link_.OnMalformed(kCommandChannel, what, now));
-  }
+  const bool long_gait = sample.fragment && sample.fragment->channel == kGaitFileChannel;
+  if (long_gait) return OnOtherGait(sample.sender);
+  if (!sample.packet) return OnNoMessage(sample, kCommandChannel);
   if (sample.packet->channel == kGaitResultChannel) return OnGaitResult(sample);
   if (sample.packet->channel == kGaitFileChannel) return OnOtherGait(sample.sender);
   if (sample.packet->channel != kCommandChannel) return;
@@ -149,10 +164,7 @@ void LcmBackend::Handle(GaitDefinition::Output output) {
 
 void LcmBackend::OnResponseGroup(const LcmSample& sample) {
   const Time now = Now();
-  if (!sample.packet) {
-    const std::string what = std::to_string(sample.size) + " bytes are no LCM message";
-    return Handle(link_.OnMalformed(kResponseChannel, what, now));
-  }
+  if (!sample.packet) return OnNoMessage(sample, kResponseChannel);
   const auto& [sequence, channel, data] = *sample.packet;
   if (channel == kResponseChannel) {
     const auto report = DecodeResponse(data);
@@ -168,7 +180,7 @@ void LcmBackend::OnResponseGroup(const LcmSample& sample) {
 
 void LcmBackend::OnLocationGroup(const LcmSample& sample) {
   const Time now = Now();
-  if (!sample.packet) return;
+  if (!sample.packet) return OnNoMessage(sample, kLocalizationChannel);
   if (sample.packet->channel == kMotorChannel) {
     constexpr std::size_t kMotorFrame = 248;  // bytes; a board drops another one
     const std::size_t size = sample.packet->data.size();

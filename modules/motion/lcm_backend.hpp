@@ -49,7 +49,9 @@ class LcmBackend : public MotionBackend {
   void Reopen();
   // Of the loop, for the link, which gets the suspensions of this computer before.
   Time Now();
-  LcmLink::Sender SenderOf(const transport::LcmSample& sample) const;
+  LcmLink::Sender SenderOf(const transport::LcmSample& sample);
+  // A datagram that is no whole LCM message.
+  void OnNoMessage(const transport::LcmSample& sample, const char* channel);
   void OnCommandGroup(const transport::LcmSample& sample);
   void OnResponseGroup(const transport::LcmSample& sample);
   void OnLocationGroup(const transport::LcmSample& sample);
@@ -65,6 +67,8 @@ class LcmBackend : public MotionBackend {
   const Events events_;
   const LcmConfig config_;
   LcmLink link_;
+  transport::HostAddresses addresses_;
+  Time addresses_at_{};
   Duration suspended_;  // of this computer since its boot, as the link knows it
   Time reopened_at_{};  // or not needed
   Result<> opened_;     // the sockets, at the last try; they are kept where that has failed

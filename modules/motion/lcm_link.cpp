@@ -72,6 +72,13 @@ std::string_view HostOf(std::string_view sender) {
   return sender.substr(0, sender.rfind(':'));
 }
 
+// Any two numbers of a board, of which the second is the lower one: their difference need not fit.
+std::uint64_t MillisecondsBack(Duration from, Duration to) {
+  constexpr std::uint64_t kNanosecondsInOne = 1'000'000;
+  return (static_cast<std::uint64_t>(from.count()) - static_cast<std::uint64_t>(to.count())) /
+         kNanosecondsInOne;
+}
+
 std::string Number(int value) {
   return std::to_string(value);
 }
@@ -418,7 +425,7 @@ LinkOutput LcmLink::OnLocation(const Sender& sender, const BoardLocation& locati
   const NewestOnly::Age age = Take(locations_, sender, now, output);
   if (age == NewestOnly::Age::kOld) return output;
   if (age == NewestOnly::Age::kNew && location.timestamp < location_stamp_) {
-    const auto back_ms = ToMilliseconds(location_stamp_ - location.timestamp);
+    const auto back_ms = MillisecondsBack(location_stamp_, location.timestamp);
     Fault("timestamp",
           {MotionCode(KeyCode::kParametersInvalid),
            "the timestamps of " + std::string(kLocalizationChannel) + " go back, by " +

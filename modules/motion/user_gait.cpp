@@ -200,7 +200,22 @@ Result<> CheckLength(const std::string& text, const char* what) {
                    " bytes; a motion board takes at most " + std::to_string(kLongestGaitText)};
 }
 
+// Before the text is written: that of a million sections takes the loop longer than the board waits
+// for a frame.
+template <typename T>
+Result<> CheckCount(const std::vector<T>& items, const char* what) {
+  static const std::size_t shortest =
+      TextOf(std::vector<T>(2)).size() - TextOf(std::vector<T>(1)).size();
+  const std::size_t most = kLongestGaitText / shortest;
+  if (items.size() <= most) return Ok();
+  return Error{MotionCode(KeyCode::kParametersInvalid),
+               "the gait has " + std::to_string(items.size()) + " " + what + ", and at most " +
+                   std::to_string(most) + " fit into the text that a motion board takes"};
+}
+
 Result<UserGait> Finished(const std::vector<Section>& sections, const std::vector<Step>& steps) {
+  if (auto fits = CheckCount(sections, "sections"); !fits) return fits.error();
+  if (auto fits = CheckCount(steps, "steps"); !fits) return fits.error();
   if (auto good = Check(sections, steps); !good) return good.error();
   UserGait gait{TextOf(sections), TextOf(steps), 0, {}};
   if (auto fits = CheckLength(gait.sections, "sections"); !fits) return fits.error();

@@ -4,6 +4,10 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
+#include <string_view>
+#include <vector>
+
 namespace musher::transport::lcm_packet_test {
 
 using ::testing::HasSubstr;
@@ -35,6 +39,29 @@ TEST(LcmPacket, OfAWrongShapeIsNone) {
   EXPECT_FALSE(ReadLcmPacket(bytes)) << "a part of a message";
   const std::vector<std::byte> unending(100, std::byte{'L'});
   EXPECT_FALSE(ReadLcmPacket(unending));
+}
+
+std::vector<std::byte> BytesOf(std::string_view text) {
+  std::vector<std::byte> bytes;
+  for (const char c : text) bytes.push_back(static_cast<std::byte>(c));
+  return bytes;
+}
+
+// As LCM's own library divides a message of more than 64 KiB.
+TEST(LcmFragment, HasTheChannelOfItsMessageIfItIsTheFirst) {
+  using std::string_view_literals::operator""sv;
+  const auto first = BytesOf("LC03\1\2\3\4\0\x10\0\0\0\0\0\0\0\0\0\x11gait\0data"sv);
+  ASSERT_TRUE(ReadLcmFragment(first));
+  EXPECT_EQ(ReadLcmFragment(first)->channel, "gait");
+  EXPECT_EQ(ReadLcmFragment(first)->message_size, 1U << 20);
+  EXPECT_FALSE(ReadLcmPacket(first));
+  for (std::size_t size = 0; size <= 24; ++size) {
+    EXPECT_FALSE(ReadLcmFragment(std::span(first).first(size))) << size;
+  }
+  const auto later = BytesOf("LC03\1\2\3\4\0\x10\0\0\0\0\xFF\0\0\1\0\x11gait\0data"sv);
+  ASSERT_TRUE(ReadLcmFragment(later));
+  EXPECT_EQ(ReadLcmFragment(later)->channel, "") << "it has none";
+  EXPECT_FALSE(ReadLcmFragment(WriteLcmPacket({1, "AB", kData}).value()));
 }
 
 TEST(LcmPacket, RefusesALongChannelAndALongMessage) {

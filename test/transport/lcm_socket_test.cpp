@@ -2,7 +2,6 @@
 
 #include "musher/transport/lcm_socket.hpp"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <ifaddrs.h>
@@ -79,12 +78,13 @@ TEST(LcmSocket, SaysHowLongADatagramHasWaitedForTheLoop) {
 }
 
 TEST(LcmSocket, KnowsWhereTheHostOfASenderIs) {
-  EXPECT_EQ(PlaceOf("127.0.0.1:41234", "lo"), HostPlace::kThisComputer);
-  EXPECT_EQ(PlaceOf("127.1.2.3:41234", "lo"), HostPlace::kThisNetwork);
-  EXPECT_EQ(PlaceOf("127.1.2.3:41234", ""), HostPlace::kThisNetwork);
-  EXPECT_EQ(PlaceOf("127.1.2.3:41234", "musher-none"), HostPlace::kElsewhere);
-  EXPECT_EQ(PlaceOf("203.0.113.9:41234", "lo"), HostPlace::kElsewhere);
-  EXPECT_EQ(PlaceOf("", ""), HostPlace::kElsewhere);
+  const HostAddresses here;
+  EXPECT_EQ(here.PlaceOf("127.0.0.1:41234", "lo"), HostPlace::kThisComputer);
+  EXPECT_EQ(here.PlaceOf("127.1.2.3:41234", "lo"), HostPlace::kThisNetwork);
+  EXPECT_EQ(here.PlaceOf("127.1.2.3:41234", ""), HostPlace::kThisNetwork);
+  EXPECT_EQ(here.PlaceOf("127.1.2.3:41234", "musher-none"), HostPlace::kElsewhere);
+  EXPECT_EQ(here.PlaceOf("203.0.113.9:41234", "lo"), HostPlace::kElsewhere);
+  EXPECT_EQ(here.PlaceOf("", ""), HostPlace::kElsewhere);
 }
 
 // The name of a network interface that is up with multicast and an address, beside lo; "": none.
@@ -135,14 +135,7 @@ TEST(LcmSocket, ReportsADatagramThatIsNoLcmMessage) {
   const auto receiver = LcmSocket::Open(loop, options, [&](const LcmSample& sample) {
                           if (!sample.packet) bad = sample.size;
                         }).value();
-  const UniqueFd raw(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  const in_addr loopback{htonl(INADDR_LOOPBACK)};
-  setsockopt(raw.get(), IPPROTO_IP, IP_MULTICAST_IF, &loopback, sizeof loopback);
-  sockaddr_in group{};
-  group.sin_family = AF_INET;
-  group.sin_port = htons(options.url.port);
-  inet_pton(AF_INET, options.url.group.c_str(), &group.sin_addr);
-  ASSERT_EQ(sendto(raw.get(), "junk", 4, 0, reinterpret_cast<sockaddr*>(&group), sizeof group), 4);
+  ASSERT_TRUE(RawLcmSender(ToText(options.url)).Send("junk"));
   EXPECT_TRUE(loop.RunUntil([&] { return bad == 4; }, testing::In(std::chrono::seconds(120))));
 }
 

@@ -142,9 +142,9 @@ void WorldBoard::OnSample(const transport::LcmSample& sample) {
 // The gait of a user: a text of sections, then one of steps. The body does not follow it; motions
 // with gait 110 are those of the table.
 void WorldBoard::OnGaitText(std::span<const std::byte> data) {
-  const auto file = transport::DecodeLcm<musher_lcm::file_send_lcmt>(data);
+  const auto file = transport::DecodeLcmText<musher_lcm::file_send_lcmt>(data);
   if (!file) return log_("a gait is refused: " + file.error().message);
-  const std::string& text = file.value().data;
+  const std::string& text = file.value();
   const bool sections = text.starts_with("# Gait Def");
   const bool steps = text.starts_with("# Gait Params");
   const bool accepted = sections || (steps && has_gait_sections_);

@@ -1096,6 +1096,17 @@ TEST_F(LcmLinkTest, ReportsTimestampsThatGoBackAndUsesItsOwnTime) {
   EXPECT_THAT(output.faults[0].text, HasSubstr("timestamps of global_to_robot go back, by 20 ms"));
 }
 
+TEST_F(LcmLinkTest, SaysHowFarAnyTwoTimestampsGoBack) {
+  RunFor(Milliseconds(100), 12, 0);
+  BoardLocation location;
+  location.timestamp = Duration::max();
+  Keep(link_.OnLocation({kBoard, 1}, location, Milliseconds(7), now_));
+  location.timestamp = Duration::min();
+  const LinkOutput output = link_.OnLocation({kBoard, 2}, location, Milliseconds(27), now_);
+  ASSERT_EQ(output.faults.size(), 1U);
+  EXPECT_THAT(output.faults[0].text, HasSubstr("go back, by 18446744073709 ms"));
+}
+
 TEST_F(LcmLinkTest, PublishesEachPositionOnce) {
   Stand();
   BoardLocation location;

@@ -15,12 +15,16 @@
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/lcm_socket.hpp"
+#include "musher/transport/lcm_type.hpp"
 #include "musher/transport/linux_event_loop.hpp"
+#include "musher_lcm/robot_control_response_lcmt.hpp"
 
 namespace musher::motion::testing::lcm_process_test {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class LcmProcess : public ::testing::Test {
  protected:
@@ -123,6 +127,40 @@ TEST_F(LcmProcess, DoesNotConfirmAnEmergencyStopBeforeItsBoardReportsIt) {
   const Ended again = RunProgram("musher", {"--timeout", "30", "estop"});
   EXPECT_EQ(again.exit, 0) << again.out;
   EXPECT_EQ(RunProgram("musher", {"--timeout", "30", "estop", "--release"}).exit, 0);
+}
+
+// 10,000 responses a second from another port, and as much of what is no message.
+TEST_F(LcmProcess, NamesAFloodAndBeginsNoMotionInIt) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  transport::LinuxEventLoop loop;
+  const auto open = [&](const std::string& url) {
+    return transport::LcmSocket::Open(loop, {transport::ReadLcmUrl(url).value(), "", 0},
+                                      [](const transport::LcmSample&) {})
+        .value();
+  };
+  const std::array sockets = {open(urls_[0]), open(urls_[1]), open(urls_[2])};
+  const std::array channels = {kCommandChannel, kResponseChannel, kLocalizationChannel};
+  musher_lcm::robot_control_response_lcmt response{};
+  response.mode = 12;
+  const auto bytes = transport::EncodeLcm(response);
+  const std::vector<std::byte> junk(40);
+  const Time end = loop.Now() + std::chrono::seconds(3);
+  const auto flood = loop.Every(Milliseconds(1), [&] {
+    for (int i = 0; i < 10; ++i) {
+      static_cast<void>(sockets[1]->Send(kResponseChannel, bytes));
+      static_cast<void>(sockets.at(i % 3)->Send(channels.at(i % 3), junk));
+    }
+  });
+  loop.RunUntil([&] { return loop.Now() >= end; }, musher::testing::In(std::chrono::seconds(60)));
+  while (const auto line = board->NextLine(musher::testing::In(Milliseconds(1)))) {
+    EXPECT_THAT(*line, AnyOf(HasSubstr("command mode 12 gait 0"), HasSubstr("mode 7 gait 1"),
+                             HasSubstr("no frame: lies down")))
+        << "nothing but its hold";
+  }
+  EXPECT_TRUE(robot.AwaitLog("responses a second, expected 50")) << robot.Log();
+  EXPECT_TRUE(robot.AwaitLog("fingerprint 0x0000000000000000 is not that of")) << robot.Log();
 }
 
 TEST_F(LcmProcess, DoesNotStandABodyUpThatLiesSinceItsBoardHasRestarted) {

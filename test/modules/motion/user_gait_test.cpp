@@ -265,6 +265,22 @@ TEST(Sequence, WithFurtherTextsHasAllOfThem) {
   EXPECT_THAT(gait.value().sections, HasSubstr("contact = [1, 1, 1, 1]\nduration = 3\n"));
 }
 
+// The loop would write a text of 50 MB, while the board gets no frame for longer than 500 ms.
+TEST(BadSequence, OfAMillionSectionsIsRefusedBeforeItsTextIsWritten) {
+  constexpr std::size_t kMany = 1'000'000;
+  msg::MotionSequenceShow::Request sequence;
+  sequence.gait_list.assign(kMany, {true, false, false, true, 12});
+  sequence.pace_list.emplace_back();
+  sequence.pace_list[0].duration = 300;
+  const auto sections = UserGaitOf(sequence);
+  ASSERT_FALSE(sections);
+  EXPECT_EQ(sections.error().code, 3010);
+  EXPECT_THAT(sections.error().message, HasSubstr("1000000 sections, and at most 1"));
+  sequence.gait_list.resize(1);
+  sequence.pace_list.resize(1000, sequence.pace_list[0]);
+  EXPECT_THAT(UserGaitOf(sequence).error().message, HasSubstr("1000 steps, and at most "));
+}
+
 TEST(BadSequence, OfCommandsThatAreNoGaitIsRefused) {
   for (const std::string wrong :
        {"mode = 12\ngait_id = 110", "mode = 11\ngait_id = 27", "mode = 11\ngait_id = 110"}) {

@@ -7,8 +7,11 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <ostream>
+#include <string_view>
+#include <utility>
 
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/protocol/motion.hpp"
@@ -31,6 +34,7 @@
 #include "musher/transport/lcm_type.hpp"
 #include "musher/transport/sim/network.hpp"
 #include "musher_lcm/danger_states_lcmt.hpp"
+#include "musher_lcm/file_send_lcmt.hpp"
 #include "musher_lcm/localization_lcmt.hpp"
 #include "musher_lcm/robot_control_response_lcmt.hpp"
 
@@ -489,6 +493,12 @@ class MotionBoardBadInput : public MotionBoard {
     }
     network_.RunFor(seconds(1));
   }
+  // Datagrams as they are.
+  void InjectRaw(const std::vector<std::string>& datagrams, const std::string& url) {
+    const transport::RawLcmSender sender(url);
+    for (const std::string& datagram : datagrams) ASSERT_TRUE(sender.Send(datagram));
+    network_.RunFor(seconds(1));
+  }
 };
 
 INSTANTIATE_TEST_SUITE_P(Boards, MotionBoardBadInput, ::testing::Values(motion::BoardKind::kLcm),
@@ -514,6 +524,80 @@ TEST_P(MotionBoardBadInput, OfAnotherProgramsGaitEndsTheOneThatWasDefined) {
   EXPECT_EQ(Call(*gaits_, request).code, 0) << "the board has answered to both";
   request.cmd_type = msg::MotionCustomCmd::kExecution;
   EXPECT_EQ(Call(*gaits_, request).code, 0);
+}
+
+// The library of LCM sends a text of more than 64 KiB in several datagrams, and its board gets it.
+TEST_P(MotionBoardBadInput, OfAnotherProgramsGaitOfAMegabyteEndsTheOneThatWasDefined) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  msg::MotionCustomCmd::Request request;
+  request.cmd_type = msg::MotionCustomCmd::kDefinition;
+  request.motion_id = 400;
+  ASSERT_EQ(Call(*gaits_, request).code, 0) << log_;
+  using std::string_view_literals::operator""sv;
+  std::string first("LC03\0\0\0\1\0\x10\0\0\0\0\0\0\0\0\0\x11user_gait_file\0"sv);
+  first.resize(60'000, '#');
+  std::string later("LC03\0\0\0\1\0\x10\0\0\0\0\xFF\0\0\1\0\x11"sv);
+  later.resize(60'000, '#');
+  InjectRaw({first, later}, config_.lcm.command_url);
+  EXPECT_NE(log_.find("another program has given the motion board a gait: 127.0.0.1:"),
+            std::string::npos)
+      << log_;
+  request.cmd_type = msg::MotionCustomCmd::kExecution;
+  EXPECT_EQ(Call(*gaits_, request).code, 3031);
+  EXPECT_EQ(TheBody().mode(), 12);
+}
+
+// The length of a text that the code of lcm-gen would trust.
+TEST_P(MotionBoardBadInput, OfATextOfAWrongLengthIsRefusedByTheBoard) {
+  for (const std::int32_t length : {0, -5, std::numeric_limits<std::int32_t>::min(), 1000}) {
+    SCOPED_TRACE(length);
+    log_.clear();
+    Inject({"a gait", "user_gait_file", "",
+            [&] {
+              auto bytes = transport::EncodeLcm(musher_lcm::file_send_lcmt{"# Gait Def\n"});
+              for (int i = 0; i < 4; ++i) {
+                bytes[8 + i] =
+                    static_cast<std::byte>(static_cast<std::uint32_t>(length) >> (24 - 8 * i));
+              }
+              return bytes;
+            }},
+           config_.lcm.command_url);
+    EXPECT_NE(log_.find("its text has another length"), std::string::npos) << log_;
+  }
+}
+
+TEST_P(MotionBoardBadInput, OfAFloodOfAnotherHostIsNamedAndTheBodyStands) {
+  ASSERT_EQ(Do(motion::kRecoveryStand), 0);
+  const transport::RawLcmSender other(config_.lcm.response_url, "127.0.0.2");
+  musher_lcm::robot_control_response_lcmt response{};
+  response.mode = 7;
+  const auto data = transport::EncodeLcm(response);
+  for (std::uint32_t i = 0; i < 10'000; ++i) {
+    const auto bytes = transport::WriteLcmPacket({i, "robot_control_response", data}).value();
+    ASSERT_TRUE(other.Send({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+    if (i % 10 == 9) network_.RunFor(Milliseconds(1));
+  }
+  EXPECT_NE(log_.find("messages of a motion board from 127.0.0.2:"), std::string::npos) << log_;
+  EXPECT_EQ(TheBody().mode(), 12);
+  EXPECT_EQ(Do(132), 3011) << "it would jump as well";
+  network_.RunFor(seconds(2));
+  EXPECT_EQ(TheBody().mode(), 12);
+  EXPECT_EQ(Do(132), 0);
+}
+
+TEST_P(MotionBoardBadInput, NamesWhatIsNoLcmMessageInEachOfItsGroups) {
+  const auto& lcm = config_.lcm;
+  const std::pair<std::string, std::string> groups[] = {
+      {lcm.command_url, "robot_control_cmd"},
+      {lcm.response_url, "robot_control_response"},
+      {lcm.localization_url, "global_to_robot"}};
+  for (const auto& [url, channel] : groups) {
+    SCOPED_TRACE(channel);
+    InjectRaw({"junk"}, url);
+    const std::string line =
+        "a datagram on LCM channel '" + channel + "' is dropped: 4 bytes are no LCM message (3010)";
+    EXPECT_NE(log_.find(line), std::string::npos) << log_;
+  }
 }
 
 TEST_P(MotionBoardBadInput, NamesAProgramThatMovesTheMotorsDirectly) {
