@@ -162,8 +162,16 @@ void LcmLink::Look(std::optional<Time> end) {
   counted_ = false;
 }
 
+// The board may have left it meanwhile.
+void LcmLink::RenewStop(Time now) {
+  recounts_ = 1;
+  unconfirmed_ = now;
+}
+
 void LcmLink::OnSuspended(Duration duration) {
-  if (duration >= kHang && !stopped_) Look(std::nullopt);
+  if (duration < kHang) return;
+  if (stopped_) return RenewStop(tick_at_);
+  Look(std::nullopt);
 }
 
 // This process hung: the board may have let the body lie down, which it does after 500 ms without a
@@ -171,6 +179,7 @@ void LcmLink::OnSuspended(Duration duration) {
 bool LcmLink::HasHung(Time now) {
   if (now - tick_at_ < kHang) return false;
   tick_at_ = now;
+  if (stopped_) RenewStop(now);
   return !stopped_;
 }
 
@@ -293,8 +302,7 @@ NewestOnly::Age LcmLink::Take(Stream& stream, const Sender& sender, Time now, Li
 void LcmLink::Restart(Time now, LinkOutput& output) {
   output.restarted = true;
   if (stopped_) {  // which is kept
-    recounts_ = 1;
-    unconfirmed_ = now;
+    RenewStop(now);
   } else {
     wanted_ = taken_ = 0;
     Look(now + kLookTime);
@@ -327,6 +335,8 @@ LinkOutput LcmLink::OnResponse(const Sender& sender, const BodyReport& report, T
     }
   } else if (returns && !GoesOn(report, now)) {
     Look(now + kLookTime);  // it may have restarted all the same
+  } else if (was_silent && stopped_) {
+    RenewStop(now);
   }
   const Temperatures temperatures = body_.report.motor_temperature;
   body_.report = report;

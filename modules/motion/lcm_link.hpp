@@ -36,7 +36,8 @@
 //     of the commander before. A body in another motion ends it first, and one that is off stays
 //     off: nothing is sent to it.
 //   - An emergency stop is sent at once, in each situation, three times because datagrams are lost,
-//     and repeated until recovery stand follows. Only recovery stand follows it.
+//     and repeated until recovery stand follows. Only recovery stand follows it. After a hang, and
+//     after a silence of the board, it is new to the board once more.
 //   - While the board reports an emergency stop, its damping mode or that it is off, only recovery
 //     stand and the emergency stop are sent.
 //   - A lifted body has its walk stopped, and begins none: its board would go on with it once the
@@ -210,6 +211,7 @@ class LcmLink {
   void NoteSecondBoard(const Stream& stream, const std::string& board, const Sender& second,
                        Time now, LinkOutput& output);
   void Yield(const std::string& why, Time now, LinkOutput& output);
+  void RenewStop(Time now);
   void Restart(Time now, LinkOutput& output);
   void Look(std::optional<Time> end);
   bool HasHung(Time now);

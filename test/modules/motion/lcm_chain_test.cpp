@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <functional>
+#include <optional>
 #include <random>
+#include <vector>
 
 #include "musher/modules/motion/lcm_link.hpp"
 #include "musher/test/modules/motion/harness.hpp"
@@ -20,11 +23,27 @@ class LcmChain : public ::testing::Test {
  protected:
   LcmChain() { Do(motion_event::Opened{}); }
 
+  // As at the beginning.
+  void Reset() {
+    link_ = LcmLink(now_, {config_.board_feedback, ""});
+    core_ = MotionCore();
+    Do(motion_event::Opened{});
+    board_ = WireBoard();
+    loss_ = loss_of_responses_ = loss_of_commands_ = 0;
+    hangs_ = false;
+    stop_at_.reset();
+    answers_.clear();
+    log_.clear();
+  }
   void RunFor(Duration duration) {
     for (const Time end = now_ + duration; now_ < end;) {
       now_ += Milliseconds(1);
       if ((now_ - Time{}) % Milliseconds(20) == Duration::zero()) Respond();
       if (hangs_) continue;
+      if (stop_at_ && now_ >= *stop_at_) {
+        stop_at_.reset();
+        Do(motion_event::EmergencyStop{});
+      }
       if (now_ >= link_.NextDeadline()) Handle(link_.OnTime(now_));
       const auto deadline = NextDeadline(Rules(), core_);
       if (deadline && now_ >= *deadline) Do(motion_event::TimePassed{});
@@ -91,6 +110,7 @@ class LcmChain : public ::testing::Test {
   double loss_of_responses_ = 0;  // beside that of all
   double loss_of_commands_ = 0;   // the same
   bool hangs_ = false;
+  std::optional<Time> stop_at_;  // an emergency stop comes then
   std::uint32_t sequence_ = 0;
   RequestToken token_ = 0;
   std::map<RequestToken, motion_action::Answer> answers_;
@@ -207,6 +227,88 @@ TEST_F(LcmChain, ConfirmsNoEmergencyStopWhileAnotherProgramMovesTheMotors) {
   Do(motion_event::EmergencyStop{});
   RunFor(Milliseconds(500));
   EXPECT_THAT(StopTrouble(Rules(), core_), HasSubstr("192.168.44.9:1 moves the motors directly"));
+}
+
+// The board lets the body lie down by its own rule, and would keep it there.
+TEST_F(LcmChain, KeepsAnEmergencyStopThatTheBoardHasLeftWhileTheManagerHung) {
+  RunFor(Milliseconds(500));
+  EXPECT_EQ(AnswerOf(Request(kEmergencyStop)).code, kCodeOk);
+  RunFor(Milliseconds(500));
+  hangs_ = true;
+  RunFor(Milliseconds(600));
+  ASSERT_TRUE(board_.lay_down);
+  hangs_ = false;
+  RunFor(Milliseconds(1000));
+  EXPECT_EQ(board_.Report(now_).mode, 0);
+  EXPECT_EQ(StopTrouble(Rules(), core_), "");
+}
+
+// At each moment of what may go on, with lost datagrams: the body is off 500 ms later, or once the
+// board can be reached, and stays so.
+TEST_F(LcmChain, StopsInAnEmergencyAtEachMoment) {
+  const std::vector<std::function<void()>> scenarios = {
+      [&] { Stream(Milliseconds(1200)); },
+      [&] { RunFor(Milliseconds(1200)); },
+      [&] {
+        Request(132);
+        RunFor(Milliseconds(1200));
+      },
+      [&] {
+        Do(motion_event::LieDown{++token_, kGetDown, 3});
+        RunFor(Milliseconds(1200));
+      },
+      [&] {
+        Stream(Milliseconds(300));
+        board_.Restart();
+        now_ += kRestartPause;
+        sequence_ = 0;
+        Stream(Milliseconds(700));
+      },
+      [&] {
+        Stream(Milliseconds(200));
+        hangs_ = true;
+        RunFor(Milliseconds(550));
+        hangs_ = false;
+        Stream(Milliseconds(450));
+      },
+      [&] {
+        loss_of_responses_ = 1;
+        Stream(Milliseconds(700));
+        loss_of_responses_ = 0;
+        Stream(Milliseconds(500));
+      },
+      [&] {
+        BodyCommand frame;
+        frame.mode = 12;
+        for (int i = 0; i < 10; ++i) {
+          ++frame.life_count;
+          board_.Take(frame, now_);
+          Handle(link_.OnOtherFrame("192.168.44.100:7", frame, now_));
+          RunFor(Milliseconds(50));
+        }
+        RunFor(Milliseconds(700));
+      },
+  };
+  for (std::size_t i = 0; i < scenarios.size(); ++i) {
+    for (Duration at{}; at < Milliseconds(1200); at += Milliseconds(37)) {
+      SCOPED_TRACE(::testing::Message()
+                   << "scenario " << i << " at " << ToMilliseconds(at) << " ms");
+      Reset();
+      RunFor(Milliseconds(500));
+      loss_ = 0.3;
+      stop_at_ = now_ + at;
+      scenarios[i]();
+      ASSERT_FALSE(stop_at_) << "it was stopped";
+      RunFor(Milliseconds(500));
+      EXPECT_EQ(board_.Report(now_).mode, 0);
+      board_.taken.clear();
+      Stream(Milliseconds(300));
+      RunFor(Milliseconds(300));
+      Stream(Milliseconds(300));
+      EXPECT_EQ(board_.Report(now_).mode, 0);
+      for (const BodyCommand& frame : board_.taken) EXPECT_EQ(frame.mode, 0);
+    }
+  }
 }
 
 // The body was off before it was commanded to stand up.

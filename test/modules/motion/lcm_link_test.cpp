@@ -316,6 +316,36 @@ TEST_F(LcmLinkTest, KeepsAnEmergencyStopAfterItHasHung) {
   EXPECT_GT(FramesOfMode(0), 0);
 }
 
+// A board that has let the body lie down meanwhile, by its own rule, ignores the count that it has.
+TEST_F(LcmLinkTest, RenewsAnEmergencyStopAfterAHangASuspensionOrASilence) {
+  for (const int why : {0, 1, 2}) {
+    SCOPED_TRACE(why);
+    Stand();
+    Command(0, 0);
+    RunFor(Milliseconds(500), 0, 0, 2);
+    frames_.clear();
+    RunFor(Milliseconds(500), 0, 0, 2);
+    EXPECT_EQ(NewCounts(), 1) << "the board has it";
+    if (why == 0) Hang(Milliseconds(600));
+    if (why == 1) link_.OnSuspended(std::chrono::hours(1));
+    if (why == 2) {
+      responds_ = false;
+      RunFor(Milliseconds(600));
+      responds_ = true;
+    }
+    frames_.clear();
+    RunFor(Milliseconds(300), 7, 1);
+    EXPECT_GT(NewCounts(), 3);
+    EXPECT_GT(FramesOfMode(0), 3);
+    RunFor(Milliseconds(100), 0, 0, 2);
+    frames_.clear();
+    RunFor(Milliseconds(500), 0, 0, 2);
+    EXPECT_EQ(NewCounts(), 1) << "the board has it again";
+    Command(12, 0);
+    RunFor(Milliseconds(100));
+  }
+}
+
 // Its count may go on where it was: then nothing but the silence shows a restart.
 TEST_F(LcmLinkTest, LetsALyingBodyLieAfterTheBoardWasSilent) {
   Stand();

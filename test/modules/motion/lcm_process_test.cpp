@@ -129,6 +129,22 @@ TEST_F(LcmProcess, DoesNotConfirmAnEmergencyStopBeforeItsBoardReportsIt) {
   EXPECT_EQ(RunProgram("musher", {"--timeout", "30", "estop", "--release"}).exit, 0);
 }
 
+// The board lets the body lie down by its own rule meanwhile.
+TEST_F(LcmProcess, KeepsAnEmergencyStopThatTheBoardHasLeftWhileTheManagerHung) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  EXPECT_EQ(RunProgram("musher", {"--timeout", "30", "estop"}).exit, 0);
+  EXPECT_NE(board->LineWith("command mode 0 gait 0"), "");
+  const pid_t manager = robot.ManagerPid();
+  ASSERT_GT(manager, 0);
+  kill(manager, SIGSTOP);
+  EXPECT_NE(board->LineWith("no frame: lies down"), "");
+  kill(manager, SIGCONT);
+  EXPECT_NE(board->LineWith("command mode 0 gait 0"), "");
+  EXPECT_EQ(RunProgram("musher", {"--timeout", "30", "estop", "--release"}).exit, 0);
+}
+
 // 10,000 responses a second from another port, and as much of what is no message.
 TEST_F(LcmProcess, NamesAFloodAndBeginsNoMotionInIt) {
   const auto board = StartBoard("12", "0");
