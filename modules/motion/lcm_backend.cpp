@@ -68,6 +68,7 @@ Result<> LcmBackend::Open() {
   commands_ = std::move(commands).value();
   responses_ = std::move(responses).value();
   locations_ = std::move(locations).value();
+  opened_at_ = loop_.Now();
   return Ok();
 }
 

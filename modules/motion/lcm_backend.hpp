@@ -43,6 +43,7 @@ class LcmBackend : public MotionBackend {
   void DefineGait(const UserGait& gait, OnDefined then) override;
   std::string Source() const override;
   Result<> Reachable() const override { return opened_; }
+  bool KnowsCommanders() const override { return loop_.Now() - opened_at_ >= kOtherSender; }
 
  private:
   Result<> Open();
@@ -72,6 +73,7 @@ class LcmBackend : public MotionBackend {
   Duration suspended_;  // of this computer since its boot, as the link knows it
   Time reopened_at_{};  // or not needed
   Result<> opened_;     // the sockets, at the last try; they are kept where that has failed
+  Time opened_at_{};    // those that are kept
   std::unique_ptr<transport::LcmSocket> commands_;
   std::unique_ptr<transport::LcmSocket> responses_;
   std::unique_ptr<transport::LcmSocket> locations_;

@@ -66,6 +66,9 @@ class MotionBackend {
   // type. It may change at any time.
   virtual Result<> Reachable() const { return Ok(); }
 
+  // Whether it has received for long enough to know of another program that commands the board.
+  virtual bool KnowsCommanders() const { return true; }
+
   // Where the body's reports come from, in messages: "world/body_state".
   virtual std::string Source() const { return "world/body_state"; }
 };

@@ -16,6 +16,9 @@ using Key = MotionKey;
 constexpr std::array kDances = {140, 176, 177, 178};
 
 constexpr std::size_t kMostMotions = 1000;  // of one request
+// Of a lie-down that another commander of the board keeps from its begin: its body is not laid
+// down, and the machine gets the reason.
+constexpr int kHeldTries = 3;
 
 constexpr const char* kWasStopped = "the body was stopped";
 constexpr const char* kWasClosed = "the machine was in ";
@@ -366,7 +369,9 @@ void Decision::Take(const motion_event::LieDown& event) {
   job.own = true;
   job.tries = event.tries;
   job.todo.push_back(MotionOf(*rules_.table.Find(event.id), {}));
-  if (!core_.emergency_stop) return BeginJob(std::move(job));
+  const bool held = !core_.board_held.empty();
+  if (held && event.tries == 0) job.tries = kHeldTries;
+  if (!core_.emergency_stop && !held) return BeginJob(std::move(job));
   core_.job = std::move(job);
   WaitToLie();
 }
@@ -982,6 +987,8 @@ bool Decision::AdvanceWait(bool time_passed) {
       EndJob(kCodeOk, "");
     } else if (core_.emergency_stop && IsDown() && !core_.BoardSilent()) {
       WaitToLie();
+    } else if (!core_.board_held.empty()) {
+      FailMotion(MotionCode(KeyCode::kTargetBusy), core_.board_held);
     } else if (core_.emergency_stop && !MayLieDown()) {
       return fail(MotionCode(Key::kEstop));
     } else {

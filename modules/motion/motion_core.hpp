@@ -35,6 +35,8 @@
 //     and commands it from a normal motion only. The progress that a board reports while it damps
 //     the body may be that of the motion before: a body lies that was damped for as long as a
 //     lie-down takes (101 in the table: 5 s), in a mode of lying down and with the same progress.
+//   - Nor is a body laid down while the board is held (BoardHeld): it may be another commander's. The
+//     lie-down waits, and fails with the reason.
 //   - A frame that may have waited while this process could not run begins no servo motion: its
 //     stream may be over.
 //   - A refused request moves nothing and is answered with a code and the reason.

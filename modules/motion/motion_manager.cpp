@@ -139,7 +139,15 @@ Result<> MotionManager::AwaitBody() {
                               [this] { return StopRequested(); });
 }
 
+// Another commander of the board may send as rarely as twice a second.
 Result<> MotionManager::SelfCheck() {
+  if (!loop_) return Ok();
+  const auto known = [this]() -> Result<> {
+    if (!shell_ || shell_->knows_commanders()) return Ok();
+    return Error{MotionCode(KeyCode::kTimeout), "it has not received for long enough"};
+  };
+  static_cast<void>(
+      program::AwaitOnLoop(*loop_, 2 * kOtherSender, known, [this] { return StopRequested(); }));
   Result<> checked;
   OnLoop([&](MotionShell& shell) { checked = shell.Check(); });
   return checked;

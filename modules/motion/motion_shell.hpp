@@ -68,6 +68,7 @@ class MotionShell {
   // Where the board's reports come from, in messages.
   std::string board() const { return backend_->Source(); }
   Result<> reachable() const { return backend_->Reachable(); }
+  bool knows_commanders() const { return backend_->KnowsCommanders(); }
   // Why the emergency stop that is set has not stopped the body; "": it has, or none is set.
   const std::string& stop_trouble() const { return stop_trouble_; }
   // The result of SelfCheck: the board reports, and no motor has an error.

@@ -311,6 +311,34 @@ TEST_F(LcmChain, StopsInAnEmergencyAtEachMoment) {
   }
 }
 
+// A machine that was started beside another program's, and is led to TearDown.
+TEST_F(LcmChain, LaysNoBodyDownThatAnotherProgramCommands) {
+  for (const int tries : {0, 3}) {
+    Reset();
+    const auto other = [&](Duration duration) {
+      BodyCommand walk;
+      walk.mode = 11;
+      walk.gait = 27;
+      for (const Time end = now_ + duration; now_ < end; RunFor(Milliseconds(20))) {
+        ++walk.life_count;
+        board_.Take(walk, now_);
+        Handle(link_.OnOtherFrame("192.168.44.1:7", walk, now_));
+      }
+    };
+    other(Milliseconds(1000));
+    board_.taken.clear();
+    Do(motion_event::Closed{State(kTearDown)});
+    Do(motion_event::LieDown{++token_, kPassiveGetDown, tries});
+    other(Milliseconds(3000));
+    for (const BodyCommand& frame : board_.taken) ASSERT_EQ(frame.mode, 11) << "not this one's";
+    ASSERT_EQ(answers_.count(token_), 1U);
+    EXPECT_EQ(answers_[token_].code, 3011);
+    EXPECT_THAT(answers_[token_].message, HasSubstr("192.168.44.1:7"));
+    Do(motion_event::LieDown{++token_, kPassiveGetDown, tries});
+    EXPECT_EQ(AnswerOf(token_).code, kCodeOk) << "the other program has ended";
+  }
+}
+
 // The body was off before it was commanded to stand up.
 TEST_F(LcmChain, ConfirmsNoEmergencyStopByAReportFromBeforeIt) {
   RunFor(Milliseconds(500));

@@ -13,6 +13,7 @@
 #include "musher/test/modules/motion/robot_rig.hpp"
 #include "musher/test/support/lcm_group.hpp"
 #include "musher/test/support/paths.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/support/wait.hpp"
 #include "musher/transport/lcm_socket.hpp"
 #include "musher/transport/lcm_type.hpp"
@@ -143,6 +144,32 @@ TEST_F(LcmProcess, KeepsAnEmergencyStopThatTheBoardHasLeftWhileTheManagerHung) {
   kill(manager, SIGCONT);
   EXPECT_NE(board->LineWith("command mode 0 gait 0"), "");
   EXPECT_EQ(RunProgram("musher", {"--timeout", "30", "estop", "--release"}).exit, 0);
+}
+
+// A second machine, of another domain, at the same board: it fails, and is shut down again.
+TEST_F(LcmProcess, LeavesTheWalkOfAnotherMotionManagerAloneUpToItsTearDown) {
+  const auto board = StartBoard("12", "0");
+  RobotRig robot(Config());
+  ASSERT_TRUE(robot.BringUp()) << robot.Log();
+  const Process streamer({BinDir() + "/musher-motion", "servo", "--vx", "0.3", "--seconds", "600"});
+  EXPECT_NE(board->LineWith("mode 11 gait 27"), "");
+  const auto domain = transport::LockFreeDomain(transport::TestDomain());
+  const TempFolder folder;
+  WriteRobot(folder.path(), Config());
+  const auto musher = [&](const std::string& command) {
+    return RunToEnd({"sh", "-c",
+                     "ROS_DOMAIN_ID=" + std::to_string(domain.id) + " exec " + BinDir() +
+                         "/musher --timeout 60 " + command + " 2>&1"});
+  };
+  const Ended up = musher("up --detach " + folder / "robot.toml");
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.out, HasSubstr("another program commands the motion board"));
+  const Ended down = musher("down");
+  EXPECT_THAT(down.out, HasSubstr("the body does not lie"));
+  // The board itself may let a body lie down whose manager gets no CPU for half a second.
+  while (const auto line = board->NextLine(musher::testing::In(Milliseconds(1)))) {
+    EXPECT_THAT(*line, Not(HasSubstr("command mode 7 gait 0"))) << "passive get-down";
+  }
 }
 
 // 10,000 responses a second from another port, and as much of what is no message.

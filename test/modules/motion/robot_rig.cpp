@@ -49,12 +49,11 @@ Ended RunProgram(const std::string& name, const std::vector<std::string>& argume
   return RunToEnd({"sh", "-c", line + " 2>&1"});
 }
 
-RobotRig::RobotRig(const std::string& board) {
-  setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-  Write(folder_ / "motion.toml",
+void WriteRobot(const std::string& folder, const std::string& board) {
+  Write(folder + "/motion.toml",
         "motions = \"" + SourceDir() + "/config/motion/motions.toml\"\n" + kLongTimeouts + board);
   const std::string states(kStates);
-  Write(folder_ / "robot.toml",
+  Write(folder + "/robot.toml",
         "[controller]\nactuators = [\"motion_manager\"]\nstates = " + states +
             "\ndefault_time = 20000\ndefault_state = \"Uninitialized\"\n"
             "state_dir = \"state\"\n[actuator.motion_manager]\nstates = " +
@@ -65,6 +64,11 @@ RobotRig::RobotRig(const std::string& board) {
             "/musher-motion-manager\", \"motion.toml\"]\ncwd = \".\"\n"
             "[capability.walk]\nactuators = [\"motion_manager\"]\nstates = "
             "[\"Active\", \"Protected\"]\n");
+}
+
+RobotRig::RobotRig(const std::string& board) {
+  setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+  WriteRobot(folder_.path(), board);
   node_ = transport::NodeThread::Start().value();
   controller_.emplace();
 }

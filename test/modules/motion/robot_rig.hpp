@@ -32,9 +32,13 @@ using musher::testing::RunToEnd;
 // Runs a program of this build with these arguments, to its end. Its errors are in its output.
 Ended RunProgram(const std::string& name, const std::vector<std::string>& arguments);
 
+// Writes the config of a robot of one motion manager, robot.toml, and its motion.toml. `board` are
+// more keys of [board].
+void WriteRobot(const std::string& folder, const std::string& board);
+
 class RobotRig {
  public:
-  // `board` are more keys of [board] in the config of the motion manager.
+  // As WriteRobot().
   explicit RobotRig(const std::string& board = "");
   // Leads the machine to TearDown. A motion manager that hangs is killed.
   ~RobotRig();
