@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "musher/behavior/tree/nav2/checked.hpp"
 #include "musher/behavior/tree/nav2/path_places.hpp"
 #include "musher/behavior/tree/nav2/register.hpp"
 #include "musher/behavior/tree/nav2/task_node.hpp"
@@ -189,14 +190,6 @@ class FollowPath : public TaskNode {
   std::uint64_t seen_ = 0;  // of the entry
 };
 
-Duration LimitOf(const InPort<double>& seconds) {
-  const double limit_s = seconds.Get();
-  if (!(limit_s >= 0 && limit_s < 1e6)) {
-    throw PortError("port '" + seconds.name() + "' has to be from 0 to 1e6 s");
-  }
-  return FromSeconds(limit_s);
-}
-
 // Of a motion, m or rad.
 double AmountOf(const InPort<double>& port) {
   constexpr double kMost = 100;
@@ -233,6 +226,7 @@ class Spin : public TaskNode {
         angle_rad_(setup.Input<double>("spin_dist", 1.57, "rad, to the left")),
         limit_s_(LimitPort(setup)),
         robot_(robot) {
+    EndsBy(robot, Cancellable::kSpin);
     WarnOfLimit(setup, limit_s_, FixedOf(angle_rad_) / robot.most_turn_rad_s());
     static_cast<void>(setup.OptionalInput<bool>("is_recovery", "ignored"));
     static_cast<void>(
@@ -259,6 +253,7 @@ class StraightDrive : public TaskNode {
         limit_s_(LimitPort(setup)),
         robot_(robot),
         backwards_(backwards) {
+    EndsBy(robot, backwards ? Cancellable::kBackUp : Cancellable::kDriveOnHeading);
     const double speed_m_s = std::min(FixedOf(speed_m_s_), robot.most_drive_m_s());
     if (speed_m_s > 0) WarnOfLimit(setup, limit_s_, FixedOf(distance_m_) / speed_m_s);
     static_cast<void>(
@@ -336,9 +331,10 @@ class ClearEntireCostmap : public TaskNode {
 
 class Wait : public TaskNode {
  public:
-  explicit Wait(Setup& setup)
-      : TaskNode(setup, kWaitUnknown),
-        duration_s_(setup.Input<double>("wait_duration", 1.0, "s")) {}
+  Wait(Setup& setup, Robot& robot)
+      : TaskNode(setup, kWaitUnknown), duration_s_(setup.Input<double>("wait_duration", 1.0, "s")) {
+    EndsBy(robot, Cancellable::kWait);
+  }
 
  private:
   class Timer : public Task {
@@ -387,21 +383,6 @@ class Selector : public Action {
   const std::string topic_of_kind_;
 };
 
-// A node that moves the base.
-template <class N, class... Args>
-void AddMover(Factory& factory, Robot& robot, std::string_view name, const std::string& does,
-              Args... args) {
-  if (factory.Find(name) != nullptr) return;
-  static_cast<void>(
-      factory.Register(name, {.kind = NodeKind::kAction,
-                              .takes_time = true,
-                              .make = [&robot, args...](Setup& setup) -> std::unique_ptr<Node> {
-                                return std::make_unique<N>(setup, robot, args...);
-                              },
-                              .description = does,
-                              .uses = "base"}));
-}
-
 void AddSelector(Factory& factory, Robot& robot, std::string_view name, const std::string& of) {
   if (factory.Find(name) != nullptr) return;
   static_cast<void>(factory.Register(
@@ -427,7 +408,8 @@ void AddActionNodes(Factory& factory, Robot& robot) {
   AddMover<StraightDrive>(factory, robot, "BackUp", "Moves the robot straight backwards.", true);
   AddMover<StraightDrive>(factory, robot, "DriveOnHeading", "Moves the robot straight ahead.",
                           false);
-  AddNode<Wait>(factory, "Wait", kKind, true, "RUNNING until the time is over, then SUCCESS.");
+  AddNode<Wait>(factory, "Wait", kKind, true, "RUNNING until the time is over, then SUCCESS.",
+                robot);
   AddNode<ClearEntireCostmap>(factory, "ClearEntireCostmap", kKind, true,
                               "Makes planner and controller forget what the scanners have seen.",
                               robot);

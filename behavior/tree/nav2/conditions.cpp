@@ -12,10 +12,6 @@
 namespace musher::tree::nav2 {
 namespace {
 
-Status StatusOf(bool holds) {
-  return holds ? Status::kSuccess : Status::kFailure;
-}
-
 void IgnoreFramesOf(Setup& setup) {
   static_cast<void>(setup.OptionalInput<std::string>("global_frame", "ignored: the map"));
   static_cast<void>(setup.OptionalInput<std::string>("robot_base_frame", "ignored: the robot"));

@@ -1,5 +1,7 @@
-// RecoveryNode, PipelineSequence, NonblockingSequence, PersistentSequence, RoundRobin.
+// RecoveryNode, PipelineSequence, NonblockingSequence, PersistentSequence, RoundRobin,
+// PauseResumeController.
 
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -189,9 +191,74 @@ class RoundRobin : public Control {
   std::size_t failed_ = 0;  // children, since the last success
 };
 
+// Ticks one child at a time, which the services choose:
+//
+//   RESUMED ── pause ──→ ON_PAUSE ── SUCCESS ──→ PAUSED ── resume ──→ ON_RESUME ── SUCCESS ──→ RESUMED
+//
+// A call during a transition counts behind it. The next state is ticked in the next tick. Children
+// that are left out have succeeded; PAUSED then only waits.
+class PauseResumeController : public Control {
+ public:
+  PauseResumeController(Setup& setup, const Robot& robot)
+      : Control(1, 4),
+        pause_(setup.Input<std::string>("pause_service_name", "the service that pauses it")),
+        resume_(setup.Input<std::string>("resume_service_name", "the service that resumes it")),
+        robot_(robot) {}
+
+ private:
+  enum Phase : std::uint8_t { kResumed, kPaused, kOnPause, kOnResume };  // as its children
+
+  Status OnTick(Tick& tick) override {
+    if (!running()) Begin();
+    TakeCalls();
+    if (phase_ == kResumed && wants_pause_) GoTo(kOnPause, tick);
+    if (phase_ == kPaused && !wants_pause_) GoTo(kOnResume, tick);
+    const Status status = TickChild(tick);
+    if (status == Status::kFailure || (status == Status::kSuccess && phase_ == kResumed)) {
+      ResetChildren(tick);
+      return status;
+    }
+    if (status == Status::kRunning) return status;
+    // A child that is skipped has nothing to do.
+    if (phase_ == kResumed) return status;
+    if (phase_ == kOnPause) GoTo(kPaused, tick);
+    if (phase_ == kOnResume) GoTo(kResumed, tick);
+    if (phase_ == kPaused) ResetChildren(tick);
+    return Status::kRunning;
+  }
+
+  void Begin() {
+    phase_ = kResumed;
+    wants_pause_ = false;
+    calls_ = {robot_.Calls(pause_.Get()), robot_.Calls(resume_.Get())};
+  }
+  // Of both in one tick the pause counts.
+  void TakeCalls() {
+    const std::array<std::uint64_t, 2> now = {robot_.Calls(pause_.Get()),
+                                              robot_.Calls(resume_.Get())};
+    if (now[1] != calls_[1]) wants_pause_ = false;
+    if (now[0] != calls_[0]) wants_pause_ = true;
+    calls_ = now;
+  }
+  void GoTo(Phase phase, Tick& tick) {
+    ResetChildren(tick);
+    phase_ = phase;
+  }
+  Status TickChild(Tick& tick) {
+    return phase_ < children().size() ? children()[phase_]->Execute(tick) : Status::kSuccess;
+  }
+
+  InPort<std::string> pause_;
+  InPort<std::string> resume_;
+  const Robot& robot_;
+  Phase phase_ = kResumed;
+  bool wants_pause_ = false;
+  std::array<std::uint64_t, 2> calls_{};  // of pause, of resume
+};
+
 }  // namespace
 
-void AddControlNodes(Factory& factory) {
+void AddControlNodes(Factory& factory, Robot& robot) {
   AddNode<RecoveryNode>(factory, "RecoveryNode", NodeKind::kControl, false,
                         "Ticks the first child; where it fails, the second one, then the first "
                         "one again. Fails with the second one, or after so many retries.");
@@ -208,6 +275,11 @@ void AddControlNodes(Factory& factory) {
       factory, "RoundRobin", NodeKind::kControl, false,
       "Ticks its children in order until one succeeds; the next time in this run of the "
       "tree it goes on behind that one. Fails where all have failed.");
+  AddNode<PauseResumeController>(
+      factory, "PauseResumeController", NodeKind::kControl, true,
+      "Ticks its first child; after a call of the one service its third and then its second, of "
+      "the other its fourth and then its first again. Ends with the first; fails with any.",
+      robot);
 }
 
 }  // namespace musher::tree::nav2

@@ -16,22 +16,7 @@ struct NodeModel {
   std::string_view outputs;
 };
 
-constexpr std::string_view kErrors = "error_code_id error_msg";
-constexpr std::string_view kServer = "server_name server_timeout";
-
 constexpr std::array kNodeModels = {
-    NodeModel{"Action", "AssistedTeleop", "time_allowance is_recovery server_name server_timeout",
-              kErrors},
-    NodeModel{"Action", "CancelAssistedTeleop", kServer, ""},
-    NodeModel{"Action", "CancelBackUp", kServer, ""},
-    NodeModel{"Action", "CancelDriveOnHeading", kServer, ""},
-    NodeModel{"Action", "CancelFollowObject", kServer, ""},
-    NodeModel{"Action", "CancelSpin", kServer, ""},
-    NodeModel{"Action", "CancelWait", kServer, ""},
-    NodeModel{"Action", "CheckPoseOccupancy",
-              "pose cost_threshold use_footprint consider_unknown_as_obstacle service_name "
-              "server_timeout",
-              ""},
     NodeModel{"Action", "ClearCostmapAroundPose", "service_name server_timeout pose reset_distance",
               ""},
     NodeModel{"Action", "ClearCostmapAroundRobot", "service_name server_timeout reset_distance",
@@ -42,25 +27,10 @@ constexpr std::array kNodeModels = {
               "dock_id dock_pose dock_type max_staging_time navigate_to_staging_pose use_dock_id "
               "server_name server_timeout",
               "error_code_id error_msg num_retries success"},
-    NodeModel{"Action", "FollowObject",
-              "pose_topic max_duration tracked_frame server_name server_timeout", kErrors},
-    NodeModel{"Action", "NavigateThroughPoses", "goals behavior_tree server_name server_timeout",
-              kErrors},
-    NodeModel{"Action", "NavigateToPose", "goal behavior_tree server_name server_timeout", kErrors},
     NodeModel{"Action", "ReinitializeGlobalLocalization", "service_name server_timeout", ""},
-    NodeModel{"Action", "RemoveInCollisionGoals",
-              "service_name server_timeout input_goals use_footprint cost_threshold "
-              "consider_unknown_as_obstacle input_waypoint_statuses",
-              "output_goals output_waypoint_statuses"},
     NodeModel{"Action", "ToggleCollisionMonitor", "enable service_name server_timeout", ""},
     NodeModel{"Action", "UndockRobot", "dock_type max_undocking_time server_name server_timeout",
               "error_code_id error_msg success"},
-    NodeModel{"Condition", "IsBatteryCharging", "battery_topic", ""},
-    NodeModel{"Condition", "IsBatteryLow", "min_battery battery_topic is_voltage", ""},
-    NodeModel{"Condition", "IsStopped", "velocity_threshold duration_stopped", ""},
-    NodeModel{"Condition", "IsStuck", "", ""},
-    NodeModel{"Condition", "TransformAvailable", "child parent", ""},
-    NodeModel{"Control", "PauseResumeController", "pause_service_name resume_service_name", ""},
 };
 
 Element ElementOf(std::string_view name, std::string_view attribute, std::string value) {
@@ -108,10 +78,13 @@ void AddModels(Factory& factory) {
 }
 
 void AddNodes(Factory& factory, Robot& robot) {
-  AddControlNodes(factory);
+  AddControlNodes(factory, robot);
   AddDecoratorNodes(factory, robot);
   AddConditionNodes(factory, robot);
+  AddStateNodes(factory, robot);
   AddActionNodes(factory, robot);
+  AddMissionNodes(factory, robot);
+  AddPlaceNodes(factory, robot);
   AddPathNodes(factory, robot);
   AddRouteNodes(factory, robot);
   AddModels(factory);

@@ -27,10 +27,28 @@ void AddNode(Factory& factory, std::string_view name, NodeKind kind, bool takes_
                               .description = does}));
 }
 
-void AddControlNodes(Factory& factory);
+// A node that moves the base.
+template <class N, class... Args>
+void AddMover(Factory& factory, Robot& robot, std::string_view name, const std::string& does,
+              Args... args) {
+  if (factory.Find(name) != nullptr) return;
+  static_cast<void>(
+      factory.Register(name, {.kind = NodeKind::kAction,
+                              .takes_time = true,
+                              .make = [&robot, args...](Setup& setup) -> std::unique_ptr<Node> {
+                                return std::make_unique<N>(setup, robot, args...);
+                              },
+                              .description = does,
+                              .uses = "base"}));
+}
+
+void AddControlNodes(Factory& factory, Robot& robot);
 void AddDecoratorNodes(Factory& factory, Robot& robot);
 void AddConditionNodes(Factory& factory, Robot& robot);
+void AddStateNodes(Factory& factory, Robot& robot);
 void AddActionNodes(Factory& factory, Robot& robot);
+void AddMissionNodes(Factory& factory, Robot& robot);
+void AddPlaceNodes(Factory& factory, Robot& robot);
 void AddPathNodes(Factory& factory, Robot& robot);
 void AddRouteNodes(Factory& factory, Robot& robot);
 

@@ -10,6 +10,7 @@
 //
 // Threads: that of the tree.
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -17,6 +18,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "musher/base/time.hpp"
 #include "musher/behavior/tree/nav2/geometry.hpp"
@@ -74,7 +76,12 @@ inline constexpr std::uint16_t kDriveTimeout = 721;
 inline constexpr std::uint16_t kDrivePose = 722;
 inline constexpr std::uint16_t kDriveCollision = 723;
 inline constexpr std::uint16_t kDriveInvalidInput = 724;
+inline constexpr std::uint16_t kTeleopUnknown = 730;
+inline constexpr std::uint16_t kTeleopTimeout = 731;
 inline constexpr std::uint16_t kWaitUnknown = 740;
+inline constexpr std::uint16_t kFollowUnknown = 1000;    // of FollowObject, any failure
+inline constexpr std::uint16_t kNavigateUnknown = 9000;  // of NavigateToPose
+inline constexpr std::uint16_t kNavigateThroughUnknown = 9100;
 
 struct TaskEnd {
   bool success = false;
@@ -82,6 +89,7 @@ struct TaskEnd {
   std::string error{};                  // why it has failed
   Path path{};                          // of ComputePath(), ComputeRoute() and SmoothPath()
   Route route{};                        // of ComputeRoute()
+  std::vector<bool> occupied{};         // of CheckPlaces(): each of them
 };
 
 // Where a route begins and ends.
@@ -104,6 +112,35 @@ struct RouteProgress {
   std::uint64_t reports = 0;  // so far; 0: nothing is known yet
 };
 
+// Whether the robot could stand at places.
+struct OccupancyRequest {
+  Goals places{};
+  bool whole_body = true;       // false: what is exactly at the place counts
+  bool unknown_counts = false;  // what is not known counts as occupied
+};
+
+// How fast it is, in any direction.
+struct Motion {
+  double speed_m_s = 0;
+  double turn_rad_s = 0;
+};
+
+struct Battery {
+  std::optional<double> share{};  // 0 to 1; nullopt: not measured
+  std::optional<double> voltage_v{};
+  bool charges = false;
+};
+
+// Nodes that other nodes cancel, such as CancelSpin.
+enum class Cancellable : std::uint8_t {
+  kSpin,
+  kBackUp,
+  kDriveOnHeading,
+  kWait,
+  kAssistedTeleop,
+  kFollowObject,
+};
+
 class Task {
  public:
   Task() = default;
@@ -118,11 +155,31 @@ class Task {
 
 class Robot {
  public:
+  Robot() = default;
+  Robot(const Robot&) = delete;
+  Robot& operator=(const Robot&) = delete;
   virtual ~Robot() = default;
+
+  // Cancels the nodes of this kind that run now, of every tree of this robot: they end in their
+  // next tick.
+  void CancelNodes(Cancellable kind) { ++cancels_[static_cast<std::size_t>(kind)]; }
+  // How often that was done.
+  std::uint64_t cancels(Cancellable kind) const { return cancels_[static_cast<std::size_t>(kind)]; }
 
   // Nullopt: not known.
   virtual std::optional<Pose> pose() const = 0;
   virtual double speed_m_s() const = 0;
+  // Nullopt: not known.
+  virtual std::optional<Motion> motion() const { return std::nullopt; }
+  // Whether a task, or another client, moves the base.
+  virtual bool IsDriven() const { return false; }
+  // The last report on this topic; empty: on that of the robot. Nullopt: none.
+  virtual std::optional<Battery> battery(std::string_view /*topic*/) const { return std::nullopt; }
+  virtual bool HasTransform(std::string_view /*parent*/, std::string_view /*child*/) const {
+    return false;
+  }
+  // How often the service of PauseResumeController with this name was called.
+  virtual std::uint64_t Calls(std::string_view /*service*/) const { return 0; }
   // On the ground the height of a place does not count.
   virtual bool flies() const { return false; }
   // The tolerance of GoalReached; it may be larger for a goal at which a drive has arrived.
@@ -178,6 +235,19 @@ class Robot {
   }
   // The service of a costmap, as the tree names it.
   virtual std::unique_ptr<Task> ClearCostmap(const std::string& service) = 0;
+  // Whether each of the places is occupied.
+  virtual std::unique_ptr<Task> CheckPlaces(const OccupancyRequest& /*request*/) { return nullptr; }
+  // To each of the places, one after the other, with the recoveries of the robot.
+  virtual std::unique_ptr<Task> Navigate(const Goals& /*places*/) { return nullptr; }
+  // Keeps a distance from what reports its pose on this topic; 0: without a limit.
+  virtual std::unique_ptr<Task> FollowObject(const std::string& /*topic*/, Duration /*limit*/) {
+    return nullptr;
+  }
+  // Leaves the base to a person. It fails with kTeleopTimeout after `limit`; 0: there is none.
+  virtual std::unique_ptr<Task> Teleoperate(Duration /*limit*/) { return nullptr; }
+
+ private:
+  std::array<std::uint64_t, 6> cancels_{};
 };
 
 // How far two places are from each other for this robot.

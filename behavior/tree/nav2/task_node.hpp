@@ -28,10 +28,19 @@ class TaskNode : public StatefulAction, public RunObserver {
     static_cast<void>(setup.OptionalInput<double>("server_timeout", "ignored: ms"));
   }
 
+  // In the constructor: a node such as CancelSpin ends it.
+  void EndsBy(const Robot& robot, Cancellable kind) {
+    robot_ = &robot;
+    kind_ = kind;
+  }
+
   // Null: the robot has no such task.
   virtual std::unique_ptr<Task> Begin() = 0;
   // Its end, or that of the cancelled one.
   virtual void OnEnd(const TaskEnd& /*end*/) {}
+  virtual Status StatusOf(const TaskEnd& end) const {
+    return end.success ? Status::kSuccess : Status::kFailure;
+  }
   // That the node has, of a failed task.
   virtual std::uint16_t CodeOf(const TaskEnd& end) const { return end.error_code; }
 
@@ -40,6 +49,10 @@ class TaskNode : public StatefulAction, public RunObserver {
 
   Status Poll(Time now) {
     if (task_ == nullptr) return Finish({.error = "the robot does not have this action"});
+    if (robot_ != nullptr && robot_->cancels(kind_) != cancels_) {
+      task_.reset();
+      return Finish({.error = "a node of a tree has cancelled it"});
+    }
     const std::optional<TaskEnd> end = task_->Poll(now);
     if (!end) return Status::kRunning;
     task_.reset();
@@ -56,6 +69,7 @@ class TaskNode : public StatefulAction, public RunObserver {
  private:
   Status OnStart(const Tick& tick) override {
     try {
+      if (robot_ != nullptr) cancels_ = robot_->cancels(kind_);
       Replace();
       return Poll(tick.now);
     } catch (...) {
@@ -74,7 +88,7 @@ class TaskNode : public StatefulAction, public RunObserver {
     const std::uint16_t code = end.success ? kNoError : CodeOf(end);
     SetCode(end.success || code != kNoError ? code : unknown_, end.error);
     OnEnd(end);
-    return end.success ? Status::kSuccess : Status::kFailure;
+    return StatusOf(end);
   }
   void SetCode(std::uint16_t code, const std::string& error) {
     failed_ = code != kNoError;
@@ -86,6 +100,9 @@ class TaskNode : public StatefulAction, public RunObserver {
   OutPort<std::string> error_;
   const std::uint16_t unknown_;
   bool failed_ = false;
+  const Robot* robot_ = nullptr;  // null: no node cancels it
+  Cancellable kind_{};
+  std::uint64_t cancels_ = 0;  // before it began
   std::unique_ptr<Task> task_;
 };
 

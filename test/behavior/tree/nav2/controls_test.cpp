@@ -217,4 +217,59 @@ TEST_F(ARoundRobin, GivesARecoveryNodeOneRecoveryAtATime) {
   EXPECT_EQ(Next(), "F go^ a^ go^ b^ go^ c^ ");
 }
 
+class APauseResumeController : public Nav2Tree {
+ protected:
+  void MakeOf(const std::string& children) {
+    Make("<PauseResumeController pause_service_name=\"/pause\" resume_service_name=\"/resume\">" +
+         children + "</PauseResumeController>");
+  }
+};
+TEST_F(APauseResumeController, TicksTheBranchThatTheCallsChoose) {
+  MakeOf(SayXml("resumed", "RRRRS") + SayXml("paused", "RSR") + SayXml("on_pause", "RS") +
+         SayXml("on_resume", "RS"));
+  robot.calls["/pause"] = 3;  // before it begins
+  EXPECT_EQ(NextTicks(2), "R resumed^ \nR resumed \n");
+  ++robot.calls["/pause"];
+  EXPECT_EQ(NextTicks(5),
+            "R resumed! on_pause^ \n"
+            "R on_pause \n"
+            "R paused^ \n"
+            "R paused \n"
+            "R paused^ \n");
+  ++robot.calls["/resume"];
+  EXPECT_EQ(NextTicks(5),
+            "R paused! on_resume^ \n"
+            "R on_resume \n"
+            "R resumed^ \n"
+            "R resumed \n"
+            "S resumed \n");
+}
+TEST_F(APauseResumeController, NeedsOnlyItsFirstBranch) {
+  MakeOf(SayXml("a", "RRS"));
+  EXPECT_EQ(Next(), "R a^ ");
+  ++robot.calls["/pause"];
+  EXPECT_EQ(NextTicks(3), "R a! \nR \nR \n");
+  ++robot.calls["/pause"];
+  EXPECT_EQ(Next(), "R ");
+  ++robot.calls["/resume"];
+  EXPECT_EQ(NextTicks(3), "R \nR a^ \nS a \n");
+}
+TEST_F(APauseResumeController, FailsWithAnyBranchAndThenBeginsResumed) {
+  MakeOf(SayXml("a", "R") + SayXml("b", "R") + SayXml("c", "F"));
+  EXPECT_EQ(Next(), "R a^ ");
+  ++robot.calls["/pause"];
+  EXPECT_EQ(NextTicks(2), "F a! c^ \nR a^ \n");
+}
+TEST_F(APauseResumeController, TakesACallDuringATransitionBehindIt) {
+  MakeOf(SayXml("a", "R") + SayXml("b", "R") + SayXml("c", "RS") + SayXml("d", "S"));
+  EXPECT_EQ(Next(), "R a^ ");
+  ++robot.calls["/pause"];
+  EXPECT_EQ(Next(), "R a! c^ ");
+  ++robot.calls["/resume"];
+  EXPECT_EQ(NextTicks(3), "R c \nR d^ \nR a^ \n");
+  ++robot.calls["/pause"];
+  ++robot.calls["/resume"];
+  EXPECT_EQ(Next(), "R a! c^ ") << "of both the pause counts";
+}
+
 }  // namespace musher::tree::nav2::controls_test

@@ -25,6 +25,11 @@ class FakeRobot : public Robot {
   bool sees_free = true;
   mutable Path seen_path;       // of the last IsFree()
   bool has_controllers = true;  // several, by their names
+  std::optional<Motion> moves = Motion{};
+  bool is_driven = false;
+  std::map<std::string, Battery, std::less<>> batteries;   // by their topics
+  std::map<std::string, std::string, std::less<>> frames;  // the parent of each child
+  std::map<std::string, std::uint64_t, std::less<>> calls;
   double most_turn = 10;
   double most_drive = 10;
   std::string log;
@@ -33,6 +38,20 @@ class FakeRobot : public Robot {
 
   std::optional<Pose> pose() const override { return at; }
   double speed_m_s() const override { return speed; }
+  std::optional<Motion> motion() const override { return moves; }
+  bool IsDriven() const override { return is_driven; }
+  std::optional<Battery> battery(std::string_view topic) const override {
+    const auto found = batteries.find(topic);
+    return found == batteries.end() ? std::nullopt : std::optional(found->second);
+  }
+  bool HasTransform(std::string_view parent, std::string_view child) const override {
+    const auto found = frames.find(child);
+    return found != frames.end() && found->second == parent;
+  }
+  std::uint64_t Calls(std::string_view service) const override {
+    const auto found = calls.find(service);
+    return found == calls.end() ? 0 : found->second;
+  }
   bool flies() const override { return has_wings; }
   bool selects_controllers() const override { return has_controllers; }
   double most_turn_rad_s() const override { return most_turn; }
@@ -87,6 +106,19 @@ class FakeRobot : public Robot {
   std::unique_ptr<Task> ClearCostmap(const std::string& service) override {
     return Begin("clear", " " + service);
   }
+  std::unique_ptr<Task> CheckPlaces(const OccupancyRequest& request) override {
+    return Begin("check", TextOf(request.places) + (request.whole_body ? "" : " exactly") +
+                              (request.unknown_counts ? ", unknown too" : ""));
+  }
+  std::unique_ptr<Task> Navigate(const Goals& places) override {
+    return Begin("navigate", TextOf(places));
+  }
+  std::unique_ptr<Task> FollowObject(const std::string& topic, Duration limit) override {
+    return Begin("object", " " + topic + " for " + NumberText(ToSeconds(limit)));
+  }
+  std::unique_ptr<Task> Teleoperate(Duration limit) override {
+    return Begin("teleop", " " + NumberText(ToSeconds(limit)));
+  }
 
  private:
   class FakeTask : public Task {
@@ -112,6 +144,11 @@ class FakeRobot : public Robot {
     bool ended_ = false;
   };
 
+  static std::string TextOf(const Goals& places) {
+    std::string text;
+    for (const Pose& place : places.poses) text += " " + NumberText(place.x_m);
+    return text;
+  }
   static std::string TextOf(const RouteRequest& request) {
     if (!request.by_poses) {
       return std::to_string(request.start_id) + " to " + std::to_string(request.goal_id);
