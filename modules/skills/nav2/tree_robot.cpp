@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "musher/modules/skills/nav2/mission_tasks.hpp"
 #include "musher/modules/skills/skills/recovery.hpp"
 #include "musher/modules/skills/skills/travel.hpp"
 #include "musher/navigation/navigation_fault.hpp"
@@ -408,6 +409,27 @@ double TreeRobot::speed_m_s() const {
   return pose ? navigation::InBodyFrame(robot_.velocity(), pose->yaw_rad).x_m_s : 0;
 }
 
+std::optional<tree::nav2::Motion> TreeRobot::motion() const {
+  if (!robot_.pose()) return std::nullopt;
+  const navigation::Velocity velocity = robot_.velocity();
+  return tree::nav2::Motion{navigation::Speed(velocity), velocity.yaw_rad_s};
+}
+
+std::optional<tree::nav2::Battery> TreeRobot::battery(std::string_view /*topic*/) const {
+  const std::optional<BatteryLevel> level = robot_.battery();
+  if (!level) return std::nullopt;
+  return tree::nav2::Battery{level->share, level->voltage_v, level->charges};
+}
+
+bool TreeRobot::HasTransform(std::string_view parent, std::string_view child) const {
+  return robot_.HasTransform(std::string(parent), std::string(child));
+}
+
+std::uint64_t TreeRobot::Calls(std::string_view service) const {
+  const auto found = calls_.find(service);
+  return found == calls_.end() ? 0 : found->second;
+}
+
 double TreeRobot::goal_tolerance_m(const tree::nav2::Pose& goal) const {
   return handover_.ArrivedWithin(FromTree(goal)).value_or(Robot::goal_tolerance_m(goal));
 }
@@ -487,6 +509,24 @@ std::unique_ptr<tree::nav2::Task> TreeRobot::Drive(double distance_m, double spe
 
 std::unique_ptr<tree::nav2::Task> TreeRobot::ClearCostmap(const std::string& /*service*/) {
   return std::make_unique<ClearTask>(robot_.ClearMemory());
+}
+
+std::unique_ptr<tree::nav2::Task> TreeRobot::CheckPlaces(
+    const tree::nav2::OccupancyRequest& request) {
+  return MakePlaceCheck(robot_, request);
+}
+
+std::unique_ptr<tree::nav2::Task> TreeRobot::Navigate(const tree::nav2::Goals& places) {
+  return MakeNavigation(robot_, handover_, places);
+}
+
+std::unique_ptr<tree::nav2::Task> TreeRobot::FollowObject(const std::string& topic,
+                                                          Duration limit) {
+  return MakeFollowing(robot_, handover_, topic, limit);
+}
+
+std::unique_ptr<tree::nav2::Task> TreeRobot::Teleoperate(Duration limit) {
+  return MakeTeleoperation(robot_, handover_, limit);
 }
 
 }  // namespace musher::skills

@@ -21,13 +21,22 @@
 // The drives that the controller has begun before the constructor are cancelled once it can be
 // reached: a process before this one has left them behind.
 //
+// NavigateToPose and NavigateThroughPoses travel as the skill navigate_to does, FollowObject as
+// track: with their recoveries, and their defaults. AssistedTeleop leaves the base to the person at
+// the topic `teleop` of its file. The battery is the one of its file, whichever topic a tree names.
+// Whether a place is occupied is known by the map of the ground, and by what the scan sees now.
+//
 // Frames and units of robot.hpp.
 //
 // Threads: the loop of the actuator.
 
+#include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -108,9 +117,16 @@ class TreeRobot : public tree::nav2::Robot {
   // The goal that has come last on the topic of GoalUpdater, if the program subscribes to it.
   // Nullopt: none.
   void SetGoalUpdate(const std::optional<tree::nav2::Pose>& goal) { goal_update_ = goal; }
+  // A call of a service of PauseResumeController, if the program serves it.
+  void NoteCall(const std::string& service) { ++calls_[service]; }
 
   std::optional<tree::nav2::Pose> pose() const override;
   double speed_m_s() const override;  // forward, in the frame of the body
+  std::optional<tree::nav2::Motion> motion() const override;
+  bool IsDriven() const override { return handover_.HasMotion() || robot_.Drives(); }
+  std::optional<tree::nav2::Battery> battery(std::string_view topic) const override;
+  bool HasTransform(std::string_view parent, std::string_view child) const override;
+  std::uint64_t Calls(std::string_view service) const override;
   bool flies() const override { return robot_.flies(); }
   // 0.25 m; where the last drive has arrived at this goal, as far from it as it may have.
   double goal_tolerance_m(const tree::nav2::Pose& goal) const override;
@@ -136,11 +152,17 @@ class TreeRobot : public tree::nav2::Robot {
   std::unique_ptr<tree::nav2::Task> Drive(double distance_m, double speed_m_s,
                                           Duration limit) override;
   std::unique_ptr<tree::nav2::Task> ClearCostmap(const std::string& service) override;
+  std::unique_ptr<tree::nav2::Task> CheckPlaces(
+      const tree::nav2::OccupancyRequest& request) override;
+  std::unique_ptr<tree::nav2::Task> Navigate(const tree::nav2::Goals& places) override;
+  std::unique_ptr<tree::nav2::Task> FollowObject(const std::string& topic, Duration limit) override;
+  std::unique_ptr<tree::nav2::Task> Teleoperate(Duration limit) override;
 
  private:
   skills::Robot& robot_;
   Handover handover_;
   std::optional<tree::nav2::Pose> goal_update_;
+  std::map<std::string, std::uint64_t, std::less<>> calls_;  // of services
 };
 
 }  // namespace musher::skills

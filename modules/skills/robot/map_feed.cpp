@@ -22,16 +22,17 @@ GroundMap MapFeed::Ask() {
     auto made = transport::MakeSubscription<msg::OccupancyGrid>(
         node_, topic_, [this](const msg::OccupancyGrid& grid, const auto&) { OnGrid(grid); },
         transport::kLatchedQos);
-    if (!made) return {false, nullptr, true};
+    if (!made) return {false, nullptr, true, nullptr};
     subscription_ = std::move(made).value();
   }
-  return {asked_ - subscribed_ < kAwaited, cells_, true};
+  return {asked_ - subscribed_ < kAwaited, cells_, true, known_};
 }
 
 void MapFeed::Update() {
   if (!subscription_ || clock_.Now() - asked_ < kKept) return;
   subscription_.reset();
   cells_.reset();
+  known_.reset();
 }
 
 void MapFeed::OnGrid(const msg::OccupancyGrid& grid) {
@@ -39,11 +40,14 @@ void MapFeed::OnGrid(const msg::OccupancyGrid& grid) {
   const auto origin = ToPose(grid.info.origin);
   const std::uint64_t count = std::uint64_t{grid.info.width} * grid.info.height;
   if (!frame || !origin || grid.data.size() != count) return;
-  auto map = navigation::FromOccupancyGrid(
-      {grid.info.resolution, navigation::PlacedAt(frame.value(), *origin), grid.info.width,
-       grid.info.height, grid.data},
-      {.unknown_is_free = true});
-  if (map) cells_ = std::make_shared<const navigation::CellMap>(std::move(map).value());
+  const navigation::OccupancyGrid occupancy{grid.info.resolution,
+                                            navigation::PlacedAt(frame.value(), *origin),
+                                            grid.info.width, grid.info.height, grid.data};
+  auto map = navigation::FromOccupancyGrid(occupancy, {.unknown_is_free = true});
+  auto known = navigation::FromOccupancyGrid(occupancy, {.unknown_is_free = false});
+  if (!map || !known) return;
+  cells_ = std::make_shared<const navigation::CellMap>(std::move(map).value());
+  known_ = std::make_shared<const navigation::CellMap>(std::move(known).value());
 }
 
 }  // namespace musher::skills

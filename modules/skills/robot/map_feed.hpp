@@ -43,6 +43,7 @@ class MapFeed {
   Time subscribed_{};
   Time asked_{};
   std::shared_ptr<const navigation::CellMap> cells_;
+  std::shared_ptr<const navigation::CellMap> known_;  // the same; unknown cells are not free
 };
 
 }  // namespace musher::skills

@@ -32,6 +32,14 @@ struct GroundMap {
   bool awaited = false;                              // it may still come
   std::shared_ptr<const navigation::CellMap> cells;  // null: none has come; unknown cells are free
   bool expected = false;                             // the file of the robot names its topic
+  std::shared_ptr<const navigation::CellMap> known{};  // the same; unknown cells are not free
+};
+
+// As its driver has reported it last.
+struct BatteryLevel {
+  double share = 0;  // 0 to 1
+  std::optional<double> voltage_v{};
+  bool charges = false;
 };
 
 // A picture as it came: 8 bits a channel, blue, green, red; row by row without gaps.
@@ -130,6 +138,14 @@ class Robot {
   virtual void ExpectGround(double /*height_m*/) {}
   // A flyer has landed: it is not held at its place any more, until it moves again.
   virtual void NoteLanding() {}
+  // Whether its file names a topic by which a person moves it.
+  virtual bool HasTeleop() const { return false; }
+  // Nullopt: no level that counts has come.
+  virtual std::optional<BatteryLevel> battery() const { return std::nullopt; }
+  // Whether it is known where the frame `child` lies in `parent`, by /tf and its odometry.
+  virtual bool HasTransform(const std::string& /*parent*/, const std::string& /*child*/) const {
+    return false;
+  }
   // Why a flyer is not held at its place any more: "cf2x_0 is not held at its place any more: it
   // came 0.21 m lower …", as in a hand. Empty: it is held, is moved by a skill or a drive, or has
   // landed.

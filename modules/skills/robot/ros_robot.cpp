@@ -124,6 +124,16 @@ std::string RosRobot::WhyNotHeld() const {
   return wire ? wire->WhyNotHeld() : "";
 }
 
+std::optional<BatteryLevel> RosRobot::battery() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->Battery() : std::nullopt;
+}
+
+bool RosRobot::HasTransform(const std::string& parent, const std::string& child) const {
+  const auto wire = wire_.lock();
+  return wire && wire->HasTransform(parent, child);
+}
+
 void RosRobot::StopMotion() {
   if (const auto wire = wire_.lock()) wire->StopMotion();
 }

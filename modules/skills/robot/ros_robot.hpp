@@ -68,6 +68,9 @@ class RosRobot final : public Robot {
   void ExpectGround(double height_m) override;
   void NoteLanding() override;
   std::string WhyNotHeld() const override;
+  bool HasTeleop() const override { return !config_.names.teleop.empty(); }
+  std::optional<BatteryLevel> battery() const override;
+  bool HasTransform(const std::string& parent, const std::string& child) const override;
   bool HasPlanner() const override;
   bool HasController() const override;
   bool Drives() const override;

@@ -111,6 +111,31 @@ Result<navigation::Pose> RosRobot::Wire::OnBody(const std::string& frame) const 
   return navigation::MakeError(navigation::Fault::kFrame, "its frame is upside down on the body");
 }
 
+bool RosRobot::Wire::HasTransform(const std::string& parent, const std::string& child) const {
+  const auto lies = [this](const std::string& in, const std::string& frame) {
+    return frames_.Find(in, frame, Now()).ok();
+  };
+  if (lies(parent, child)) return true;
+  const std::string odom_frame = odom_frame_.empty() ? kMapFrame : odom_frame_;
+  return odometry.At(Now()) != nullptr && lies(parent, odom_frame) && lies(body_frame_, child);
+}
+
+std::optional<BatteryLevel> RosRobot::Wire::Battery() const {
+  const BatteryReport* lowest = LowestBattery();
+  if (lowest == nullptr) return std::nullopt;
+  BatteryLevel level{.share = lowest->percent / 100,
+                     .charges = lowest->charges && !lowest->is_full};
+  if (std::isfinite(lowest->voltage_v)) level.voltage_v = lowest->voltage_v;
+  return level;
+}
+
+const RosRobot::Wire::BatteryReport* RosRobot::Wire::LowestBattery() const {
+  if (batteries_.empty()) return nullptr;
+  return &std::ranges::min_element(batteries_, {}, [](const auto& one) {
+            return one.second.percent;
+          })->second;
+}
+
 void RosRobot::Wire::SubscribeFrames(transport::Endpoints& endpoints) {
   const std::string& topic = config.names.tf;
   if (topic.empty()) return;
@@ -238,17 +263,18 @@ void RosRobot::Wire::OnBattery(const msg::BatteryState& battery, transport::Endp
                                 " says that no battery is present, but its level or voltage "
                                 "changes: it is used");
   }
-  const bool charging = battery.power_supply_status == msg::BatteryState::kStatusCharging ||
-                        battery.power_supply_status == msg::BatteryState::kStatusFull;
-  batteries_[publisher] = {100 * static_cast<double>(battery.percentage), charging};
+  const bool full = battery.power_supply_status == msg::BatteryState::kStatusFull;
+  const bool charging = battery.power_supply_status == msg::BatteryState::kStatusCharging || full;
+  batteries_[publisher] = {100 * static_cast<double>(battery.percentage), charging, full,
+                           static_cast<double>(battery.voltage)};
   const bool several = batteries_.size() > 1;
   if (several && !std::exchange(batteries_logged_, true)) {
     Log(LogLevel::kWarning, config.names.battery + " has two publishers: the lower level counts");
   }
   batteries_logged_ = several;
-  const auto& [percent, charges] = std::ranges::min_element(batteries_, {}, [](const auto& one) {
-                                     return one.second.percent;
-                                   })->second;
+  const BatteryReport& lowest = *LowestBattery();
+  const double percent = lowest.percent;
+  const bool charges = lowest.charges;
   const double limit = config.low_battery_percent;
   const bool was_low = !low_battery_.empty();
   const double ends_above = limit + (was_low ? kBatteryHysteresisPercent : 0);
@@ -358,6 +384,7 @@ void RosRobot::Wire::OnOdometry(const msg::Odometry& message) {
   // Stamps that stand are of odometry that stands.
   if (!odometry_order_.Take(stamp)) return refused.Set("its stamps do not go on", Now());
   body_frame_ = message.child_frame_id;
+  odom_frame_ = message.header.frame_id;
   velocity->OnMotion(*pose, ToMapFrame(message.twist.twist, 0), stamp);
   odometry.Set({*pose, ToMapFrame(message.twist.twist, pose->yaw_rad)}, Now());
   travelled.Add(*pose);

@@ -82,6 +82,10 @@ struct RosRobot::Wire {
   Result<navigation::Pose> InMap(const std::string& frame) const;
   // The same on the body; an empty one counts as the body's.
   Result<navigation::Pose> OnBody(const std::string& frame) const;
+  // Also along the odometry, which places the body in its frame.
+  bool HasTransform(const std::string& parent, const std::string& child) const;
+  // The lowest level. Nullopt: none counts.
+  std::optional<BatteryLevel> Battery() const;
   // "the battery of r is at 9 %, …"; empty: it is not low, or none reports.
   const std::string& LowBattery() const { return low_battery_; }
   // Nullopt: no recent odometry.
@@ -157,6 +161,7 @@ struct RosRobot::Wire {
   bool looked_for_flight_ = false;  // of the process before
   navigation::FrameTree frames_;
   std::string body_frame_;   // of the twist of the odometry
+  std::string odom_frame_;   // of its pose; empty: the map's
   bool holding_ = false;     // the last command is that of `hold`
   bool stood_high_ = false;  // with a low battery; logged once
   bool held_high_ = false;   // the same, by what is below it
@@ -165,8 +170,11 @@ struct RosRobot::Wire {
   std::string low_battery_;
   struct BatteryReport {
     double percent = 0;
-    bool charges = false;
+    bool charges = false;  // or is full
+    bool is_full = false;
+    double voltage_v = 0;  // may be not a number
   };
+  const BatteryReport* LowestBattery() const;  // null: none
   // The last one of each publisher that is connected. One is expected; of several the lowest
   // counts.
   std::map<transport::EndpointId, BatteryReport> batteries_;

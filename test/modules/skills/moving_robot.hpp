@@ -42,6 +42,8 @@ class MovingRobot : public Robot {
     return navigation::Path{start, goal};
   };
   GroundMap ground_map;
+  std::optional<BatteryLevel> level;
+  bool has_teleop = false;
   std::vector<navigation::Point> points;  // of obstacles
   double scan_covers_rad = M_PI;          // to each side of straight ahead
   // A place that is blocked by what the map does not have. The robot stops in front of it, and the
@@ -146,6 +148,11 @@ class MovingRobot : public Robot {
   void StopMotion() override {
     command_.reset();
     ++stops;
+  }
+  bool HasTeleop() const override { return has_teleop; }
+  std::optional<BatteryLevel> battery() const override { return level; }
+  bool HasTransform(const std::string& parent, const std::string& child) const override {
+    return parent == "map" && child == "base_link" && odometry_up;
   }
   bool HasPlanner() const override { return planner_up; }
   bool HasController() const override { return controller_up; }

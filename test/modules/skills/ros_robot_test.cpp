@@ -221,12 +221,15 @@ TEST_F(ARosRobot, HasTheMapWhileASkillAsksForIt) {
   ASSERT_NE(cells, nullptr);
   EXPECT_EQ(cells->CentreOf({0, 0, 0}).x_m, 3.25);
   EXPECT_THAT(cells->blocked, ElementsAre(1, 0)) << "what is unknown is to be explored";
+  ASSERT_NE(robot_.map().known, nullptr);
+  EXPECT_THAT(robot_.map().known->blocked, ElementsAre(1, 1));
   grid.data.pop_back();
   EXPECT_TRUE(maps->Publish(grid));
   Run(500);
   EXPECT_EQ(robot_.map().cells, cells) << "the next one has other sizes";
   Run(6000);
   EXPECT_EQ(robot_.map().cells, nullptr);
+  EXPECT_EQ(robot_.map().known, nullptr);
 }
 
 TEST_F(ARosRobot, DoesNotWaitLongForAMapThatDoesNotCome) {
@@ -366,6 +369,22 @@ TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, HasNoPoseInTheMapBeforeATransformI
   EXPECT_TRUE(robot_.pose());
 }
 
+TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, KnowsWhichFramesLieInEachOther) {
+  EXPECT_FALSE(robot_.HasTransform("odom", "base_link")) << "no odometry";
+  Stand(2, 0, "odom");
+  EXPECT_TRUE(robot_.HasTransform("odom", "base_link"));
+  EXPECT_FALSE(robot_.HasTransform("map", "base_link"));
+  EXPECT_FALSE(robot_.HasTransform("odom", "laser"));
+  EXPECT_TRUE(fixed_->Publish(Transform("base_link", "laser", {})));
+  Localise({{1, 0, 0}, 0});
+  Stand(2, 0, "odom");
+  EXPECT_TRUE(robot_.HasTransform("map", "odom"));
+  EXPECT_TRUE(robot_.HasTransform("map", "base_link"));
+  EXPECT_TRUE(robot_.HasTransform("map", "laser"));
+  EXPECT_FALSE(robot_.HasTransform("laser", "map")) << "only along the parents";
+  Run(1500);
+  EXPECT_FALSE(robot_.HasTransform("map", "base_link")) << "neither is recent";
+}
 TEST_F(ARosRobotWithOdometryInAFrameOfItsOwn, IsWhereTheTransformPlacesItInTheMap) {
   Localise({{3, -1, 0}, M_PI / 2});
   Stand(2, 0, "odom");
@@ -738,6 +757,26 @@ TEST_F(ARosFlyer, LandsWhenTheLowerOfTwoBatteriesIsLow) {
   EXPECT_THAT(lines_, Contains(HasSubstr("has two publishers: the lower level counts")));
 }
 
+TEST_F(ARosFlyer, KnowsTheLevelOfItsBatteryAndWhetherItCharges) {
+  EXPECT_FALSE(robot_.battery());
+  msg::BatteryState battery;
+  battery.percentage = 0.6F;
+  battery.voltage = std::numeric_limits<float>::quiet_NaN();
+  battery.power_supply_status = msg::BatteryState::kStatusFull;
+  battery.present = true;
+  EXPECT_TRUE(peers_->battery->Publish(battery));
+  Run(20);
+  ASSERT_TRUE(robot_.battery());
+  EXPECT_NEAR(robot_.battery()->share, 0.6, 1e-6);
+  EXPECT_FALSE(robot_.battery()->voltage_v);
+  EXPECT_FALSE(robot_.battery()->charges) << "it is full";
+  battery.voltage = 11.5;
+  battery.power_supply_status = msg::BatteryState::kStatusCharging;
+  EXPECT_TRUE(peers_->battery->Publish(battery));
+  Run(20);
+  EXPECT_TRUE(robot_.battery()->charges);
+  EXPECT_NEAR(robot_.battery()->voltage_v.value_or(0), 11.5, 1e-6);
+}
 TEST_F(ARosFlyer, ForgetsTheBatteryOfAPublisherThatIsGone) {
   robot_.SetVelocity({0.5, 0, 0, 0});
   auto other = transport::MakePublisher<msg::BatteryState>(peers_->node, "dog/r/battery",

@@ -9,6 +9,7 @@
 #include "musher/behavior/tree/nav2/nodes.hpp"
 #include "musher/modules/skills/nav2/tree_robot.hpp"
 #include "musher/modules/skills/skills/travel.hpp"
+#include "musher/navigation/planner/cell_map.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
 #include "musher/test/modules/skills/moving_robot.hpp"
 
@@ -807,6 +808,235 @@ TEST_F(ANav2Tree, DoesNotMoveAFlyer) {
   Make("<Spin error_msg=\"{why}\"/>");
   EXPECT_EQ(Run(2), 'F');
   EXPECT_THAT(Entry<std::string>("why"), HasSubstr("flies"));
+}
+
+TEST_F(ANav2Tree, NavigatesToAPose) {
+  Make("<NavigateToPose goal=\"{goal}\" error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  ASSERT_TRUE(tree->board().Set("goal", Pose{.x_m = 4, .y_m = 1, .yaw_rad = 1}));
+  EXPECT_EQ(Run(30), 'S');
+  EXPECT_NEAR(robot.at.at.x_m, 4, 0.01);
+  EXPECT_NEAR(robot.at.at.y_m, 1, 0.01);
+  EXPECT_NEAR(robot.at.yaw_rad, 1, 0.01);
+  EXPECT_TRUE(robot.Rests());
+  robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
+    return navigation::MakeError(navigation::Fault::kGoalBlocked, "a wall is there");
+  };
+  EXPECT_EQ(Run(120), 'F');
+  EXPECT_EQ(Entry<int>("code"), 9000);
+  EXPECT_THAT(Entry<std::string>("why"), HasSubstr("a wall is there"));
+}
+// The tree gives one node; the plans around an obstacle and the recoveries are those of the skill.
+TEST_F(ANav2Tree, NavigatesToAPoseOnceAnObstacleIsGone) {
+  Make("<NavigateToPose goal=\"6;0;0\"/>");
+  bool stands_in_the_way = true;
+  robot.blocked = [&](const navigation::Point& at) {
+    return stands_in_the_way && std::abs(at.x_m - 3) < 0.2;
+  };
+  EXPECT_EQ(Run(10), 'R');
+  EXPECT_LT(robot.at.at.x_m, 2.9);
+  stands_in_the_way = false;
+  EXPECT_EQ(Run(60), 'S');
+  EXPECT_GE(robot.plans, 2);
+}
+TEST_F(ANav2Tree, NavigatesThroughPosesAndNamesTheOneThatItDoesNotReach) {
+  Make("<NavigateThroughPoses goals=\"{goals}\" error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  ASSERT_TRUE(tree->board().Set(
+      "goals", tree::nav2::Goals{{Pose{.x_m = 2}, Pose{.x_m = 2, .y_m = 2}, Pose{.y_m = 2}}}));
+  EXPECT_EQ(Run(60), 'S');
+  EXPECT_EQ(robot.drives, 3);
+  EXPECT_NEAR(robot.at.at.x_m, 0, 0.01);
+  EXPECT_NEAR(robot.at.at.y_m, 2, 0.01);
+  robot.plan = [](const auto& start, const auto& goal) -> Result<navigation::Path> {
+    if (goal.at.y_m < 2) return navigation::MakeError(navigation::Fault::kGoalBlocked, "a wall");
+    return navigation::Path{start, goal};
+  };
+  ASSERT_TRUE(
+      tree->board().Set("goals", tree::nav2::Goals{{Pose{.x_m = 1, .y_m = 2}, Pose{.x_m = 1}}}));
+  EXPECT_EQ(Run(200), 'F');
+  EXPECT_EQ(Entry<int>("code"), 9100);
+  EXPECT_THAT(Entry<std::string>("why"), HasSubstr("place 2: "));
+}
+TEST_F(ANav2Tree, StandsWhenItIsHaltedWhileItNavigates) {
+  Make("<NavigateToPose goal=\"9;0;0\"/>");
+  EXPECT_EQ(Run(3), 'R');
+  EXPECT_TRUE(robot.driving());
+  ASSERT_TRUE(tree->Halt(robot.Now()));
+  for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
+  EXPECT_TRUE(robot.Rests());
+  EXPECT_LT(robot.at.at.x_m, 5);
+}
+TEST_F(ANav2Tree, NavigatesOnceTheBaseIsFreeAndLeavesItToNoOtherTask) {
+  Make(
+      "<Both><Spin spin_dist=\"1\"/><NavigateToPose goal=\"2;0;0\"/>"
+      "<FollowPath path=\"{path}\"/></Both>");
+  SetPath({{2, 0}, {2, 1}});
+  EXPECT_EQ(Run(60), 'S');
+  EXPECT_EQ(robot.drives_from_a_motion, 0);
+  EXPECT_EQ(robot.commands_in_drives, 0);
+}
+TEST_F(ANav2Tree, DoesNotNavigateWhileAnotherClientDrivesIt) {
+  Make("<NavigateToPose goal=\"2;0;0\" error_msg=\"{why}\"/>");
+  const auto other = robot.FollowPath({{{0, 0, 0}, 0}, {{50, 0, 0}, 0}});
+  EXPECT_EQ(Run(9), 'R');
+  EXPECT_EQ(robot.plans, 0);
+  EXPECT_EQ(Run(2), 'F');
+  EXPECT_EQ(Entry<std::string>("why"), "a drive has not ended");
+}
+TEST_F(ANav2Tree, FollowsAnObjectForItsTimeOrUntilItIsCancelled) {
+  robot.targets["/person"] = [](Time now) {
+    return navigation::Pose{{3 + 0.5 * ToSeconds(now.time_since_epoch()), 0, 0}, 0};
+  };
+  Make("<FollowObject pose_topic=\"/person\" max_duration=\"6\" error_msg=\"{why}\"/>");
+  EXPECT_EQ(Run(5), 'R');
+  EXPECT_GT(robot.at.at.x_m, 1);
+  EXPECT_EQ(Run(10), 'S');
+  EXPECT_TRUE(robot.Rests());
+  Make("<FollowObject pose_topic=\"/person\" error_msg=\"{why}\"/>");
+  EXPECT_EQ(Run(10), 'R');
+  nav2.CancelNodes(tree::nav2::Cancellable::kFollowObject);
+  EXPECT_EQ(Run(0.1), 'F');
+  Make("<FollowObject pose_topic=\"/nothing\" error_msg=\"{why}\"/>");
+  EXPECT_EQ(Run(20), 'F');
+  EXPECT_THAT(Entry<std::string>("why"), HasSubstr("no pose on /nothing"));
+}
+TEST_F(ANav2Tree, LeavesItsBaseToAPersonAndToNothingElse) {
+  Make("<AssistedTeleop error_code_id=\"{code}\" error_msg=\"{why}\"/>");
+  EXPECT_EQ(Run(1), 'F');
+  EXPECT_EQ(Entry<int>("code"), 730);
+  EXPECT_EQ(Entry<std::string>("why"), "robot_0 has no topic for a person");
+  robot.has_teleop = true;
+  robot.stops = 0;
+  EXPECT_EQ(Run(9), 'R');
+  EXPECT_EQ(robot.stops, 0) << "it commands nothing";
+  EXPECT_EQ(Run(2), 'F');
+  EXPECT_EQ(Entry<int>("code"), 731);
+  Make("<Both><AssistedTeleop time_allowance=\"5\"/><FollowPath path=\"{path}\"/></Both>");
+  SetPath({{0, 0}, {2, 0}});
+  EXPECT_EQ(Run(4), 'R');
+  EXPECT_EQ(robot.drives, 0);
+}
+TEST_F(ANav2Tree, StandsWhereATreeCancelsItsMotion) {
+  Make(
+      "<Both><Spin spin_dist=\"50\" time_allowance=\"90\" error_code_id=\"{code}\"/>"
+      "<Sequence><Wait wait_duration=\"2\"/><CancelSpin/></Sequence></Both>");
+  EXPECT_EQ(Run(2.5), 'F');
+  EXPECT_EQ(Entry<int>("code"), 700);
+  for (int i = 0; i < 10; ++i) robot.Advance(Milliseconds(100));
+  EXPECT_TRUE(robot.Rests());
+}
+TEST_F(ANav2Tree, KnowsThatItIsStuckAndWhenItHasStopped) {
+  Make("<ReactiveFallback><IsStuck/><FollowPath path=\"{path}\"/></ReactiveFallback>");
+  SetPath({{0, 0}, {9, 0}});
+  robot.drive_speed_m_s = 0.5;
+  EXPECT_EQ(Run(5), 'R');
+  robot.drive_speed_m_s = 0;
+  EXPECT_EQ(Run(4), 'S');
+  EXPECT_NEAR(robot.at.at.x_m, 2.5, 0.5);
+  robot.drive_speed_m_s = 1;
+  for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
+  Make(
+      "<Sequence><Timeout msec=\"1000\"><Spin spin_dist=\"9\" time_allowance=\"90\"/></Timeout>"
+      "</Sequence>");
+  EXPECT_EQ(Run(2), 'F');
+  Make("<IsStopped duration_stopped=\"500\"/>");
+  EXPECT_EQ(Run(0.1), 'F') << "it turns";
+  for (int i = 0; i < 10; ++i) robot.Advance(Milliseconds(100));
+  EXPECT_EQ(Run(0.4), 'R');
+  EXPECT_EQ(Run(0.3), 'S');
+  robot.odometry_up = false;
+  EXPECT_EQ(Run(0.1), 'F');
+}
+TEST_F(ANav2Tree, KnowsItsBatteryItsFramesAndTheCallsThatItsProgramNotes) {
+  Make("<IsBatteryLow min_battery=\"0.2\" battery_topic=\"/battery_status\"/>");
+  EXPECT_EQ(Run(0.1), 'F');
+  robot.level = skills::BatteryLevel{.share = 0.15};
+  EXPECT_EQ(Run(0.1), 'S');
+  Make("<IsBatteryLow min_battery=\"24\" is_voltage=\"true\"/>");
+  EXPECT_EQ(Run(0.1), 'F');
+  robot.level = skills::BatteryLevel{.share = 0.15, .voltage_v = 23.5, .charges = true};
+  EXPECT_EQ(Run(0.1), 'S');
+  Make("<IsBatteryCharging/>");
+  EXPECT_EQ(Run(0.1), 'S');
+  Make("<TransformAvailable child=\"base_link\" parent=\"map\"/>");
+  EXPECT_EQ(Run(0.1), 'S');
+  Make(
+      "<PauseResumeController pause_service_name=\"/pause\" resume_service_name=\"/resume\">"
+      "<FollowPath path=\"{path}\"/></PauseResumeController>");
+  SetPath({{0, 0}, {4, 0}});
+  EXPECT_EQ(Run(1), 'R');
+  nav2.NoteCall("/pause");
+  EXPECT_EQ(Run(10), 'R');
+  EXPECT_TRUE(robot.Rests());
+  nav2.NoteCall("/resume");
+  EXPECT_EQ(Run(10), 'S');
+  EXPECT_NEAR(robot.at.at.x_m, 4, 0.01);
+}
+
+class ACheckOfPlaces : public ANav2Tree {
+ protected:
+  // 10 x 10 m, with a wall of 0.5 m from x = 5 m on; not known from x = 8 m on.
+  ACheckOfPlaces() {
+    auto map = std::make_shared<navigation::CellMap>();
+    map->resolution_m = 0.1;
+    map->size_x = map->size_y = 100;
+    map->blocked.assign(10000, 0);
+    for (int y = 0; y < 100; ++y) {
+      for (int x = 50; x < 55; ++x) map->blocked[map->IndexOf({x, y, 0})] = 1;
+    }
+    auto known = std::make_shared<navigation::CellMap>(*map);
+    for (int y = 0; y < 100; ++y) {
+      for (int x = 80; x < 100; ++x) known->blocked[map->IndexOf({x, y, 0})] = 1;
+    }
+    robot.ground_map = {false, map, true, known};
+  }
+  // 'S': it is occupied.
+  char Check(const std::string& pose, const std::string& ports = "") {
+    Make("<CheckPoseOccupancy pose=\"" + pose + "\" error_msg=\"{why}\" " + ports + "/>");
+    return Run(0.1);
+  }
+};
+TEST_F(ACheckOfPlaces, GoesByTheMapForTheRadiusOfTheBody) {
+  EXPECT_EQ(Check("4.79;5;0"), 'F');
+  EXPECT_EQ(Check("4.81;5;0"), 'S') << "0.2 m from the wall";
+  EXPECT_EQ(Check("4.95;5;0", "use_footprint=\"false\""), 'F');
+  EXPECT_EQ(Check("5.05;5;0", "use_footprint=\"false\""), 'S');
+  EXPECT_EQ(Check("4.9;5;0", "use_footprint=\"false\" cost_threshold=\"253\""), 'S');
+}
+TEST_F(ACheckOfPlaces, GoesByWhatTheScanSeesNow) {
+  EXPECT_EQ(Check("2;2;0"), 'F');
+  robot.points = {{2.15, 2, 0}};
+  EXPECT_EQ(Check("2;2;0"), 'S');
+  EXPECT_EQ(Check("2;2;0", "use_footprint=\"false\""), 'F');
+  robot.ground_map = {};
+  EXPECT_EQ(Check("2;2;0"), 'S');
+  EXPECT_EQ(Check("4;2;0"), 'F');
+}
+TEST_F(ACheckOfPlaces, CountsWhatIsNotKnownWhereTheTreeSaysSo) {
+  const std::string unknown = "consider_unknown_as_obstacle=\"true\"";
+  EXPECT_EQ(Check("9;5;0"), 'F');
+  EXPECT_EQ(Check("9;5;0", unknown), 'S');
+  EXPECT_EQ(Check("12;5;0"), 'F') << "outside the map";
+  EXPECT_EQ(Check("12;5;0", unknown), 'S');
+}
+TEST_F(ACheckOfPlaces, WaitsForItsMapAndTakesPlacesForOccupiedWithoutOne) {
+  robot.ground_map = {true, nullptr, true};
+  EXPECT_EQ(Check("2;2;0"), 'R');
+  robot.ground_map = {false, nullptr, true};
+  EXPECT_EQ(Run(0.1), 'S');
+  EXPECT_EQ(Entry<std::string>("why"), "no map has come");
+  robot.ground_map = {};
+  robot.scan_up = false;
+  EXPECT_EQ(Check("2;2;0"), 'S');
+  EXPECT_EQ(Entry<std::string>("why"), "there is no map, and no scan of robot_0");
+  robot.robot_kind = "cf2x";
+  EXPECT_EQ(Check("2;2;0"), 'S');
+}
+TEST_F(ACheckOfPlaces, LeavesGoalsOutThatAreOccupied) {
+  Make("<RemoveInCollisionGoals input_goals=\"{goals}\" output_goals=\"{free}\"/>");
+  ASSERT_TRUE(tree->board().Set(
+      "goals", tree::nav2::Goals{{Pose{.x_m = 1, .y_m = 1}, Pose{.x_m = 5.2, .y_m = 1}}}));
+  EXPECT_EQ(Run(0.1), 'S');
+  EXPECT_EQ(Entry<tree::nav2::Goals>("free"), (tree::nav2::Goals{{Pose{.x_m = 1, .y_m = 1}}}));
 }
 
 }  // namespace musher::tree_robot_test
