@@ -19,11 +19,13 @@ journal=$scratch/machine/state/journal.sqlite
 picture=$pictures/robot-computers.svg
 unset XDG_STATE_HOME
 computers="brain motion vision"
+slots=$scratch/machine/slots  # the upgrade root of each computer
 cut=0  # when the brain has lost its power, in nanoseconds
 here=brain  # where the commands of this demo run
 mkdir "$machine" "$disks" "$disks/brain" "$disks/motion" "$disks/vision"
 declare -A address=([brain]=10.77.9.1 [motion]=10.77.9.2 [vision]=10.77.9.3)
 declare -A modules=([brain]="planner voice lamp" [motion]="legs arms neck hands" [vision]="eyes depth map faces")
+declare -A deployed=([brain]=lamp [motion]=hands [vision]=eyes)  # the modules whose versions `musher deploy` copies
 declare -A network nspawn init  # init: the first process of a computer, once it has booted
 
 # --- the computers --------------------------------------------------------------------------------
@@ -36,6 +38,7 @@ make_debian() {
   for library in $(ldd "$bin/musher" "$bin/musher-exec" | awk '/=> \// { print $3 }' | sort -u); do
     [[ -e $debian$library ]] || cp --parents -L "$library" "$debian" || return
   done
+  ln -sf "$bin/musher" "$debian/usr/local/bin/musher" || return
   ssh-keygen -q -t ed25519 -N '' -f "$machine/key" && mkdir -p "$debian/root/.ssh" && chmod 700 "$debian/root/.ssh" &&
     cp "$machine/key.pub" "$debian/root/.ssh/authorized_keys" &&
     sed "s/^/${address[brain]},${address[motion]},${address[vision]} /" \
@@ -107,6 +110,7 @@ await_host() {
 clean_computers() {
   local host
   for host in $computers; do power_off "$host"; done
+  mountpoint -q "$disks/vision" && umount "$disks/vision"
   clean_up
 }
 trap clean_computers EXIT
@@ -116,8 +120,25 @@ musher() {
     env MUSHER_TRANSPORT=lan "$bin/musher" "$@"
 }
 
+# make_version VERSION: of the programs, in the folder of the config on brain.
+make_version() {
+  local module
+  mkdir -p "$disks/brain/bin"
+  for module in "${deployed[@]}"; do
+    printf '#!/bin/sh\n# version %s\nexec %s/musher-exec "$@"\n' "$1" "$bin" > "$disks/brain/bin/$module"
+    chmod 755 "$disks/brain/bin/$module"
+  done
+}
+# The version that each computer would start.
+versions() {
+  local host
+  for host in $computers; do
+    on "$host" "sed -n 's/^# version //p' $slots/current/bin/${deployed[$host]}"
+  done | paste -s -d ' '
+}
+
 make_config() {
-  local host module all=()
+  local host module program all=()
   for host in $computers; do
     for module in ${modules[$host]}; do all+=("\"$module\""); done
   done
@@ -135,7 +156,9 @@ make_config() {
         echo '[state.LowPower]' > "$machine/$module.toml"
         echo 'run = ["true"]' >> "$machine/$module.toml"
         printf '[actuator.%s]\nstates = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]\n' "$module"
-        printf 'times = [20000, 5000, 5000, 5000, 5000]\ncommand = ["%s/musher-exec", "%s/%s.toml"]\n' "$bin" "$machine" "$module"
+        program=$bin/musher-exec
+        [[ $module != "${deployed[$host]}" ]] || program=$slots/current/bin/$module
+        printf 'times = [20000, 5000, 5000, 5000, 5000]\ncommand = ["%s", "%s/%s.toml"]\n' "$program" "$machine" "$module"
         printf 'host = "%s"\n' "$host"
         [[ $module != faces || $limited == no ]] || printf 'memory_max_mb = 64\n'
       done
@@ -167,10 +190,18 @@ start_up() {
   make_networks
   expect "three networks are joined: exit code" 0 $?
   local host
+  mount -t tmpfs -o size=64m tmpfs "$disks/vision"
+  expect "vision has a small disk: exit code" 0 $?
   for host in $computers; do boot "$host"; done
   for host in $computers; do await_host "$host"; done
   limited=$(on vision grep -qw memory /sys/fs/cgroup/cgroup.controllers && echo yes || echo no)
   make_config
+  make_version 1.0.0
+  say "\$ musher ota keygen robot"
+  musher ota keygen "$machine/robot" > "$scratch/deploy.log" 2>&1
+  say "\$ musher deploy robot.toml --version 1.0.0 --key robot.key"
+  musher deploy "$config" --version 1.0.0 --key "$machine/robot.key" >> "$scratch/deploy.log" 2>&1
+  expect "exit code of deploy" 0 $?
   say "\$ musher check --hosts robot.toml"
   musher check --hosts "$config" > "$scratch/check.log" 2>&1
   expect "exit code of check" 0 $?
@@ -245,17 +276,38 @@ reboot_host() {
     "$(history_of '[.[].message | select(test("motion is reached, and has been booted again"))] | length > 0' | sed 's/true/yes/')"
 }
 
+upgrade() {
+  step "An upgrade of three computers, of which one has no space: none changes. With space all do"
+  make_version 1.1.0
+  say "a recording fills the disk of vision"
+  fallocate -l "$(($(df --output=avail -B1 "$disks/vision" | tail -n 1) - (2 << 20)))" "$disks/vision/recording"
+  say "\$ musher deploy robot.toml --version 1.1.0 --key robot.key"
+  musher deploy "$config" --version 1.1.0 --key "$machine/robot.key" > "$scratch/full.log" 2>&1
+  expect "exit code of deploy" 1 $?
+  expect "it names the computer" yes "$(grep -q "host vision (root@${address[vision]}): it needs" "$scratch/full.log" && echo yes)"
+  expect "versions of the three" "1.0.0 1.0.0 1.0.0" "$(versions)"
+  rm "$disks/vision/recording"
+  say "\$ musher deploy robot.toml --version 1.1.0 --key robot.key --restart"
+  musher deploy "$config" --version 1.1.0 --key "$machine/robot.key" --restart > "$scratch/upgrade.log" 2>&1
+  expect "exit code of deploy" 0 $?
+  expect "versions of the three" "1.1.0 1.1.0 1.1.0" "$(versions)"
+  all_active
+}
+
 # beyond_brain KEY: of the actuators that are there without the brain: "arms 57, depth 116, …".
 beyond_brain() {
   status "[.actuators | to_entries[] | select(.key | IN(\"${modules[brain]// /\",\"}\") | not) | \"\(.key) \(.value.$1)\"] | sort | join(\", \")"
 }
 
-# note_next_leader EPOCH: when the first status of a later epoch is received, in nanoseconds.
+# note_next_leader EPOCH: when the first status of a later epoch is received, in nanoseconds. A follower that finds no
+# controller ends, and the next one may find the new leader.
 note_next_leader() {
-  local line
-  while read -r line; do
-    (($(jq -r '.epoch // 0' <<< "$line") > $1)) && { date +%s%N; return; }
-  done < <(musher status --follow --json 2> /dev/null)
+  local line _
+  for _ in {1..20}; do
+    while read -r line; do
+      (($(jq -r '.epoch // 0' <<< "$line") > $1)) && { date +%s%N; return; }
+    done < <(musher status --follow --json 2> /dev/null)
+  done
 }
 
 fail_over() {
@@ -331,6 +383,7 @@ run_demo() {
   eat_memory
   cut_link
   reboot_host
+  upgrade
   fail_over
   return_of_brain
   switch_off
