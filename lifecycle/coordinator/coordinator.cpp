@@ -140,9 +140,9 @@ void Coordinator::Advance() {
       changed |= tear_down_.BeginWaiting();
       tear_down_.Advance();
     } else if (phase != Phase::kIdle && phase != Phase::kStopped) {
-      changed |= requests_.BeginWaiting();
       changed |= start_up_.StartProcesses();
       changed |= start_up_.Advance();
+      changed |= requests_.BeginWaiting();
       changed |= binding_.SuspendAndResume();
       changed |= fallback_.Begin();
       changed |= rules_.Advance();

@@ -1,5 +1,6 @@
 #include "musher/lifecycle/switch/requests.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
@@ -11,6 +12,8 @@ namespace {
 
 // After its deadline an actuator is queried for the outcome: by then that is known.
 constexpr Duration kAnswered = kQueryTimeout * kQueryAttempts + Milliseconds(100);
+// A request does not move the robot long after it was made.
+constexpr Duration kLeadsWithin = Milliseconds(10'000);
 
 // TearDown before Error before the rest.
 int Urgency(const State& target) {
@@ -67,9 +70,7 @@ void Requests::On(const event::SetStateRequested& requested) {
   const RecordId request_record = RecordSwitch(
       only, 0, kCodeOk,
       texts::SwitchRequested(Describe(config_, target, only), target, requested.by.name));
-  const auto overridden =
-      requested.by.manager && !only ? RefusalOfManager(config_, machine_, target) : std::nullopt;
-  if (overridden) {
+  if (const auto overridden = Overridden(requested.by, only, target)) {
     return switches_.Refuse(requested.target, only, {requested.request}, machine_.state,
                             *overridden, request_record);
   }
@@ -77,7 +78,11 @@ void Requests::On(const event::SetStateRequested& requested) {
     return;
   Plan plan = MakePlan(config_, machine_, requested.target, only);
   if (CheckDegraded(plan)) plan = MakePlan(config_, machine_, requested.target, only);
-  if (plan.free_by) return Await(plan, requested, request_record);
+  if (plan.free_by) return Await(plan, *plan.free_by + kAnswered, requested, request_record);
+  const bool may_come_later = config_.HasState(target) && (target != kTearDown || only);
+  if (plan.refusal && may_come_later && IsAboutToLead()) {
+    return Await(plan, now_ + kLeadsWithin, requested, request_record);
+  }
   if (plan.refusal) {
     return switches_.Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal,
                             request_record);
@@ -88,6 +93,11 @@ void Requests::On(const event::SetStateRequested& requested) {
   }
   if (machine_.current) switches_.Supersede(machine_.number + 1, requested.target, request_record);
   switches_.Begin(plan, Purpose::kRequested, {requested.request}, request_record, requested.by);
+}
+
+std::optional<Error> Requests::Overridden(const Requester& by, std::optional<ActuatorIndex> only,
+                                          const State& target) const {
+  return by.manager && !only ? RefusalOfManager(config_, machine_, target) : std::nullopt;
 }
 
 // One switch at a time: the same request joins the switch under way. A more urgent one may take
@@ -152,9 +162,24 @@ bool Requests::CheckDegraded(const Plan& plan) {
   return any;
 }
 
-void Requests::Await(const Plan& plan, const event::SetStateRequested& requested,
+// Whether this start leads on what an earlier controller has left, and is not there yet: after a
+// fail-over it waits a while for the host that is gone. During an emergency stop no request waits:
+// it would be from before the release.
+bool Requests::IsAboutToLead() const {
+  const StartUpState& start_up = machine_.start_up;
+  if (machine_.phase != Phase::kStarting || start_up.set_up || start_up.finishing) return false;
+  if (machine_.emergency.stop) return false;
+  return std::ranges::any_of(machine_.actuators, [this](const KnownActuator& known) {
+    const bool is_found = known.process.launch == Launch::kFoundRunning;
+    return is_found && (known.report.incarnation == 0 || config_.RankOf(known.report.state));
+  });
+}
+
+void Requests::Await(const Plan& plan, Time until, const event::SetStateRequested& requested,
                      RecordId request_record) {
-  const Time until = *plan.free_by + kAnswered;
+  switches_.EndWaiting(Refused<Refusal::kSwitchWaiting>(Describe(config_, plan.target, plan.only),
+                                                        ToMilliseconds(until - now_)),
+                       request_record);
   machine_.waiting = WaitingSwitch{plan.target,         plan.only,      until,
                                    {requested.request}, request_record, requested.by};
   machine_.waiting->cause =
@@ -167,9 +192,11 @@ void Requests::Await(const Plan& plan, const event::SetStateRequested& requested
 bool Requests::BeginWaiting() {
   if (!machine_.waiting) return false;
   const Plan plan = MakePlan(config_, machine_, machine_.waiting->target, machine_.waiting->only);
-  if (plan.free_by && now_ < machine_.waiting->until) return false;
-  if (plan.refusal) {
-    switches_.EndWaiting(*plan.refusal, machine_.waiting->cause);
+  if ((plan.free_by || IsAboutToLead()) && now_ < machine_.waiting->until) return false;
+  // Only now it may be known from where this controller leads on.
+  const auto overridden = Overridden(machine_.waiting->by, plan.only, plan.target);
+  if (plan.refusal || overridden) {
+    switches_.EndWaiting(plan.refusal ? *plan.refusal : *overridden, machine_.waiting->cause);
     return true;
   }
   const WaitingSwitch waiting = *std::exchange(machine_.waiting, std::nullopt);

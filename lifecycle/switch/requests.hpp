@@ -2,7 +2,8 @@
 // Requests for a switch. One switch at a time: the same request joins the one under way, a more
 // urgent one takes over, any other is refused. While a late actuator is being driven to the state
 // of the machine on its own, a request waits until that actuator is free, at most as long as its
-// command may take; then it is planned as if it came only now.
+// command may take; then it is planned as if it came only now. So does a request to a controller
+// that is about to lead on what an earlier one has left, until it does.
 
 #include <cstdint>
 #include <optional>
@@ -28,11 +29,15 @@ class Requests : StepPart {
   bool BeginWaiting();
 
  private:
+  std::optional<Error> Overridden(const Requester& by, std::optional<ActuatorIndex> only,
+                                  const State& target) const;
   bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<ActuatorIndex> only,
                     RecordId request_record);
   bool JoinWaiting(const event::SetStateRequested& requested, std::optional<ActuatorIndex> only,
                    RecordId request_record);
-  void Await(const Plan& plan, const event::SetStateRequested& requested, RecordId request_record);
+  bool IsAboutToLead() const;
+  void Await(const Plan& plan, Time until, const event::SetStateRequested& requested,
+             RecordId request_record);
   bool CheckDegraded(const Plan& plan);
 
   Commands& commands_;

@@ -330,10 +330,12 @@ fail_over() {
   power_off brain
   wait "$noting"
   at_most "from the cut to the first status of the new leader" 10000 "$((($(< "$scratch/next_leader") - cut) / 1000000))" ms
-  await '.phase == "running"'
-  expect "the machine goes on in" Active "$(status .state)"
+  await '[.actuators[] | select(.presence == "present")] | length == 8'
   expect "each of the others is in the state that it had" yes "$([[ $(beyond_brain state) == "$states" ]] && echo yes)"
+  # A request that comes at once waits until it is known that nothing answers on brain.
   musher_set LowPower
+  expect "outcome, without what ran on brain" done-degraded "$(answer .outcome)"
+  expect "the machine went on in" Active "$(on motion "'$bin/musher' history --json --journal '$journal'" | jq -r '[.entries[] | select(.event == "machine_adopted")] | last.arguments.state')"
   await '[.actuators[] | select(.presence == "present" and .state == "LowPower")] | length == 8'
   expect "actuators in LowPower" 8 "$(status '[.actuators[] | select(.state == "LowPower")] | length')"
   expect "each of them has the process that it had" yes "$([[ $(beyond_brain pid) == "$pids" ]] && echo yes)"

@@ -1,7 +1,12 @@
 // The process of an actuator that the systemd of another host runs for the controller. Its pid is
 // one of that host: the decision never takes it for a process of the controller's own host.
 
+#include <algorithm>
+#include <optional>
+
+#include "musher/lifecycle/refusal.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
+#include "musher/test/support/refusals.hpp"
 
 namespace musher::testing::host_process_test {
 
@@ -629,6 +634,149 @@ TEST_F(HostProcess, ThatHasExitedIsNotSignalledAnyMore) {
   Pass(std::chrono::seconds(10));
   EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
   EXPECT_EQ(Of(1).presence, Presence::kPresent);
+}
+
+// A standby has begun to lead: a was found, and the host of b, which is gone, is still waited for.
+class LeadingOn : public HostProcess {
+ protected:
+  LeadingOn() {
+    for (ActuatorConfig& actuator : config_.actuators) {
+      std::ranges::fill(actuator.times, Duration(std::chrono::seconds(20)));
+    }
+  }
+  void BeginBeside(const State& state) {
+    machine_ = MakeMachine(config_);
+    event::Begin begin{false, Epoch(1), PerActuator<bool>(config_.actuators.size()), "here"};
+    begin.running[0] = true;
+    begin.supervised = begin.restarted = true;
+    Do(begin);
+    found_in_ = state;
+  }
+  void ComeA() { Come(0, found_in_); }
+  void LoseTheHost() { Do(event::ProcessNotStarted{1, "no route to 10.0.0.2", true}); }
+  void Request(const State& state, RequestId request = kRequest, const Requester& by = {}) {
+    Do(event::SetStateRequested{request, state, {}, AfterTearDown::kStaysDown, by});
+  }
+  std::optional<SwitchResult> AnswerTo(RequestId request = kRequest) const {
+    for (const auto& answer : Did<action::AnswerSetState>()) {
+      if (answer.request == request) return answer.result;
+    }
+    return std::nullopt;
+  }
+  State found_in_;
+};
+
+// It was refused for 2.5 s.
+TEST_F(LeadingOn, CarriesOutARequestOnceTheHostThatIsGoneWasWaitedFor) {
+  for (const bool before_a : {true, false}) {
+    BeginBeside("Active");
+    if (!before_a) ComeA();
+    Request("LowPower");
+    if (before_a) ComeA();
+    Pass(std::chrono::seconds(2));
+    EXPECT_FALSE(AnswerTo());
+    EXPECT_FALSE(Of(0).command);
+    EXPECT_TRUE(IsRecorded(EventName::kSwitchWaiting));
+    LoseTheHost();
+    ASSERT_TRUE(Of(0).command);
+    EXPECT_EQ(Of(0).command->target, kLowPower);
+    Obey(0);
+    EXPECT_EQ(machine_.state, kLowPower);
+    EXPECT_EQ(AnswerTo()->outcome, SwitchOutcome::kDoneDegraded) << AnswerTo()->reason;
+    Forget();
+  }
+}
+
+TEST_F(LeadingOn, CarriesOutARequestBeforeTheFallbackOfWhatIsGone) {
+  config_.actuators[1].critical = true;
+  config_.actuators[1].on_lost = kProtected;
+  BeginBeside("Active");
+  ComeA();
+  Request("LowPower");
+  LoseTheHost();
+  Obey(0);
+  EXPECT_EQ(AnswerTo()->outcome, SwitchOutcome::kDoneDegraded) << AnswerTo()->reason;
+  EXPECT_FALSE(machine_.current) << "nothing rises to Protected";
+  EXPECT_EQ(machine_.state, kLowPower);
+}
+
+TEST_F(LeadingOn, FallsBackAfterARequestThatDoesNotLowerTheMachine) {
+  config_.actuators[1].on_lost = kProtected;
+  BeginBeside("Active");
+  ComeA();
+  Request("Active");
+  LoseTheHost();
+  ObeyBoth();
+  EXPECT_EQ(AnswerTo()->outcome, SwitchOutcome::kDoneDegraded) << AnswerTo()->reason;
+  EXPECT_EQ(machine_.state, kProtected);
+}
+
+TEST_F(LeadingOn, RefusesARequestThatHasWaitedForTenSeconds) {
+  BeginBeside("Active");
+  ComeA();
+  Request("LowPower");
+  Pass(std::chrono::milliseconds(9'900));
+  EXPECT_FALSE(AnswerTo());
+  Pass(std::chrono::milliseconds(200));
+  ASSERT_TRUE(AnswerTo());
+  EXPECT_THAT(*AnswerTo(), IsRefused(Refusal::kNotSetUp));
+  LoseTheHost();
+  EXPECT_FALSE(Of(0).command);
+}
+
+TEST_F(LeadingOn, RefusesAnUnknownStateAndASecondRequestAtOnce) {
+  BeginBeside("Active");
+  ComeA();
+  Request("Lowpower");
+  EXPECT_THAT(*AnswerTo(), IsRefused(Refusal::kUnknownState));
+  Request("LowPower", 72);
+  Request("OTA", 73);
+  EXPECT_THAT(*AnswerTo(73), IsRefused(Refusal::kSwitchWaiting));
+  Request("Error", 74);
+  EXPECT_THAT(*AnswerTo(72), IsRefused(Refusal::kSwitchWaiting)) << "Error goes first";
+  LoseTheHost();
+  ASSERT_TRUE(Of(0).command);
+  EXPECT_EQ(Of(0).command->target, kError);
+}
+
+TEST_F(LeadingOn, TearsDownAtOnce) {
+  BeginBeside("Active");
+  ComeA();
+  Request("LowPower");
+  Request("TearDown", 72);
+  ASSERT_TRUE(AnswerTo());
+  EXPECT_EQ(AnswerTo()->outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(machine_.phase, Phase::kStopping);
+}
+
+// From where the machine is led on is known only then.
+TEST_F(LeadingOn, RaisesNothingForAManagerThatHasAskedBefore) {
+  BeginBeside("LowPower");
+  ComeA();
+  Request("Active", kRequest, {"/lifecycle_manager", true});
+  LoseTheHost();
+  ASSERT_TRUE(AnswerTo());
+  EXPECT_THAT(*AnswerTo(), IsRefused(Refusal::kRequestedByAnother));
+  EXPECT_EQ(machine_.state, kLowPower);
+}
+
+TEST_F(LeadingOn, RaisesNothingByARequestFromBeforeAnEmergencyStop) {
+  BeginBeside("LowPower");
+  ComeA();
+  Request("Active");
+  Do(event::EmergencyStopSeen{{7, "alice", "smoke"}});
+  ASSERT_TRUE(AnswerTo()) << "it would wait beyond the release";
+  EXPECT_FALSE(AnswerTo()->done());
+  LoseTheHost();
+  EXPECT_FALSE(Of(0).command);
+}
+
+// A start from the beginning is not cut short, and a request into it is answered at once.
+TEST_F(LeadingOn, KeepsNoRequestWaitingInAStartFromTheBeginning) {
+  Begin();
+  Request("LowPower");
+  ASSERT_TRUE(AnswerTo());
+  EXPECT_THAT(*AnswerTo(), IsRefused(Refusal::kNotSetUp));
 }
 
 }  // namespace musher::testing::host_process_test
