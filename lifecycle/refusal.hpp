@@ -73,6 +73,7 @@ enum class Refusal : std::uint8_t {
   kNoCommand,
   kNotRestartable,
   kOnAnotherHost,
+  kNoUnitOfHost,
   kProcessUnknown,
   // The release of an emergency stop.
   kStoppedMachine,
@@ -227,6 +228,10 @@ inline constexpr auto kRefusals = std::to_array<RefusalForm>({
     {Refusal::kOnAnotherHost, kCodeUnSupport,
      "{actuator} runs on another host, {host}, where this controller cannot end processes; end "
      "process {pid} there"},
+    {Refusal::kNoUnitOfHost, kCodeUnSupport,
+     "{actuator} runs as process {pid}, and not as a unit of host {host} that is known here; wait "
+     "if `musher history` says that the host is not reached; else another controller has started "
+     "it as a child: run `kill {pid}` there, then `musher restart {actuator}`"},
     {Refusal::kProcessUnknown, kCodeUnSupport,
      "{actuator} was not started by this controller, and its process is not known: end it where "
      "it was started; a second one would run beside it"},

@@ -134,6 +134,7 @@ struct OtherHostFacts {
   int systemd = 0;                        // its version; 0: there is none
   std::string musher = {};                // the version of `musher` there; empty: there is none
   std::int64_t free_bytes = -1;           // of its root; -1: not known
+  std::int64_t run_bytes = -1;            // likewise of /run, where systemd keeps the units
   bool root = false;                      // the login is root
   int cgroups = 0;                        // their version, 1 or 2; 0: not known
   std::vector<std::string> keeps = {};    // of "memory", "cpu", "quota" (of CPU time)

@@ -27,6 +27,8 @@ echo "init $(cat /proc/1/comm)"
 echo "systemd $(systemctl --version 2>/dev/null | sed -n '1s/^systemd \([0-9]*\).*/\1/p')"
 set -- $(df -Pk / | tail -n 1)
 echo "free $4"
+set -- $(df -Pk /run | tail -n 1)
+echo "run $4"
 echo "user $(id -u)"
 # What a container may forbid. A login that is not root cannot know.
 namespaces=mounts
@@ -81,6 +83,12 @@ std::int64_t NumberIn(const std::string& text, std::int64_t otherwise) {
   return read.ec == std::errc() ? number : otherwise;
 }
 
+// Of a number of KiB; -1: it is none.
+std::int64_t BytesOf(const std::string& text) {
+  const std::int64_t kib = NumberIn(text, -1);
+  return kib < 0 ? -1 : kib << 10;
+}
+
 // Whether the unit has the id of another machine in its environment, or of none.
 bool IsForeign(const std::string& environment, const std::string& machine_id) {
   if (machine_id.empty()) return false;
@@ -127,10 +135,8 @@ void TakeHostLines(const std::vector<std::string>& lines, const std::string& mac
     if (key == "arch") facts.architecture = value;
     if (key == "init") facts.init = value;
     if (key == "systemd") facts.systemd = static_cast<int>(NumberIn(value, 0));
-    if (key == "free") {
-      const std::int64_t free_kib = NumberIn(value, -1);
-      facts.free_bytes = free_kib < 0 ? -1 : free_kib << 10;
-    }
+    if (key == "free") facts.free_bytes = BytesOf(value);
+    if (key == "run") facts.run_bytes = BytesOf(value);
     if (key == "user") facts.root = value == "0";
     if (key == "version") facts.musher = value.substr(value.rfind(' ') + 1);
     if (key == "cgroups") {

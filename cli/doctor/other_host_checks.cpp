@@ -12,7 +12,8 @@ namespace musher::cli {
 namespace {
 
 constexpr int kOldestSystemd = 248;
-constexpr std::int64_t kLittle = 100 << 20;  // bytes
+constexpr std::int64_t kLittle = 100 << 20;        // bytes
+constexpr std::int64_t kLittleForUnits = 1 << 20;  // bytes
 constexpr Duration kAhead = Milliseconds(1000);
 
 // Before a command that is to run there.
@@ -222,6 +223,12 @@ DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
     return fault(CheckStatus::kError,
                  on + fmt::format("its disk has {} MiB left", host.free_bytes >> 20),
                  fmt::format("{} journalctl --vacuum-size=100M", ssh));
+  }
+  if (host.run_bytes >= 0 && host.run_bytes < kLittleForUnits) {
+    return fault(CheckStatus::kError,
+                 on + fmt::format("its /run, where systemd keeps units, has {} KiB left",
+                                  host.run_bytes >> 10),
+                 fmt::format("{} 'du -xak /run | sort -n | tail' shows what fills it", ssh));
   }
   if (const auto found = unkept ? unkept : MissingFile(host)) {
     return fault(found->health, on + found->reason, found->fix);

@@ -618,7 +618,10 @@ void HostUnits::OnStartAnswered(Unit& unit, const std::optional<SystemdError>& e
     if (!unit.waits) Await(unit, host + " is shutting down");
     return;
   }
-  NotStarted(unit, host + ": " + TextOf(*error));
+  // There it keeps the file of such a unit, which it could not write.
+  const bool unwritten = error->kind == SystemdError::Kind::kGone;
+  NotStarted(unit, host + ": " + TextOf(*error) +
+                       (unwritten ? "; its /run may be full: see `df /run` there" : ""));
 }
 
 // The job of the start has ended. The signals about the unit have arrived before.

@@ -25,6 +25,9 @@ constexpr std::array kCures = {
          "give each board its own address; if the board was replaced, restart the controller"},
     Cure{"does not say which host", false,
          "run `ssh {login} cat /proc/sys/kernel/random/boot_id`; the host may be out of memory"},
+    Cure{"bus client", false,
+         "its D-Bus does not run: boot it with systemd, and install dbus there; `ssh {login} "
+         "systemctl status dbus.socket` shows it"},
     Cure{"systemd-stdio-bridge", true, "install systemd there; its processes need it"},
     Cure{"No such file or directory", true, "install openssh-client here"},
 };

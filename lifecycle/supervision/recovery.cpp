@@ -347,8 +347,13 @@ void Recovery::On(const event::RestartRequested& requested) {
   if (!in_use) return refuse(Refused<Refusal::kNotRestartable>(PhaseName(machine_.phase)));
   KnownActuator& known = Of(*i);
   if (RunsElsewhere(*i)) {
-    return refuse(Refused<Refusal::kOnAnotherHost>(
-        requested.actuator, known.report.host.substr(0, 64), known.report.pid));
+    const std::int32_t pid = known.report.pid;
+    if (const std::string& host = ConfigOf(*i).host; !host.empty()) {
+      return refuse(
+          Refused<Refusal::kNoUnitOfHost>(requested.actuator, pid, host, pid, requested.actuator));
+    }
+    return refuse(
+        Refused<Refusal::kOnAnotherHost>(requested.actuator, known.report.host.substr(0, 64), pid));
   }
   if (known.presence == Presence::kPresent && ProcessOf(*i) == 0) {
     return refuse(Refused<Refusal::kProcessUnknown>(requested.actuator));

@@ -607,6 +607,8 @@ TEST(DoctorOfAnotherHost, NamesEachFaultWithItsHostAndWhatToDo) {
        "musher-dog-eyes.service already, for another machine", "systemctl stop musher-dog-eyes"},
       {[](auto& host) { host.free_bytes = 7 << 20; }, CheckStatus::kError,
        "its disk has 7 MiB left", "journalctl --vacuum-size"},
+      {[](auto& host) { host.run_bytes = 4 << 10; }, CheckStatus::kError,
+       "its /run, where systemd keeps units, has 4 KiB left", "shows what fills it"},
       {[](auto& host) { host.musher = "1.1.0"; }, CheckStatus::kWarning,
        "it has musher 1.1.0, this program is 1.2.3", "the same version"},
       {[](auto& host) { host.clock_ahead = std::chrono::hours(3); }, CheckStatus::kWarning,
@@ -787,7 +789,7 @@ TEST(DoctorOfUnitsOfThisHost, NamesEachLimitThatIsNotKeptWithWhatToDo) {
 
 TEST(DoctorOfAnotherHost, ReadsWhatItsScriptPrints) {
   OtherHostFacts host;
-  TakeHostLines({"arch aarch64", "init systemd", "systemd 252", "free 1024", "user 0",
+  TakeHostLines({"arch aarch64", "init systemd", "systemd 252", "free 1024", "run 2", "user 0",
                  "cgroups 2 cpuset memory", "autogroups 1", "version musher 1.2.3",
                  "missing eyes: program not found there: x", "nofolder eyes: /a b",
                  "noconfig eyes: /c", "nodevice eyes: /dev/d", "nouser robot",
@@ -797,6 +799,7 @@ TEST(DoctorOfAnotherHost, ReadsWhatItsScriptPrints) {
   EXPECT_EQ(host.architecture, "aarch64");
   EXPECT_EQ(host.systemd, 252);
   EXPECT_EQ(host.free_bytes, 1 << 20);
+  EXPECT_EQ(host.run_bytes, 2 << 10);
   EXPECT_TRUE(host.root);
   EXPECT_EQ(host.cgroups, 2);
   EXPECT_EQ(host.keeps, (std::vector<std::string>{"cpuset", "memory"}));

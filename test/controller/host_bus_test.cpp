@@ -178,6 +178,8 @@ TEST(SshTrouble, HasWhatToDoForEachWayInWhichAHostIsNotReached) {
         {"Host key verification failed.", " its key is not known here, or has changed", true},
         {"sh: 1: exec: systemd-stdio-bridge: not found",
          "; install systemd there; its processes need it", true},
+        {"Failed to start bus client: No such file or directory", "; its D-Bus does not run",
+         false},
         {"ssh: connect to host 10.0.0.2 port 22: Connection timed out",
          "; check that it runs, and that `ssh root@10.0.0.2 true` works", false},
         {"ssh: connect to host 10.0.0.2 port 22: Connection refused",

@@ -536,6 +536,17 @@ TEST_F(UnitOfAnotherHost, WhoseHostHasSkippedEachStartIsNotCarriedOutLaterForTha
   EXPECT_GT(skipped(), before);
 }
 
+// "Unit musher-robot-eyes.service not found." was all that a person read.
+TEST_F(UnitOfAnotherHost, WhoseFileSystemdCannotWriteNamesTheFolderThatMayBeFull) {
+  SetUnit("inactive", 0);
+  Write("refuse-StartTransientUnit", "org.freedesktop.systemd1.NoSuchUnit\n");
+  Open();
+  Start();
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(not_started_, ElementsAre(AllOf(HasSubstr("host vision (10.0.0.2): "),
+                                              HasSubstr("its /run may be full"))));
+}
+
 TEST_F(UnitOfAnotherHost, WhoseProgramIsNotExecutedSaysWhy) {
   struct Cause {
     const char* status;

@@ -161,6 +161,9 @@ TEST_F(RefusedPlans, OfARestartThatTheControllerCannotDo) {
   EXPECT_THAT(AnswerTo(restart), Optional(IsRefused(Refusal::kProcessUnknown)));
   RecordOfB().report.host = "there";
   EXPECT_THAT(AnswerTo(restart), Optional(IsRefused(Refusal::kOnAnotherHost)));
+  b_.host = "vision";
+  EXPECT_THAT(AnswerTo(restart), Optional(IsRefused(Refusal::kNoUnitOfHost)));
+  b_.host.clear();
   RecordOfB().process.pid = 9;  // our own one waits
   RecordOfB().other.emplace().host = "here";
   EXPECT_THAT(AnswerTo(restart), Optional(IsRefused(Refusal::kOnAnotherHost)));

@@ -132,6 +132,19 @@ TEST_F(StandbyOfThree, LeadsWhatIsLeftWhereTheHostOfTheControllerLosesItsPower) 
   EXPECT_TRUE(robot_.processes().IsAlive("a", kRobot));
 }
 
+// It was refused until the start of "a" had failed, 2.5 s later.
+TEST_F(StandbyOfThree, CarriesOutARequestThatComesWithItsFirstStep) {
+  BringUp();
+  robot_.RebootHost(kRobot);
+  ASSERT_TRUE(RunUntil([this] { return StandbyLeads(); }, 5 * kFailover));
+  const auto set = robot_.Set(State(kLowPower));
+  ASSERT_TRUE(set);
+  EXPECT_EQ(set->outcome, SwitchOutcome::kDoneDegraded) << set->reason;  // without "a"
+  EXPECT_EQ(robot_.machine().state, kLowPower);
+  robot_.BootHost(kRobot);
+  ASSERT_TRUE(RunUntil([this] { return robot_.processes().CountOf("a") == 1; })) << records_;
+}
+
 // It reaches "a" alone: it gives up, and the standby leads the others. Once the link is back one of
 // them leads all.
 TEST_F(StandbyOfThree, LeadsAloneWhereTheControllerIsCutOff) {

@@ -68,4 +68,41 @@ TEST_F(TwoComputers, AreOneRobotAsTheReadmeSays) {
   EXPECT_THAT(Units(), IsEmpty());
 }
 
+// Its motion board is the board here, its NX board the robot's host, which has no systemd.
+TEST_F(TwoComputers, AreTheBoardsOfACyberdog) {
+  const TempFolder reader;
+  std::filesystem::create_directories(reader / "examples/two_computers");
+  std::filesystem::create_directory(reader / "config");
+  std::filesystem::copy(SourceDir() + "/config/exec", reader / "config/exec");
+  std::string text = ReadFile(SourceDir() + "/examples/two_computers/cyberdog.toml");
+  const auto replace = [&](const std::string& words, const std::string& by) {
+    const std::size_t at = text.find(words);
+    ASSERT_NE(at, std::string::npos) << words;
+    text.replace(at, words.size(), by);
+  };
+  replace("192.168.44.233", kBoardAddress);
+  replace("\"id_robot\"", "\"" + root_->Key() + "\"");
+  replace("\"known_hosts\"", "\"" + root_->KnownHosts() + "\"");
+  replace("eth0", kLink);
+  replace("units = \"always\"", "");
+  replace("cpus = 2.0\nmemory_max_mb = 2048\n", "");
+  replace("sandbox = \"read-only\"\nmemory_max_mb = 512\n", "");
+  replace("namespace = \"cyberdog\"", "namespace = \"" + name_space_ + "\"");
+  const std::string config = reader / "examples/two_computers/cyberdog.toml";
+  std::ofstream(config) << text;
+  ASSERT_EQ(OnBoard({"mkdir -p /usr/local/bin " + reader.path() + " && ln -sf " + BinDir() +
+                     "/musher-exec /usr/local/bin/musher-exec && mkdir -p " + reader.path()})
+                .exit,
+            0);
+  ASSERT_EQ(RunToEnd({"cp", "-r", reader.path() + "/.", root_->path() + reader.path()}).exit, 0);
+  const Ended check = robot_->Run({"check", "--hosts", config});
+  EXPECT_EQ(check.exit, 0) << check.out << check.err;
+  const Ended up = robot_->Run({"up", config, "--detach"});
+  ASSERT_EQ(up.exit, 0) << up.out << up.err;
+  ASSERT_TRUE(AwaitActive()) << robot_->Status();
+  EXPECT_THAT(Units(), HasSubstr("musher-cyberdog-motion_manager.service"));
+  EXPECT_EQ(robot_->Run({"down"}).exit, 0);
+  EXPECT_THAT(Units(), IsEmpty());
+}
+
 }  // namespace musher::testing::two_computers_test
