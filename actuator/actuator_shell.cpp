@@ -111,7 +111,7 @@ Result<> ActuatorShell::Open() {
   return WatchBattery();
 }
 
-// A permit names its machine: one that was meant for another robot, or for any, permits nothing.
+// A permit names its machine. A permit for another robot, or for any, permits nothing.
 Result<> ActuatorShell::WatchPermits() {
   if (!config_.permit) return Ok();
   auto permits = transport::MakeSubscription<msg::Permit>(

@@ -87,7 +87,7 @@ class SkillActuator::Impl final : public ApplicationImpl {
   }
 
  private:
-  // Who is to learn of a run, until it is removed.
+  // The goal and the requests that a run replies to, until the run is removed.
   struct Watched {
     std::optional<Goal> goal;          // that has started it, until its end
     std::string shown;                 // the last feedback of the goal

@@ -60,7 +60,7 @@ class MachinesByProcess {
   }
   void Drop(transport::EndpointId controller) { reports_.erase(controller); }
 
-  // Of an actuator by its name and the process that says it is it; nullopt: of none, or of several.
+  // The machine of the actuator with this name and process; nullopt: of none, or of several.
   std::optional<MachineIdentity> OfActuator(const std::string& name, std::int32_t pid) const {
     return Only([&](const auto& actuator) { return actuator.name == name && actuator.pid == pid; });
   }
@@ -158,7 +158,7 @@ void CancelContinuedRun(const std::shared_ptr<SkillGoal>& goal) {
   });
 }
 
-// Of a lost goal, after its server has replied to its cancellation.
+// Waits for the end of a lost goal, after its server has replied to its cancellation.
 void AwaitEnd(const std::shared_ptr<SkillGoal>& goal, std::int8_t return_code) {
   if (return_code == msg::CancelGoal::kErrorUnknownGoalId) return CancelContinuedRun(goal);
   if (return_code == msg::CancelGoal::kErrorGoalTerminated) {

@@ -109,7 +109,7 @@ void TreeRecording::BeginFile() {
   });
 }
 
-// Of a new file or tree.
+// Whether what describes a new file or tree fits into a recording.
 bool TreeRecording::Fits() {
   if (written_ + buffer_.size() <= most_in_file_ || buffer_.size() <= most_in_file_ / 2)
     return true;

@@ -28,7 +28,7 @@ Error Untrusted(const std::string& what, const std::string& command) {
                                      command + "`, or choose another folder"};
 }
 
-// Those of before, which have the group of their maker.
+// Gives files that were made before, and have the group of their maker, the group of the folder.
 void ShareFiles(const std::string& folder, gid_t group) {
   for (const std::filesystem::path& file : EntriesOf(std::filesystem::path(folder))) {
     struct stat info {};

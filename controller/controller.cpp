@@ -646,7 +646,7 @@ void Controller::Begin() {
   check_folder_ = node_.loop().Every(kCheckFolderPeriod, [this] { CheckFolder(); });
 }
 
-// Of the controller before this one: a takeover goes on from what that has stored.
+// The folder of the controller before this one: a takeover goes on from what is stored there.
 const std::string& Controller::LastFolder() const {
   return taken_from_.empty() ? config_.state_dir : taken_from_;
 }
@@ -724,8 +724,8 @@ StoredPolicy Controller::LoadPolicy() {
   return policy;
 }
 
-// An actuator that only a person starts again stays down, also where the machine was started
-// otherwise then. The machine's own folder takes those of another folder over once.
+// An actuator that only a person starts again stays down, also if the machine had another folder
+// then. The machine's own folder takes the actuators of another folder over once.
 std::vector<StoredActuator> Controller::LoadActuators() {
   std::vector<StoredActuator> actuators = StateStore::ActuatorsIn(LastFolder(), HostId());
   const auto taken = StateStore::ActuatorsTakenIn(config_.state_dir);

@@ -120,7 +120,7 @@ class ChoiceList {
     }
   }
 
-  // Of the release of a stop with another host nothing is searched.
+  // The search has no release of a stop in machines with another host.
   void ListLink(std::size_t host) {
     if (!Leads() || model_.releases) return;
     const Link& link = world_.links[host];

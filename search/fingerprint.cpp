@@ -43,7 +43,7 @@ inline constexpr std::tuple kIgnored<PendingCommand> = {&PendingCommand::sent,
                                                         &PendingCommand::clock_ahead};
 template <>
 inline constexpr std::tuple kIgnored<ActuatorFault> = {&ActuatorFault::message};
-// Of the clocks only their difference counts.
+// Only the difference of the clocks counts.
 template <>
 inline constexpr std::tuple kIgnored<KnownActuator> = {
     &KnownActuator::clock_theirs, &KnownActuator::clock_ours, &KnownActuator::cause};
@@ -76,8 +76,8 @@ inline constexpr std::tuple kIgnored<PowerDown> = {&PowerDown::cause, &PowerDown
 template <>
 inline constexpr std::tuple kIgnored<PolicyState> = {&PolicyState::clock,
                                                      &PolicyState::level_cause};
-// Of the stop, that there is one; of the others, how many. How often one was engaged matters to
-// another state folder only.
+// It counts that there is a stop, and how many others there are. How often one was engaged matters
+// to another state folder only.
 template <>
 inline constexpr std::tuple kIgnored<EmergencyStopState> = {
     &EmergencyStopState::stop, &EmergencyStopState::cause, &EmergencyStopState::others,

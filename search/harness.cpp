@@ -124,7 +124,7 @@ void Harness::FeedStatus(ActuatorIndex i) {
   if (world_.actuators[i].silent) FeedHeartbeat(i);
 }
 
-// Of a process whose end was detected, the shell finds none with its pid, and its writer is lost.
+// The end of the process was detected: the shell finds none with its pid, and its writer is lost.
 void Harness::FeedStatus(event::StatusSeen seen) {
   const SimActuator& actuator = world_.actuators[seen.actuator];
   const Incarnation incarnation = seen.report.incarnation;
@@ -426,7 +426,7 @@ void Harness::EngageStop(std::optional<ActuatorIndex> except) {
 void Harness::StepActuator(ActuatorIndex i, const ActuatorEvent& event) {
   SimActuator& actuator = world_.actuators[i];
   if (!actuator.alive) return;
-  // Of the command that this event may begin.
+  // The epoch of the command that this event may begin.
   Epoch epoch = actuator.core.waiting ? actuator.core.waiting->command.epoch : 0;
   const auto* arrived = std::get_if<actuator_event::SwitchArrived>(&event);
   if (arrived != nullptr) epoch = arrived->command.epoch;

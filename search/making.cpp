@@ -384,7 +384,7 @@ class ChoiceMaker {
     }
   }
 
-  // Of the callback that ends.
+  // The code of the callback that ends.
   std::int32_t Code() {
     const ActuatorConfig& own = harness_.config().actuators[i_];
     if (choice_.kind == ChoiceKind::kEndTolerated) return ToleratedFailureOf(own);

@@ -258,7 +258,7 @@ class Prover {
     return root;
   }
 
-  // Of a rule that does not hold where the search begins, the search that leads there says it.
+  // Where a rule does not hold at the begin of the search, the search that leads there reports it.
   static void BeginTimedRules(const Model& model, World& root) {
     root.timed_checks.clear();
     const Time begun = root.now;

@@ -255,7 +255,7 @@ void CheckPlaceInStart(const Model& model, const World& world, ActuatorIndex i, 
                              report.state + ", the machine in " + machine.state);
 }
 
-// Of two actuators in order the first gets no command while the second switches, nor after that.
+// If two actuators have an order, the first gets no command while or after the second switches.
 void CheckOrder(const Model& model, const World& world, const action::SendSwitch& send,
                 Notes& notes) {
   const auto& current = world.machine.current;
@@ -368,8 +368,8 @@ void CheckBattery(const Model& model, const World& world, Notes& notes) {
                              " %, and the machine stays in " + machine.state);
 }
 
-// Of a rule of the user: the state of an actuator, empty where it has exited; of none, the
-// machine's.
+// The state that a rule of the user is about: the state of an actuator, empty where it has exited;
+// without an actuator the state of the machine.
 State SubjectState(const World& world, std::optional<ActuatorIndex> actuator) {
   if (!actuator) return world.machine.state;
   const SimActuator& one = world.actuators[*actuator];

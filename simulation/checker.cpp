@@ -142,8 +142,8 @@ void Checker::CheckController(const SimulatedController& controller) {
   tear_down_.CheckStaysDown(controller);
 }
 
-// Of the events at one instant others may come first, such as a step of another controller, or the
-// stops that a panel engages by the hundred.
+// Other events of the same instant may come before the deadline: a step of another controller, or
+// the stops that a panel engages by the hundred.
 void Checker::CheckDeadline(const SimulatedController& controller) {
   constexpr int kOthers = 10'000;
   const Time now = robot_.network().now();

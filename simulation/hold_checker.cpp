@@ -42,7 +42,7 @@ void HoldChecker::OnReply(const SimulatedController& controller, const SwitchRes
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
   if (!done) return;
   if (result.actuator.empty()) {
-    // One that ended at once was not seen under way.
+    // A switch that ended at once was not seen under way.
     if (down_[controller.serial()] != result.number) holds_.clear();
     return;
   }

@@ -981,7 +981,7 @@ bool Scenario::EndFrozen() {
   return any;
 }
 
-// Of an actuator that runs on several hosts the operator keeps the process that the controller can
+// Where an actuator runs on several hosts, the operator keeps the process that the controller can
 // restart.
 bool Scenario::EndSurplus() {
   bool any = false;

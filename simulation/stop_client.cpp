@@ -8,7 +8,7 @@
 namespace musher::simulation {
 namespace {
 
-// Those of the command line.
+// The timeouts of the command line.
 constexpr Duration kTimeout = std::chrono::seconds(5);
 constexpr Duration kLanTimeout = std::chrono::seconds(10);
 

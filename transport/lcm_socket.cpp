@@ -18,7 +18,7 @@
 namespace musher::transport {
 namespace {
 
-// Of one turn of the loop, so that a flood leaves time for everything else.
+// Datagrams of one turn of the loop, so that a flood leaves time for everything else.
 constexpr int kMostInATurn = 64;
 constexpr int kReceiveBuffer = 1 << 20;  // bytes
 

@@ -86,7 +86,8 @@ bool IsDevice(const NetworkInterface& one) {
   return own && one.ethernet && !one.loopback;
 }
 
-// Of a container or a virtual machine. Not a tunnel, whose other end is a VPN.
+// Whether a container or a virtual machine has the interface. A tunnel is none: its other end is a
+// VPN.
 bool IsOfAContainer(const NetworkInterface& one) {
   return one.ethernet && !one.loopback && one.kind != "bridge" && one.kind != "dummy";
 }

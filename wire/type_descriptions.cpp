@@ -13,7 +13,7 @@
 namespace musher::transport {
 namespace {
 
-// Of type_description_interfaces/msg/FieldType.
+// Numbers of type_description_interfaces/msg/FieldType.
 constexpr std::uint8_t kNested = 1;
 constexpr std::uint8_t kString = 17;
 constexpr std::uint8_t kBoundedString = 21;
@@ -59,7 +59,7 @@ std::uint64_t Number(std::string_view digits) {
   return number;
 }
 
-// Of "string<=255[]", "float64[36]" or "std_msgs/Header".
+// The type of a field that the IDL writes as "string<=255[]", "float64[36]" or "std_msgs/Header".
 msg::DescribedFieldType FieldTypeOf(std::string_view text) {
   msg::DescribedFieldType type;
   std::uint8_t many = 0;

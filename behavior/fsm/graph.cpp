@@ -43,7 +43,7 @@ struct Place {
   std::string IdOf(StateId state) const { return IdOf(Index(state)); }
   std::string PathOf(const Chart::Node& node) const { return path + node.name; }
 
-  // Of the chart of this number inside of a state.
+  // The place of the chart with this number inside a state.
   Place Inside(std::size_t state, const Chart::Node& node, std::size_t number) const {
     const std::string region = number == 0 ? "" : "r" + std::to_string(number) + "_";
     return {IdOf(state) + "_" + region, indent + "  ", PathOf(node) + "/"};

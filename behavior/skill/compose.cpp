@@ -121,7 +121,7 @@ class Composite : public Skill {
     if (order_ == Order::kInOrder) return;
     std::vector<std::string> names;
     for (const auto& run : runs_) {
-      // Of one part, a skill that occurs twice runs one after the other, or is refused there.
+      // A skill that occurs twice in one part runs twice in turn, or the part refuses it.
       std::vector<std::string> inside;
       AddAll(*run, inside);
       std::ranges::sort(inside);
@@ -134,7 +134,7 @@ class Composite : public Skill {
     RefuseSharedParts(table);
   }
 
-  // Of skills that run at the same time.
+  // Refuses skills that use the same part and run at the same time.
   void RefuseSharedParts(Table& table) const {
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       for (std::size_t k = i + 1; k < runs_.size(); ++k) {
@@ -162,7 +162,7 @@ class Composite : public Skill {
     }
   }
 
-  // Of the whole, those of a part.
+  // The parameters of a part, from those given to the whole.
   Values ParametersOf(std::size_t i, const Values& given) const {
     Values parameters = parts_[i].parameters;
     const std::string prefix = parts_[i].label + ".";

@@ -11,7 +11,7 @@ bool IsOuter(const std::string& key) {
   return key.starts_with('@');
 }
 
-// Of each board the path of its subtree; of the main one the name of the tree.
+// The path of the subtree of each board; for the main board the name of the tree.
 std::vector<std::string> BoardPaths(const Tree& tree) {
   std::vector<std::string> paths(tree.boards().size());
   paths.front() = tree.name();

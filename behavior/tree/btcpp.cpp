@@ -61,7 +61,7 @@ bool IsSign(std::string_view code, std::size_t at) {
          code.substr(0, at).ends_with("..");
 }
 
-// Of a statement without texts and parentheses.
+// `code` is a statement without texts and parentheses.
 bool MixesRanks(std::string code) {
   for (std::size_t at = code.find('-'); at != std::string::npos; at = code.find('-', at + 1)) {
     if (IsSign(code, at)) code[at] = ' ';

@@ -210,7 +210,7 @@ std::optional<double> Script::NumberIn(std::string_view text, const Enums& enums
   return number ? std::optional(number.value()) : std::nullopt;
 }
 
-// Of operands that are not both numbers.
+// Compares operands that are not both numbers.
 bool Script::CompareOther(const Operand& left, const Operand& right, Comparison comparison) const {
   if (left.is_text() && right.is_text()) return Holds(left.text(), right.text(), comparison);
   const auto number = [&](const Operand& operand) {

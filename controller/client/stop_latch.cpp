@@ -381,7 +381,7 @@ void StopLatch::OnStatus(const msg::ActuatorStatus& status, const transport::Sam
            last.trouble == status.stop_trouble && last.host == status.host;
   });
   if (known) return;
-  // Of one host only one process has the name of the actuator.
+  // One process of a host at most has the name of the actuator.
   std::erase_if(processes, [&](const Received& last) {
     return last.writer == info.writer || last.host == status.host;
   });
@@ -599,7 +599,7 @@ void StopLatch::AddElsewhere(EstopReport& report, const std::vector<std::string>
   }
 }
 
-// Those that the last controller has stored, where none has been started since.
+// Adds the lost actuators that the last controller has stored, unless they were started since.
 void StopLatch::AddLost(EstopReport& report, const std::vector<StoredActuator>& lost) {
   for (const StoredActuator& one : lost) {
     const auto is_it = [&one](const EstopReport::Actuator& other) {

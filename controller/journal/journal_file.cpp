@@ -188,7 +188,8 @@ void JournalFile::Open() {
   database_ = std::move(database);
 }
 
-// Of the file's structure, not of its rows, which have checksums. What takes longer is not checked.
+// Checks the structure of the file, not its rows, which have checksums. What takes longer than
+// kQuickCheckWithin is not checked.
 void JournalFile::QuickCheck(SQLite::Database& database) {
   auto end = std::chrono::steady_clock::now() + kQuickCheckWithin;
   const auto is_over = [](void* limit) {

@@ -181,7 +181,7 @@ std::string DamageText(std::size_t count, const char* what, const Damage& damage
   return "read " + std::to_string(count) + " " + what + "; the rest is damaged: " + damage;
 }
 
-// Of a file that cannot be opened SQLite gives no reason.
+// SQLite gives no reason for a file that cannot be opened.
 Error Unreadable(const std::string& path, const std::string& why) {
   const UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.valid()) return SystemError("can't read the journal " + path);

@@ -185,7 +185,7 @@ class Replayer {
     return std::move(reading.config);
   }
 
-  // Numbers of actuators are those of the recorded config.
+  // The events number the actuators as the recorded config does.
   Result<> Match(const MachineConfig& recorded, const MachineConfig& other) {
     const auto missing = [](const ActuatorConfig& actuator, const std::string& where) {
       return Error{kCodeParametersInvalid, "actuator '" + actuator.name + "' is not in " + where};

@@ -18,7 +18,7 @@ constexpr Duration kSetUpTimeout = std::chrono::seconds(2);
 // Less than the coordinator's timeout of a query.
 constexpr Duration kStateQueryTimeout = Milliseconds(200);
 
-// Of the first of two nodes with one name.
+// How long the first of two nodes with one name may take to answer.
 constexpr Duration kCompareTimeout = std::chrono::seconds(1);
 
 std::string Is(Ros2State state) {
@@ -330,8 +330,8 @@ State Ros2Link::StateIn(Ros2State state) const {
   return AdoptedState(state).value_or(machine().default_state);
 }
 
-// Of the states that a primary state may stand for: DeActive, else the least active, so that
-// adoption activates nothing. Never Error.
+// A primary state may stand for several states of the config. DeActive is taken, else the least
+// active one, so that adoption activates nothing. Never Error.
 std::optional<State> Ros2Link::AdoptedState(Ros2State state) const {
   std::optional<State> least;
   for (const State& candidate : actuator().states) {

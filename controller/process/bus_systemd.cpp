@@ -51,7 +51,7 @@ void ReadTexts(sd_bus_message* message, std::set<std::string>& texts) {
   sd_bus_message_exit_container(message);
 }
 
-// Of the 16 bytes of an id.
+// Reads an id of 16 bytes as hexadecimal digits.
 void ReadId(sd_bus_message* message, std::string& id) {
   if (sd_bus_message_enter_container(message, 'v', "ay") < 0) return;
   const void* bytes = nullptr;
@@ -126,7 +126,7 @@ std::optional<SystemdError> ErrorIn(const BusMessage& reply) {
   return error;
 }
 
-// Of a unit by its name, or by the id of one start of it.
+// The object path of a unit, by the name of the unit or by the id of one start.
 std::string PathOf(const std::string& unit) {
   char* path = nullptr;
   if (sd_bus_path_encode(kUnitPath, unit.c_str(), &path) < 0) return {};
@@ -156,8 +156,8 @@ void CloseProperty(sd_bus_message* message) {
   sd_bus_message_close_container(message);
 }
 
-// Of "ExecStartEx" and its kind. Without the flag "no-env-expand" systemd replaces $NAME in the
-// arguments.
+// Appends a command, as "ExecStartEx" has it. Without the flag "no-env-expand" systemd replaces
+// $NAME in the arguments.
 void AppendCommand(sd_bus_message* message, const char* property,
                    const std::vector<std::string>& argv, const std::vector<std::string>& flags) {
   OpenProperty(message, property, "a(sasas)");
@@ -171,7 +171,8 @@ void AppendCommand(sd_bus_message* message, const char* property,
   CloseProperty(message);
 }
 
-// Of a unit, as the kernel weighs a process: a step of nice is a quarter more or less.
+// The CPU weight of a unit. The kernel weighs a process the same way: a step of nice is a quarter
+// more or less.
 std::uint64_t CpuWeight(int nice) {
   constexpr double kOfNiceZero = 100;
   const double weight = std::round(kOfNiceZero * std::pow(1.25, -nice));
@@ -383,7 +384,7 @@ class BusSystemd : public Systemd {
     }
     const auto unit = units_.find(sd_bus_message_get_path(signal));
     if (unit == units_.end()) return;
-    // systemd sends the properties of the service first, then those of the unit.
+    // systemd sends the properties of the service first, then the properties of the unit.
     hooks_.on_change(
         unit->second, [signal](UnitState& state) { ReadProperties(signal, state); },
         std::string_view(interface) == kUnitInterface);

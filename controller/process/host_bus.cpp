@@ -61,7 +61,7 @@ struct Greeting {
 };
 
 // Reads "<boot id>/<pid namespace> <uptime in seconds> <pid>". A host that is short of memory
-// prints less than that, and would be taken for one that was booted again.
+// prints only a part of it, and would be taken for a rebooted host.
 std::optional<Greeting> ReadGreetingLine(std::string_view text) {
   const auto all = [](std::string_view part, std::string_view of) {
     return !part.empty() && part.find_first_not_of(of) == std::string_view::npos;

@@ -45,8 +45,8 @@ bool HasExited(const UnitState& state, pid_t pid) {
          state.exec_code != 0;
 }
 
-// systemd keeps a unit that has failed, and drops one that has ended with code 0. It also drops one
-// that SIGTERM, SIGHUP, SIGINT or SIGPIPE has ended, maybe in its TearDown.
+// systemd keeps a unit that has failed, and drops a unit that has ended with code 0. It also drops
+// a unit that SIGTERM, SIGHUP, SIGINT or SIGPIPE has ended, maybe in its TearDown.
 bool IsDropped(const UnitState& state) {
   return state.active == "inactive" && state.exec_pid == 0;
 }
@@ -644,8 +644,8 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
   }
   if (unit.state.active == "failed") Reset(unit);
   if (!unit.wanted) return;
-  // Nothing was executed, as for a late start: the clock there has gained on that of this host, or
-  // the unit cannot be set up. That says nothing of the starts of other units.
+  // Nothing was executed. Either the start came too late, because the clock of that host has gained
+  // on the clock of this one, or the unit cannot be set up. Starts of other units may work.
   const bool skipped = result == kJobSkipped || (done && pid == 0);
   if (skipped && gained < kMostGained) {
     unit.gained = std::max(kStartValid, gained * 2);

@@ -15,7 +15,7 @@ namespace musher {
 namespace {
 
 constexpr std::string_view kSocketAddress = "unix:path=";
-// Of a system that systemd has booted (sd_booted(3)).
+// The folder exists where systemd has booted the system (sd_booted(3)).
 constexpr const char* kBootedBySystemd = "/run/systemd/system";
 
 std::string ValueOf(const std::map<std::string, std::string>& environment,
@@ -76,7 +76,7 @@ const std::set<std::string>& OfThisProcessAlone() {
   return names;
 }
 
-// Of the user of this process, not of another one.
+// Whether a variable belongs to the user of this process: another user has another value.
 bool IsOfUser(std::string_view name) {
   static const std::set<std::string_view> names = {"HOME",  "USER", "LOGNAME",
                                                    "SHELL", "MAIL", "DBUS_SESSION_BUS_ADDRESS"};

@@ -68,7 +68,7 @@ Result<ForkedProgram> Spawn(const ProcessSpec& spec) {
   // What systemd gave to this process alone. An actuator that inherits it would notify systemd in
   // the name of the whole robot; a program with systemd support does so on its own.
   program.without = {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"};
-  // Not those of this process: they may be a pipe of the program that has started it.
+  // The output of this process is not inherited: it may be a pipe of the program that started it.
   UniqueFd nowhere;
   if (spec.output < 0) {
     nowhere = UniqueFd(open("/dev/null", O_WRONLY | O_CLOEXEC));

@@ -76,7 +76,8 @@ void OtherVendors::Look() {
   timer_ = node_.loop().At(node_.loop().Now() + kVendorPeriod, [this] { Look(); });
 }
 
-// One that has to wait is reported later, if it still exists then.
+// Whether a peer may be reported now. A peer that has to wait is reported later, if it still exists
+// then.
 bool OtherVendors::MayReport() {
   const Time now = node_.loop().Now();
   while (!reported_.empty() && now - reported_.front() >= kReportPeriod) reported_.pop_front();

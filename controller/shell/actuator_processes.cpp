@@ -146,8 +146,8 @@ bool ActuatorProcesses::IsOwnUnit(ActuatorIndex i) const {
          config_.actuators[i].host.empty();
 }
 
-// The kernel reports its exit as that of a child, also while D-Bus is silent. A unit that was found
-// by its mark already is no news.
+// The kernel reports the exit of the unit's process as of a child, also while D-Bus is silent. A
+// unit that was found by its mark already is no news.
 void ActuatorProcesses::OwnUnitStarted(ActuatorIndex i, pid_t pid, bool found) {
   if (context_.machine.actuators[i].process.pid == pid) return;
   const std::uint64_t start_time = dependencies_.process_probe->StartTimeOf(pid);
@@ -319,7 +319,7 @@ void ActuatorProcesses::Do(const action::FindProcesses&) {
         if (found.processes[i] == 0) found.unreached[i] = one.unreached;
         continue;
       }
-      // One that is found now and follows another machine is not ended with this one.
+      // A process that is found now and follows another machine is not ended with this machine.
       found.processes[i] = peers_.IsOfOther(i, one.host, one.pid) ? 0 : one.pid;
       found.hosts[i] = one.host;
       found.unreached[i] = one.unreached;

@@ -160,9 +160,9 @@ std::string ControllerPresence::HostOf(const msg::ControllerHeartbeat& heartbeat
 }
 
 void ControllerPresence::OnHeartbeat(const msg::ControllerHeartbeat& heartbeat) {
-  // Of two controllers with the same epoch the one with the lower identity has precedence, for both
-  // of them. Incarnations of different hosts, and of different boots of one host, cannot be
-  // compared: so the host is compared first.
+  // If two controllers have the same epoch, both give precedence to the lower identity.
+  // Incarnations of different hosts, and of different boots of one host, cannot be compared: so the
+  // host is compared first.
   const Incarnation incarnation(heartbeat.incarnation);
   const auto theirs = std::tie(heartbeat.host, incarnation, heartbeat.pid);
   const auto ours = std::tie(identity_.host, identity_.incarnation, identity_.pid);

@@ -63,7 +63,7 @@ Result<> ControllerShell::Open() {
   auto health = HealthWatch::Make(
       node, config_, *dependencies_.process_probe, dependencies_.host,
       [this](const event::HealthChanged& changed) {
-        // Of a process that another machine has taken nothing counts here.
+        // What happens to a process that another machine has taken does not count here.
         if (!peers_->FollowsOther(changed.actuator)) context_.handle(changed);
       },
       [this](ActuatorIndex i) {

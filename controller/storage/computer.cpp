@@ -27,7 +27,7 @@ std::string WordIn(const fs::path& file) {
   return word;
 }
 
-// Of many computers: what vendors leave in the place of a number.
+// Whether vendors leave this word in the place of a number: many computers have it.
 bool IsUnset(const std::string& word) {
   constexpr std::size_t kShortest = 6;
   constexpr std::array<std::string_view, 4> kUnset = {"03000200040005000006000700080009",

@@ -19,7 +19,8 @@
 namespace musher {
 namespace {
 
-// Of a name as NameLock::NameOf() makes it; nullopt: of no actuator or controller.
+// The place in a name that NameLock::NameOf() has made; nullopt: it is the name of no actuator or
+// controller.
 std::optional<MachinePlace> PlaceOfName(std::string_view name) {
   constexpr std::string_view kController = "/musher/controller";
   MachinePlace place;
@@ -104,7 +105,7 @@ std::vector<MachineFolder> MachineFolders() {
     if (IsOtherComputer(origin->computer, computer)) continue;
     found.emplace_back(folder, std::move(*origin));
   }
-  // That of the working directory is the most likely one.
+  // The config in the working directory is the most likely one.
   const fs::path here = fs::absolute("robot.toml", error).lexically_normal();
   std::stable_partition(found.begin(), found.end(),
                         [&](const auto& one) { return one.second.file == here; });

@@ -51,7 +51,7 @@ std::string ConfigOf(const fs::path& process, const std::vector<std::string>& en
   if (config.empty()) return "";
   std::error_code hidden;
   const fs::path folder = fs::read_symlink(process / "cwd", hidden);
-  return (folder / config).string();  // that of an absolute path stays as it is
+  return (folder / config).string();  // an absolute path stays as it is
 }
 
 // Where a user may not look.

@@ -64,8 +64,8 @@ std::vector<fs::path> HomesOf(const std::string& users) {
   return homes;
 }
 
-// Whether a path is below a file system of other hosts, or one that is mounted on demand: a start
-// at boot may wait for it. By text alone, which waits for nothing. `mounts`: as in
+// Whether a start at boot may have to wait for a path: it is on a file system of another host, or
+// on one that is mounted on demand. By text alone, which waits for nothing. `mounts`: as in
 // /proc/self/mountinfo.
 bool IsOnNetwork(const fs::path& path, const std::string& mounts) {
   constexpr std::array<std::string_view, 14> kTypes = {
@@ -122,8 +122,7 @@ bool IsOfFile(const MachineOrigin& origin, const MachineOrigin& machine) {
   return same && !error && !IsOtherComputer(origin.computer, machine.computer);
 }
 
-// Those of `folders` that are others than `state_dir` and belong to this machine, as far as is
-// known; each once.
+// The folders other than `state_dir` that belong to this machine, as far as is known; each once.
 std::vector<std::string> OthersOf(const std::string& state_dir, const MachineOrigin& machine,
                                   const std::vector<std::string>& folders) {
   std::vector<std::string> others;

@@ -86,7 +86,7 @@ std::string OneWord(std::string text) {
   return text.substr(0, kLongestText);
 }
 
-// Of a HostId(): "BOOT/PID NAMESPACE".
+// The boot in a HostId(), "BOOT/PID NAMESPACE".
 std::string BootOf(const std::string& host) {
   return host.substr(0, host.find('/'));
 }
@@ -188,7 +188,7 @@ std::optional<SlotFile> SlotsOf(const std::string& path) {
   return std::nullopt;
 }
 
-// Of a torn save the older text; empty where none is known.
+// The saved text; after a torn save the older text. Empty where none is known.
 std::string SavedText(const std::string& path) {
   const auto content = SlotsOf(path)->Read();
   return content ? content->text : "";

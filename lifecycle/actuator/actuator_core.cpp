@@ -203,7 +203,7 @@ class Decision {
     if (received.stamp <= Time() || received.stamp > Time() + kLongestRun) return;
     Permit& permit = core_.permit;
     const Time until = now_ - LatenessOf(received) + *machine_.permit;
-    // Of those that come together, as after the process was frozen, the last one counts.
+    // Permits may arrive together, as after the process was frozen. Then the last one counts.
     const bool newer = until == permit.until && received.stamp > permit.stamp;
     if (until <= permit.until && !newer) return;
     permit.until = until;

@@ -50,7 +50,7 @@ std::vector<LineWord> WordsOf(std::string_view line) {
   return words;
 }
 
-// Reads the words of one line, the first error of which counts.
+// Reads the words of one line. The first error of a line counts.
 class LineReader {
  public:
   LineReader(const MachineConfig& config, std::string_view line)
@@ -169,7 +169,7 @@ class LineReader {
     return actuator;
   }
 
-  // One that the machine, or the actuator, can be in; "exited": none.
+  // Takes a state that the machine, or the actuator, can be in. Empty for "exited".
   State TakeState(std::optional<ActuatorIndex> actuator) {
     const LineWord* word = Next();
     if (word == nullptr || (actuator && word->text == kExited)) return {};

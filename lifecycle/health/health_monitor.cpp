@@ -249,7 +249,7 @@ bool HealthMonitor::HostIsAlive(const MonitoredProcess& process, Time now) const
 
 void HealthMonitor::Change(ActuatorIndex actuator, MonitoredProcess& process, Health health,
                            bool silent, std::string how, std::vector<HealthEvent>& events) {
-  // One whose work thread hangs may be frozen since.
+  // A process whose work thread hangs may have been frozen since.
   const bool frozen = health == Health::kHung && silent && !process.silent;
   if (process.health == health && !frozen) return;
   process.health = health;

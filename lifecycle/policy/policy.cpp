@@ -40,7 +40,7 @@ State CeilingState(const MachineConfig& config, BatteryLevel level) {
   for (const State& state : config.states) {
     const auto rank = config.RankOf(state);
     if (!rank || *rank > most || state == kError || state == kOta) continue;
-    // Of several with the same rank, the built-in one.
+    // If several states have the same rank, the built-in one is better.
     const bool better = *rank > best_rank || (*rank == best_rank && IsBuiltInState(state));
     if (state == kTearDown || !better) continue;
     best = state;

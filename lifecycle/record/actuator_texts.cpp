@@ -1,4 +1,4 @@
-// Of an actuator: what it does by itself, and why it is degraded.
+// Sentences about an actuator: what it does by itself, and why it is degraded.
 
 #include "musher/base/code.hpp"
 #include "musher/lifecycle/machine/report.hpp"

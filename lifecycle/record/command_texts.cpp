@@ -1,4 +1,4 @@
-// Of a command to one actuator.
+// Sentences about a command to one actuator.
 
 #include "musher/lifecycle/record/texts.hpp"
 

@@ -1,4 +1,4 @@
-// Of the machine and its controller, and of TearDown.
+// Sentences about the machine, its controller, and TearDown.
 
 #include "musher/base/words.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"

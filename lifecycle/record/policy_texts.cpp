@@ -1,4 +1,4 @@
-// Of the policy: the battery, lying still, keep and power-off.
+// Sentences about the policy: the battery, lying still, keep and power-off.
 
 #include <chrono>
 

@@ -1,4 +1,4 @@
-// Of the process of an actuator.
+// Sentences about the process of an actuator.
 
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/record/texts.hpp"

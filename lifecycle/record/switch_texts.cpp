@@ -1,4 +1,4 @@
-// Of a switch and its legs.
+// Sentences about a switch and its legs.
 
 #include "musher/base/words.hpp"
 #include "musher/lifecycle/record/texts.hpp"

@@ -15,7 +15,7 @@ Requester RequesterOf(const event::PolicyRequested& requested) {
   return {requested.by.empty() ? "a request to the policy" : requested.by};
 }
 
-// Of a request for a switch; empty: another request.
+// The state that a request for a switch names; empty: it is another request.
 State SwitchTargetOf(const event::PolicyRequested& requested) {
   return requested.what == PolicyRequest::kSwitch ? requested.state.Shortened() : State();
 }

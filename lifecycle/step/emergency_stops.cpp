@@ -273,7 +273,7 @@ bool EmergencyStops::HasConfirmed(ActuatorIndex i, StopId last) const {
   const KnownActuator& known = machine_.actuators[i];
   const ActuatorReport& report = known.report;
   if (ConfigOf(i).protocol != Protocol::kMusher) return true;
-  // A second process, as that of a rebooted host while the one before the reboot still counts.
+  // A second process: after a reboot of its host, while the process before the reboot still counts.
   if (known.other && known.other->emergency_stop != 0) return false;
   const bool clear = report.emergency_stop == 0;
   switch (known.presence) {

@@ -53,7 +53,7 @@ bool MachineView::RunsElsewhere(ActuatorIndex i) const {
       known.presence == Presence::kPresent || known.presence == Presence::kStarting;
   const ActuatorReport& report = known.report;
   const std::string& host = HostOf(i);
-  // A process of our host that only waits beside the one in use is not the one that is meant.
+  // A process of our host that only waits beside the process in use is not meant.
   const bool waits_there = known.other && known.other->host == host;
   return connected && (known.process.pid == 0 || waits_there) && report.incarnation != 0 &&
          report.incarnation != known.process.dead && !report.host.empty() && report.host != host;

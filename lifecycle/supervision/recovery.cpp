@@ -14,7 +14,7 @@ constexpr Duration kHostBoots = Milliseconds(180'000);
 // For so long an actuator on another host may be silent alone there before its process is killed:
 // three heartbeats are soon missed on a radio link.
 constexpr Duration kSilence = Milliseconds(5000);
-// After a cut those of a host are discovered one after the other.
+// After a cut the processes of a host are discovered one after the other.
 constexpr Duration kDiscovered = Milliseconds(20'000);
 constexpr Duration kLate = Milliseconds(100);
 

@@ -350,7 +350,7 @@ void StartUp::AdoptFrom(const State& lowest, RecordId cause) {
     return tear_down_.Begin(MakePlan(config_, machine_, lowest), {}, recorded);
   }
   machine_.state = lowest;
-  // Who has requested that is not known: a manager continues from there only down.
+  // It is not known who has requested that: a manager continues from there only down.
   if (config_.RankOf(lowest)) machine_.standing = StandingRequest{lowest, "an earlier controller"};
   const Adoption adoption(config_, machine_);
   if (const std::string elsewhere = adoption.Elsewhere(); !elsewhere.empty()) {

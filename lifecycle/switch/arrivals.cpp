@@ -83,7 +83,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
   known.presence = Presence::kStarting;
   if (!same) known.exit_by.reset();
   if (known.restart.at) processes_.CancelRestart(seen.actuator);
-  // An actuator that publishes its status and never answers is given up like one that never starts.
+  // An actuator that publishes its status but never answers is given up, as if it never started.
   if (!known.set_up_by && !known.fault && !stopping) {
     known.set_up_by = now_ + config_.TimeFor(seen.actuator, kSetUp);
   }
@@ -140,8 +140,8 @@ void Arrivals::SetUpFailed(ActuatorIndex i, const ActuatorReport& report) {
 }
 
 // Whether the process in use before `report` may run on, on another host. Two processes may publish
-// in turn before one of them is attached; and one that does not answer may only be out of reach for
-// a moment: as long as its writer is not lost, its latched status does not come again.
+// in turn before one of them is attached. A process that does not answer may only be out of reach
+// for a moment: as long as its writer is not lost, its latched status does not come again.
 bool Arrivals::MayRunBeside(ActuatorIndex i, const ActuatorReport& report) const {
   const KnownActuator& known = Of(i);
   const ActuatorReport& before = known.report;

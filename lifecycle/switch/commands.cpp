@@ -222,7 +222,7 @@ void Commands::End(ActuatorIndex i, const CommandResult& given) {
   } else {
     EndOwn(i, command, end);
   }
-  // Of an actuator that cannot be queried nothing more is known until it is restarted.
+  // An actuator that cannot be queried stays unknown until it is restarted.
   const bool unknown = !HasQuery(ConfigOf(i).protocol) &&
                        end.outcome == ActuatorOutcome::kOverdue &&
                        machine_.phase != Phase::kStopping;

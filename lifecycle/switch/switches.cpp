@@ -12,7 +12,7 @@ namespace {
 // With less time left a TearDown is not commanded: it would be overdue on arrival.
 constexpr Duration kShortestTearDown = Milliseconds(10);
 
-// Of a switch that the controller begins by itself.
+// The requester of a switch that the controller begins by itself.
 Requester RequesterOf(Purpose purpose) {
   switch (purpose) {
     case Purpose::kStartUpCheck:

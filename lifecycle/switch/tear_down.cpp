@@ -145,7 +145,7 @@ bool TearDown::BeginWaiting() {
   return true;
 }
 
-// Of several TearDown requests, the one counts that keeps the machine down.
+// If several requests for TearDown join, the one that keeps the machine down counts.
 void TearDown::Join(const event::SetStateRequested& requested) {
   Shutdown& stopping = *machine_.stopping;
   stopping.requests.push_back(requested.request);
@@ -321,8 +321,8 @@ std::optional<RecordText> TearDown::WhyMayRun(ActuatorIndex i) const {
   return texts::MayStillRun(known.state());
 }
 
-// An actuator whose process has exited in use without its TearDown, and of which no other process
-// has reached a state of the machine since: what it had switched on may be on.
+// Why something that the actuator has switched on may still be on: its process has exited in use
+// without its TearDown, and no other process has reached a state of the machine since.
 std::optional<RecordText> TearDown::WhyMayBeOn(ActuatorIndex i) const {
   const KnownActuator& known = Of(i);
   const bool away = known.presence != Presence::kPresent && !known.lost_in.empty();

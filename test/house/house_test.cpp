@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 #include <set>
@@ -75,6 +77,10 @@ bool IsMessage(const SourceFile& file) {
 bool IsAny(const SourceFile&) {
   return true;
 }
+// The floor below all others (docs/architecture.md).
+constexpr std::array kCore = {"base/",        "lifecycle/",  "messages/",   "wire/",
+                              "transport/",   "actuator/",   "controller/", "behavior/",
+                              "application/", "simulation/", "search/",     "cyberdog/"};
 // Pictures have any bytes.
 bool IsText(const SourceFile& file) {
   return file.text.find('\0') == std::string::npos;
@@ -153,6 +159,14 @@ TEST(House, UsesTheWordsOfTheField) {
 TEST(House, NoSentenceOfACommentRefersBackTwice) {
   const Filter cpp = [](const SourceFile& file) { return file.IsCpp(); };
   EXPECT_EQ(ViolationsOf(cpp, ChainedReferences), "");
+}
+
+TEST(House, ACommentInASourceOfTheCoreNamesItsSubject) {
+  const Filter core = [](const SourceFile& file) {
+    return file.Is(".cpp") &&
+           std::ranges::any_of(kCore, [&](const char* folder) { return file.In(folder); });
+  };
+  EXPECT_EQ(ViolationsOf(core, UnnamedSubjects), "");
 }
 
 TEST(House, EveryHeaderMayBeIncludedTwice) {

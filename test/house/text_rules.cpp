@@ -193,6 +193,25 @@ std::vector<std::string> ChainedReferences(const SourceFile& file) {
   return violations;
 }
 
+std::vector<std::string> UnnamedSubjects(const SourceFile& file) {
+  static const std::regex opening(
+      R"(^\s*//\s?((?:Of|That of|Those (?:of|that)|One (?:that|whose)|Whose|Who) .*)$)");
+  std::vector<std::string> violations;
+  bool goes_on = false;  // the line before is a comment, too
+  for (const Line& line : Lines(file.text)) {
+    const std::size_t begin = line.text.find_first_not_of(' ');
+    const bool comment = begin != std::string::npos && line.text.compare(begin, 2, "//") == 0;
+    std::smatch match;
+    const std::string text(line.text);
+    if (comment && !goes_on && std::regex_search(text, match, opening)) {
+      violations.push_back(
+          At(file, line.number, "names no subject: " + match[1].str().substr(0, 90)));
+    }
+    goes_on = comment;
+  }
+  return violations;
+}
+
 std::vector<std::string> Leftovers(const SourceFile& file) {
   // In two parts, so that this file does not find itself.
   static const std::regex leftover(

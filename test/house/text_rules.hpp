@@ -26,6 +26,9 @@ std::vector<std::string> GerundTypes(const SourceFile& file);
 // Sentences of comments that refer back twice, as by "that of": a reader has to find two nouns that
 // are not there. Repeat the noun, or make two sentences.
 std::vector<std::string> ChainedReferences(const SourceFile& file);
+// Comments whose first words stand for a noun that is not there, as "Of a unit" above PathOf(). Say
+// "The path of a unit".
+std::vector<std::string> UnnamedSubjects(const SourceFile& file);
 // Notes that something is not done.
 std::vector<std::string> Leftovers(const SourceFile& file);
 // "word or phrase: what to say instead" on each line, '#' begins a comment.

@@ -35,6 +35,17 @@ TEST(TextRules, FindASentenceThatRefersBackTwice) {
   EXPECT_THAT(ChainedReferences(Cpp("// That of a. Those of b: one that is c.\n")), IsEmpty());
 }
 
+TEST(TextRules, FindCommentsWithoutASubject) {
+  EXPECT_THAT(UnnamedSubjects(Cpp("  // Of a unit, by its name.\nstd::string PathOf();\n")),
+              ElementsAre("a.cpp:1: names no subject: Of a unit, by its name."));
+  EXPECT_THAT(UnnamedSubjects(Cpp("// Those that wait.\n\n// One that runs.\n// Who asks.\n")),
+              SizeIs(2));
+  EXPECT_THAT(
+      UnnamedSubjects(Cpp("// The paths of a unit, in order:\n// Of one start the first.\n"
+                          "int a;  // of a unit\n// One of several publishers is silent.\n")),
+      IsEmpty());
+}
+
 TEST(TextRules, LetCommentsSpeakOfClocks) {
   EXPECT_THAT(Impurities(Cpp("// not ::now()\nint a;  // std::thread\n/* #include\n<mutex> */")),
               IsEmpty());

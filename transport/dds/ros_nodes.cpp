@@ -115,7 +115,7 @@ std::string RosNodes::CallersOf(const std::string& service, ParticipantId partic
   std::set<std::string> names;
   const auto writers = dds::WritersOf(own->get(), participant, "rq/" + service + "Request");
   for (const EndpointId writer : writers) names.insert(NodeOf(writer));
-  // Of several clients, the caller may be one whose node is not known.
+  // If there are several clients, the node of the caller may not be known.
   if (writers.size() > 1 && names.erase("") != 0) names.insert("a node that is not known");
   // A client whose node is not known may be the caller.
   const bool known = !names.empty() && !names.contains("");

@@ -149,7 +149,7 @@ class FollowPath : public TaskNode {
     TaskNode::OnNewRun(tick);
     robot_.OnNewRun();
   }
-  // Of a drive that is over nothing is known.
+  // Nothing is known of a drive that is over.
   void OnEnd(const TaskEnd& /*end*/) override { tracking_.Set({}); }
   // A path may cross itself: from its place on a path on the robot is sought near the last one.
   void Track() {
@@ -190,7 +190,7 @@ class FollowPath : public TaskNode {
   std::uint64_t seen_ = 0;  // of the entry
 };
 
-// Of a motion, m or rad.
+// The amount of a motion, in m or rad.
 double AmountOf(const InPort<double>& port) {
   constexpr double kMost = 100;
   const double amount = port.Get();

@@ -100,7 +100,7 @@ class ComputeAndTrackRoute : public RouteNode {
     rerouted_.Set(progress->rerouted);
     return status;
   }
-  // Of a route that is over nothing is known.
+  // Nothing is known of a route that is over.
   void OnEnd(const TaskEnd& /*end*/) override {
     SetRoute({}, {});
     SetPlace(0, 0, 0);

@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::int64_t kLargestJournalMb = 100'000;
 constexpr std::int64_t kLargestControllerLogMb = 100'000;
-// Of half of it a controller needs some 500 ms to see that a host is out of reach.
+// A controller gives up after half of it, and needs some 500 ms of that to see that a host is out
+// of reach.
 constexpr std::int64_t kShortestFailoverMs = 3000;
 
 void ReadActuatorNames(TableReader& controller, Draft& draft) {
@@ -190,7 +191,7 @@ void ReadController(TableReader& root, Draft& draft) {
   controller.RefuseOthers();
 }
 
-// Of a network interface, as the kernel limits it (IFNAMSIZ).
+// Whether the kernel permits the name for a network interface (IFNAMSIZ).
 bool IsInterfaceName(const std::string& name) {
   constexpr std::size_t kLongest = 15;
   return name.size() <= kLongest &&
