@@ -8,9 +8,7 @@ set(MUSHER_ALSO_PUBLIC
   base/time.hpp
   base/toml/module_file.hpp
   base/version.hpp
-  lifecycle/config/config_toml.hpp
   messages/action.hpp
-  messages/before_iron.hpp
   messages/cdr.hpp
   messages/stamp.hpp
   messages/yaw.hpp
@@ -38,7 +36,6 @@ set(MUSHER_ALSO_PUBLIC
   behavior/tree/plugin/plugin.hpp
   behavior/tree/xml/tree_xml.hpp
   # A program that leads, commands or watches a machine, also CyberDog's.
-  controller/client/stop_latch.hpp
   cyberdog/codes/module_codes.hpp
   cyberdog/extension.hpp
   cyberdog/machine.hpp

@@ -12,6 +12,8 @@
 #include <thread>
 #include <utility>
 
+#include "musher/application/groot2/groot2_session.hpp"
+
 namespace musher::groot2 {
 namespace {
 
@@ -80,8 +82,8 @@ class Server {
     }
   }
 
-  // Of a ROUTER socket: the identity of the connection, further parts of the client's envelope, an
-  // empty part, the request.
+  // `parts` of a ROUTER socket: the identity of the connection, further parts of the client's
+  // envelope, an empty part, the request.
   void Serve(const Parts& parts) {
     const auto empty = std::ranges::find(parts, std::string());
     if (empty == parts.begin() || empty == parts.end()) return;  // no request of this protocol

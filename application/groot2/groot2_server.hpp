@@ -22,8 +22,9 @@
 #include <functional>
 #include <string>
 
-#include "musher/application/groot2/groot2_session.hpp"
+#include "musher/application/tree_report.hpp"
 #include "musher/base/result.hpp"
+#include "musher/behavior/tree/factory.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::groot2 {
