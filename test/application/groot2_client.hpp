@@ -7,6 +7,7 @@
 #include <string>
 
 #include "musher/application/groot2/groot2_server.hpp"
+#include "musher/application/groot2/groot2_session.hpp"
 
 namespace musher::groot2 {
 
