@@ -281,6 +281,8 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
   for (const event::Replied& reply : a.replies) AddReply(mixer, known, reply);
   AddLate(mixer, known, a.late);
   mixer.Add(a.hung, a.hang_due, a.backtrace_due);
+  // Whether a controller that takes over finds that its process has ended.
+  if (world.faults_left > 0) mixer.Add(world.disk.children.contains(i));
   mixer.Add(a.unit_report, a.wanted, a.await_by, a.killed, a.silent);
   for (std::size_t k = 0; k < world.outbox.size(); ++k) {
     if (world.outbox[k].to == i) mixer.Add(k, world.outbox[k]);

@@ -1,25 +1,34 @@
 #pragma once
-// Which choices need not be searched, because the others lead to the same.
+// Which choices need not be searched, because the others lead to the same. None is left out while a
+// fault is left, which could happen at any point; nor with a battery that has fallen, or another
+// host, which change more than one actuator.
 //
-// A controller that takes over goes on once each actuator that it has found running has answered.
-// Before that, what arrives from an actuator changes only what is known of that one. Of an idle
-// actuator, in which no callback runs or waits, the status and the answer say the same whenever
-// they arrive. So while the answers of two idle ones are awaited, those of the first one are
-// searched at once, before all else. Then the other one answers at any time, also as the last of
-// all, and by the last answer the controller goes on.
+// A controller that takes over waits for the actuators that it has found running: a
+// start goes on once each of them has answered, and so does a TearDown that awaits those that have
+// not announced themselves. Until then what happens at an actuator changes only this one, and what
+// is known of it. An idle actuator, in which no callback runs or waits, only answers: its status
+// and its answer say the same whenever they arrive. So while the answer of an idle one is awaited,
+// what happens at another awaited actuator is searched at once, before all else, if something
+// happens there for certain before time passes. Then the idle one answers at any time, also as the
+// last of all, and by the last answer the controller goes on.
 //
-// Why that loses nothing: take any order of choices in which it goes on. Move what arrives from the
-// first idle one to its begin; and where the first one has answered last, move the answer of the
-// other idle one to its place. Neither changes what any other choice does, since the controller
-// waits all the time, and it goes on with the same knowledge. So each state that follows is
-// reached, and each stable one; time stands still while these messages are under way. What is
-// checked before concerns one actuator, or what none of these choices changes.
+// Why that loses nothing: take any order of choices. The controller does not go on, and no time
+// passes, before the actuator that is moved has made its next choice. Move that choice to the
+// begin: what others do before it neither changes it nor is changed by it, since the controller
+// waits all the time. Where it is the answer, and comes after that of the idle one, the two
+// exchange their places: nothing else happens at the idle one meanwhile, and at the later place the
+// controller knows the same as before. So each state that follows is reached, and each stable one.
+// What is checked before concerns one actuator, or what none of these choices changes. The same
+// holds for the next choice, and so on.
 //
-// An actuator that is not idle is not moved: whether its callback ends before or after the last
-// answer counts. Nor is any without the following, each of which is a reason for which an order
-// counts: no fault is left, which could happen at any point; no emergency stop and no battery that
-// has fallen, which change more than one actuator; no other host; no actuator that is being torn
-// down, the first of which, once found, decides at once.
+// Each of these is a reason for which an order counts, and nothing is moved:
+//   - an emergency stop;
+//   - an actuator that is given up, held, or about to be ended: it is not awaited;
+//   - the process of another actuator, which is to be started after this one: its answer starts it,
+//     unless the same ones wait for the idle one, too;
+//   - a start that finds an actuator in its TearDown. It goes on at once, to the TearDown of all: an
+//     exit, or the end of a callback, leads elsewhere before that than after it. There only idle
+//     ones are moved, which both await alike. A start that finishes a TearDown awaits all.
 
 #include <optional>
 
