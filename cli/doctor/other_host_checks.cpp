@@ -180,6 +180,21 @@ DoctorCheck CheckOwn(const DoctorFacts& facts, const OtherHostFacts& host) {
   return check;
 }
 
+std::optional<Unkept> LittleSpace(const OtherHostFacts& host) {
+  if (host.free_bytes >= 0 && host.free_bytes < kLittle) {
+    return Unkept{CheckStatus::kError,
+                  fmt::format("its disk has {} MiB left", host.free_bytes >> 20),
+                  fmt::format("ssh {} journalctl --vacuum-size=100M", host.login)};
+  }
+  if (host.run_bytes >= 0 && host.run_bytes < kLittleForUnits) {
+    return Unkept{
+        CheckStatus::kError,
+        fmt::format("its /run, where systemd keeps units, has {} KiB left", host.run_bytes >> 10),
+        fmt::format("ssh {} 'du -xak /run | sort -n | tail' shows what fills it", host.login)};
+  }
+  return std::nullopt;
+}
+
 DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
   if (host.name.empty()) return CheckOwn(facts, host);
   DoctorCheck check{"host " + host.name};
@@ -219,16 +234,8 @@ DoctorCheck CheckOne(const DoctorFacts& facts, const OtherHostFacts& host) {
                              "{}`",
                              ssh, host.foreign.front()));
   }
-  if (host.free_bytes >= 0 && host.free_bytes < kLittle) {
-    return fault(CheckStatus::kError,
-                 on + fmt::format("its disk has {} MiB left", host.free_bytes >> 20),
-                 fmt::format("{} journalctl --vacuum-size=100M", ssh));
-  }
-  if (host.run_bytes >= 0 && host.run_bytes < kLittleForUnits) {
-    return fault(CheckStatus::kError,
-                 on + fmt::format("its /run, where systemd keeps units, has {} KiB left",
-                                  host.run_bytes >> 10),
-                 fmt::format("{} 'du -xak /run | sort -n | tail' shows what fills it", ssh));
+  if (const auto full = LittleSpace(host)) {
+    return fault(full->health, on + full->reason, full->fix);
   }
   if (const auto found = unkept ? unkept : MissingFile(host)) {
     return fault(found->health, on + found->reason, found->fix);

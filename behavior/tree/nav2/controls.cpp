@@ -232,7 +232,7 @@ class PauseResumeController : public Control {
     wants_pause_ = false;
     calls_ = {robot_.Calls(pause_.Get()), robot_.Calls(resume_.Get())};
   }
-  // Of both in one tick the pause counts.
+  // Where both are called in one tick, the pause counts.
   void TakeCalls() {
     const std::array<std::uint64_t, 2> now = {robot_.Calls(pause_.Get()),
                                               robot_.Calls(resume_.Get())};
