@@ -164,10 +164,12 @@ bool Requests::CheckDegraded(const Plan& plan) {
 
 // Whether this start leads on what an earlier controller has left, and is not there yet: after a
 // fail-over it waits a while for the host that is gone. During an emergency stop no request waits:
-// it would be from before the release.
+// it would be from before the release. Nor in a start that a program drives: its requests are the
+// steps of the start.
 bool Requests::IsAboutToLead() const {
   const StartUpState& start_up = machine_.start_up;
   if (machine_.phase != Phase::kStarting || start_up.set_up || start_up.finishing) return false;
+  if (start_up.by_hand) return false;
   if (machine_.emergency.stop) return false;
   return std::ranges::any_of(machine_.actuators, [this](const KnownActuator& known) {
     const bool is_found = known.process.launch == Launch::kFoundRunning;
