@@ -41,7 +41,7 @@ class OutputThread {
   std::optional<WorkQueue> queue_;  // none: no thread could be started
 };
 
-// Those of this process, also at its very end.
+// The output threads of this process, usable also at its very end.
 OutputThread& StandardOutput();
 OutputThread& StandardError();
 

@@ -34,7 +34,7 @@ class Requests {
   void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply,
               transport::ParticipantId caller);
   void OnWakeWord(transport::ParticipantId caller);
-  // Of the participant that requests; empty: it has none.
+  // The ROS 2 node name of the participant that requests; empty: it has no ROS 2 node.
   std::string NameOf(transport::ParticipantId participant) const {
     return node_.RosNodeOf(participant);
   }

@@ -32,7 +32,7 @@ inline constexpr std::array<std::pair<std::string_view, Occasion>, 6> kOccasions
     {"app", Occasion::kApp},
 }};
 
-// Of low_power.motion_ids: lying, and lying down.
+// Default of low_power.motion_ids: lying, and lying down.
 inline constexpr std::array<std::int32_t, 2> kLyingMotions = {0, 101};
 
 class VoicePolicy : public ManagerPolicy {

@@ -46,7 +46,7 @@ inline constexpr BuiltInState kProtected{"Protected"};
 inline constexpr BuiltInState kLowPower{"LowPower"};
 inline constexpr BuiltInState kOta{"OTA"};
 inline constexpr BuiltInState kError{"Error"};
-// Of a process that has ended, and whose last report was not received. No state of a machine.
+// The state of an ended process whose last report was not received. No state of a machine.
 inline constexpr BuiltInState kUnknownState{"unknown"};
 
 // A state by its name; empty: none. A built-in state and a literal become one by themselves; any

@@ -24,7 +24,7 @@ class Harness : public FakeRobot {
   void FeedStatus(ActuatorIndex i);  // with the actuator's present report
   void FeedStatus(event::StatusSeen seen);
   void FeedEnd(ActuatorIndex i);  // of its process
-  // Of a link to another host, and of the actuators there.
+  // Events of a link to another host, and of the actuators there.
   void NoticeCut(std::size_t host);
   void Reach(std::size_t host);
   void FeedUnitReport(ActuatorIndex i);

@@ -35,7 +35,7 @@ struct ProvedTask {
   Figures figures;
   bool finished = false;  // all was searched, without a violation
   bool earlier = false;   // by an earlier run
-  // Of each rule of the user, in the stable states of this search, and in its transitions.
+  // The coverage of each rule of the user: in the stable states of this search, in its transitions.
   std::vector<RuleCoverage> rule_coverage = {};
   std::vector<TimedRuleCoverage> timed_coverage = {};
 };
@@ -67,8 +67,8 @@ struct ProofOptions {
   std::vector<StableRule> stable_rules = {};  // of the user
   std::vector<TimedRule> timed_rules = {};    // of the user
   Rules rules = {};
-  // Of states that differ by alike actuators, search one. Off: it is not exact where one step sends
-  // to two of them, and the controller is killed between the two.
+  // Whether to search one of the states that differ by alike actuators only. By default off: it is
+  // not exact where one step sends to two of them, and the controller is killed between the two.
   bool symmetry = false;
   // Whether one order of what commutes is searched (reduction.hpp); off: all.
   bool reduces = true;
@@ -99,8 +99,8 @@ struct Proof {
   std::vector<ProvedTask> tasks;  // that were begun, and those of an earlier run
   std::vector<ProofTask> left;    // with the last number of faults, not finished or not begun
   Figures figures;                // of all
-  // Of each rule of the user, in the stable states of all searches: one that several searches reach
-  // counts in each.
+  // The coverage of each rule of the user, in the stable states of all searches. A state that
+  // several searches reach counts in each.
   std::vector<RuleCoverage> rule_coverage;
   std::vector<TimedRuleCoverage> timed_coverage;  // of each with a time, in all transitions
   std::optional<CounterExample> counter_example;

@@ -176,7 +176,7 @@ enum class ChoiceKind : std::uint8_t {
   kBacktrace,     // of a hung actuator, is taken
   kProgress,      // it makes progress again
   kBattery,       // a controller that takes over receives its sample
-  // Of the link to another host: to that of the actuator.
+  // Events of the link to another host, where the actuator runs.
   kSilence,     // the controller notices that it is cut
   kReach,       // it works again
   kUnitReport,  // systemd reports the actuator's process
@@ -272,7 +272,7 @@ struct Notes {
   bool log = false;                     // whether to fill `scenario`
   std::vector<std::string> scenario;    // in sentences
   std::vector<std::string> violations;  // of the rules
-  // Of each rule of the user, where these are to be counted.
+  // The coverage of each rule of the user; null: it is not counted.
   std::vector<RuleCoverage>* rule_coverage = nullptr;
   std::vector<TimedRuleCoverage>* timed_coverage = nullptr;
 };

@@ -90,7 +90,7 @@ enum class InjectionKind : std::uint8_t {
 inline constexpr std::size_t kInjectionKinds = 60;
 
 std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze", …
-// Of its text, with names in braces: "the process of {actuator} is killed"; see Describe().
+// The text of a kind with names in braces: "the process of {actuator} is killed"; see Describe().
 std::string_view FormOf(InjectionKind kind);
 
 struct Injection {

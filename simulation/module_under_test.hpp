@@ -55,7 +55,7 @@ class ModuleUnderTest : public Module {
   const Scenario::ActSampler sample_act_;
   transport::sim::Random random_;
   std::shared_ptr<CallbackThread> callback_;
-  // Of an OnEmergencyStop() that was given up; with the callback that it waits for, it ends too.
+  // The thread of an OnEmergencyStop() that was given up; it ends with the callback that it awaits.
   std::thread stop_;
   std::future<Result<>> stop_done_;
   State state_;                // that was commanded last

@@ -22,7 +22,7 @@ class ReleaseChecker : public SubjectChecker {
  public:
   explicit ReleaseChecker(CheckerContext& context) : SubjectChecker(context) {}
 
-  // Of a command, as it is sent.
+  // What permits a command, noted when the command is sent.
   struct Basis {
     bool requested = true;    // since the last emergency stop that its controller knows
     std::uint64_t order = 0;  // see CheckerContext::order

@@ -73,8 +73,8 @@ struct Disk {
 // its own folder, where that cannot be read.
 std::vector<UnreadFolder> UnreadFoldersOf(const Disk& disk);
 
-// Who or what starts a controller. As under systemd: of the supervisor's starts it knows the ones
-// after a crash, which complete a TearDown; the one at a boot begins the machine.
+// A person or a program starts a controller. As under systemd, the controller distinguishes two
+// starts by the supervisor: after a crash it completes a TearDown, at a boot it begins the machine.
 enum class Starter : std::uint8_t { kPerson, kSupervisor, kBoot };
 
 class SimulatedController : private ProcessRunner, private ProcessProbe, private JournalSink {

@@ -27,7 +27,7 @@ class SimulatedNodeThread final : public transport::NodeThread {
   void RunOnLoop(const std::function<void()>& work) override;
   // The network's time passes only here, and where the test runs the network.
   void WaitFor(Duration time) override;
-  // Of the same host, a process of its own.
+  // Makes the node of another process of the same host.
   Result<std::unique_ptr<transport::Node>> MakeNode(const std::string& name_space,
                                                     const std::string& name) override;
   transport::Node& node() override;

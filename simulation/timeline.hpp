@@ -48,7 +48,7 @@ class Timeline {
     return SvgOf(config_, lines_, bands_, end_, title);
   }
 
-  // Of lines and bands that were made elsewhere; `end`: of the picture.
+  // Renders lines and bands that were made elsewhere; the picture ends at `end`.
   static std::string TextOf(const std::vector<Line>& lines);
   static std::string SvgOf(const MachineConfig& config, const std::vector<Line>& lines,
                            const std::vector<Band>& bands, Duration end, const std::string& title);

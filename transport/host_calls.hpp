@@ -88,7 +88,7 @@ class HostCall {
                                         std::string_view service,
                                         std::span<const std::byte> request, OnReply on_reply);
 
-  // Of the process that is called.
+  // The pid of the process that is called.
   pid_t server() const { return server_; }
 
  private:

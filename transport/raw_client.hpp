@@ -62,7 +62,7 @@ class RawClient {
     Counts counts;
     Deadline deadline;
     LoopHandlePtr end;  // ends the call at its deadline, or at once if it cannot be sent
-    // Of a call with `counts`, which is for every server: once it is sent.
+    // The sent request, for servers that match later: a call with `counts` is for every server.
     msg::Bytes for_all = {};
     std::vector<ParticipantId> sent_to = {};
   };

@@ -27,17 +27,17 @@ class JournalCursor {
   static constexpr std::uint32_t kFewEntries = 200;  // of the first request
   static constexpr std::uint32_t kNextEntries = 20;  // of the next: mostly nothing is new
 
-  // Of what is in the journal already, only entries after `since_ns` are new (wall clock, since
-  // 1970); INT64_MAX: none. `most`: entries of one answer; after a gap of more of them the older
-  // ones are left out.
+  // An entry that is in the journal already is new only if it is later than `since_ns` (wall clock,
+  // since 1970); INT64_MAX: none is. `most`: the limit of entries in one answer; after a longer gap
+  // the older entries are left out.
   JournalCursor(std::int64_t since_ns, std::uint32_t most);
   JournalCursor(const JournalCursor&) = delete;
   JournalCursor& operator=(const JournalCursor&) = delete;
 
-  // Of the first request of a reader that shows the newest `shown` entries. With fewer than that
-  // the reader would know these alone, and take all before them for new where an answer lacks them.
+  // The limit in the first request of a reader that shows the newest `shown` entries. With a lower
+  // one the reader would know these alone, and take all before them for new when one is lacking.
   static std::uint32_t FirstLimit(std::uint32_t shown);
-  // Of the next request, whose `since_wall_ns` is 0.
+  // The limit in the next request, whose `since_wall_ns` is 0.
   std::uint32_t limit() const { return limit_; }
   // The new entries of an answer, with their events. nullopt: entries before them may be missing in
   // it; it is to be asked again, with the limit that has grown tenfold.

@@ -23,7 +23,7 @@ struct NodeParameter {
   std::string description;
 };
 
-// Those of every node of a machine.
+// The parameters that every node of a machine has.
 std::vector<NodeParameter> ParametersOf(const MachineConfig& config);
 
 class ParameterEndpoints {
@@ -38,7 +38,7 @@ class ParameterEndpoints {
 
   Result<> Open(Node& node, const std::string& base);
   const NodeParameter* Find(const std::string& name) const;
-  // Those of `names`; empty if one of them is not declared.
+  // The parameters with `names`; empty if one of the names is not declared.
   std::vector<const NodeParameter*> FindAll(const std::vector<std::string>& names) const;
   std::string WhyNotSet(const msg::Parameter& parameter) const;
 

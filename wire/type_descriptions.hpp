@@ -12,8 +12,8 @@
 
 namespace musher::transport {
 
-// Of a type by its name in ROS 2, "std_msgs/msg/String"; none for a type that the IDL does not
-// have.
+// The description of a type by its name in ROS 2, "std_msgs/msg/String"; none for a type that the
+// IDL does not have.
 std::optional<msg::TypeDescription> DescribeType(std::string_view ros_type);
 
 // The answer to a request. It fails for a type that the IDL does not have, and for another hash.

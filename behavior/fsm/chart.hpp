@@ -28,8 +28,8 @@ struct ChartTransition {
   StateId from = kNoState;
   StateId to = kNoState;  // kNoState: it leaves the machine
   std::string when;       // for people: "a face is seen"
-  // Of a transition that leaves the machine or leads into a state that holds one: the path of its
-  // target from the outermost machine, "SHOW/PHOTO".
+  // The path of the target from the outermost machine, "SHOW/PHOTO". Empty unless the transition
+  // leaves the machine or leads into a state that holds one.
   std::string target{};
   Into into = Into::kStart;
 

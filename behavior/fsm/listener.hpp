@@ -66,7 +66,7 @@ struct Input {
 
 class Machine;
 
-// Of its own, so that a machine without one does not call out in each tick.
+// Not part of Listener: a machine without an input listener calls no listener in each tick.
 class InputListener {
  public:
   virtual ~InputListener() = default;

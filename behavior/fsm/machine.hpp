@@ -189,7 +189,7 @@ class Machine {
   bool IsUrgent(std::string_view event) const;
   // "SHOW/PHOTO" where a state holds a machine, "SHOW/(WAVE|SMILE)" where it holds two.
   std::string Path() const;
-  // Of a machine inside: the path of the state that holds it; else "".
+  // The path of the state that holds this machine; "": no state holds it.
   std::string Place() const;
   // "SHOW/PHOTO: OnEnter: ..." of a fault.
   std::string Describe(const Fault& fault) const;

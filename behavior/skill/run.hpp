@@ -127,12 +127,12 @@ class Run {
   Duration now() const { return now_; }
   Duration elapsed() const { return elapsed_; }  // in the state
   const Values& parameters() const { return parameters_; }
-  // Of the robot, that it uses with its parameters.
+  // The parts of the robot that the run uses with its parameters.
   std::vector<std::string> parts() const { return table_.PartsFor(parameters_); }
 
   const std::string& name() const { return name_; }
-  // Of the runs of its manager, from 1 on; a later run of the same skill has another one. 0: it was
-  // not started by a manager.
+  // The number that the manager gave the run, from 1 on; a later run of the same skill has another
+  // number. 0: no manager has started the run.
   std::uint64_t number() const { return number_; }
   const Origin& origin() const { return origin_; }
   const Table& table() const { return table_; }

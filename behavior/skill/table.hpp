@@ -111,7 +111,7 @@ class Table {
   const fsm::Chart& chart() const { return chart_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const Limits& limits() const { return limits_; }
-  // Of the robot: of every request; those of some; and all of this one.
+  // Parts of the robot: used by every request, used by some requests, and used by this request.
   const std::vector<std::string>& parts() const { return parts_; }
   const std::vector<std::pair<std::string, When>>& parts_when() const { return parts_when_; }
   std::vector<std::string> PartsFor(const Values& parameters) const;

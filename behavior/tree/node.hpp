@@ -48,8 +48,8 @@ struct Tick {
   // between. A condition compares it with the number of its last tick: a reactive control resets
   // its conditions in every tick, so their status does not tell whether they were ticked last time.
   std::uint64_t number = 0;
-  // Of the present run of the tree: rises by 1 when the tree has completed, was skipped, has failed
-  // by a fault, or was halted.
+  // The number of the present run of the tree. Rises by 1 when the tree has completed, was skipped,
+  // has failed by a fault, or was halted.
   std::uint64_t run = 0;
 };
 

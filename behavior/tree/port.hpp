@@ -50,7 +50,7 @@ class InPort {
     return value != nullptr ? *value : std::move(otherwise);
   }
   const Entry* entry() const { return entry_; }  // null: a fixed text, or not set
-  // Of its entry. A fixed text and a port that is not set have never been set.
+  // The stamp of the entry. A fixed text and a port that is not set have never been set.
   Stamp stamp() const { return entry_ != nullptr ? entry_->stamp() : Stamp{}; }
   const std::string& name() const { return name_; }
 

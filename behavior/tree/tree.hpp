@@ -95,7 +95,7 @@ class Tree {
   // `listener` gets all changes and resets, `hooks` apply, as long as they exist. Attach again
   // when a hook was added. Between two ticks.
   void Listen(const std::shared_ptr<ChangeListener>& listener) { trace_.Listen(listener); }
-  // Those that have thrown, and get nothing any more.
+  // How many listeners have thrown, and therefore get nothing any more.
   std::uint64_t dropped_listeners() const { return trace_.dropped(); }
   void Attach(const std::shared_ptr<Hooks>& hooks);
 
@@ -103,7 +103,7 @@ class Tree {
   Board& board() { return *boards_.front(); }
   // Board of the subtree that a node belongs to.
   Board& board(NodeId id) { return *boards_.at(infos_.at(id).board); }
-  // Of the main tree and of each subtree, in the order of their nodes.
+  // The boards of the main tree and of each subtree, in the order of their nodes.
   const std::vector<std::shared_ptr<Board>>& boards() const { return boards_; }
 
  private:

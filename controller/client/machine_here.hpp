@@ -16,8 +16,8 @@ struct MachineHere {
   std::vector<std::string> interfaces{};  // of its config, to other hosts
   std::vector<std::string> actuators{};   // of its config; empty: it cannot be read
   std::vector<std::string> elsewhere{};   // actuators that its last controller knew on other hosts
-  // Whose processes have ended without a TearDown; in no known state where the controller of the
-  // process had ended before.
+  // Actuators whose processes have ended without a TearDown. The state of an actuator is unknown if
+  // the controller had ended before the process.
   std::vector<StoredActuator> lost{};
   std::string unread{};  // what this user may not read; empty: nothing
 

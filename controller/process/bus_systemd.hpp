@@ -15,8 +15,8 @@ namespace musher {
 // The loop must outlive the connections.
 ConnectSystemd BySsh(transport::EventLoop& loop);
 
-// Of this host, by the socket of its D-Bus. Here the output of a unit may be a file: a descriptor
-// is passed on (UnitStart::process).
+// The systemd of this host, by the socket of its D-Bus. Here the output of a unit may be a file:
+// a descriptor is passed on (UnitStart::process).
 ConnectSystemd BySocket(transport::EventLoop& loop, std::string socket);
 
 }  // namespace musher

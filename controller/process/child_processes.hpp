@@ -53,8 +53,8 @@ bool IsRunning(const ChildProcess& child);
 // another pid namespace or before this boot, and skips damaged lines.
 std::string ToText(const std::vector<ChildProcess>& children, const std::string& host);
 std::vector<ChildProcess> ChildrenFrom(const std::string& text, const std::string& host);
-// Those that run in the network namespace of the controller that has written the text, if that is
-// another one than ours: a controller here would not reach them.
+// The processes in the network namespace of the controller that has written the text. None if this
+// is our own namespace: a controller here reaches them.
 std::vector<ChildProcess> ChildrenInOtherNetwork(const std::string& text, const std::string& host);
 // "legs (pid 4711), arm (pid 4712)".
 std::string NamesOf(const std::vector<ChildProcess>& children);

@@ -67,8 +67,8 @@ class HostProcesses {
   // or before its host was out of reach, that process is reported instead. Waits without a limit
   // for a host that is out of reach.
   virtual void Start(const ProcessSpec& spec) = 0;
-  // Of another host only: a process of this host is signalled by its pid (process_runner.hpp).
-  // Sends a signal to all processes of the unit. If the host is out of reach, the signal waits
+  // Sends a signal to all processes of a unit on another host; a process of this host is signalled
+  // by its pid (process_runner.hpp). If the host is out of reach, the signal waits
   // until it is reached again, and is dropped if another process runs there by then or the signal
   // is no longer wanted (still_ends).
   virtual void Signal(const std::string& actuator, pid_t pid, int signal) = 0;

@@ -13,7 +13,7 @@ namespace musher {
 
 // The kernel's number of the namespace; 0: the process has exited, or this user may not inspect it.
 ino_t NetworkOf(pid_t pid);
-// That of the calling thread.
+// The number of the calling thread's namespace.
 ino_t OwnNetwork();
 
 // Whether the process is known to be in another one than the calling thread.

@@ -39,7 +39,7 @@ struct UnitState {
   std::int32_t exec_status = 0;
   std::string result = {};
   std::set<std::string> environment = {};
-  // Of its last start: 32 hexadecimal digits, which no other start of any unit has.
+  // The id of the last start: 32 hexadecimal digits, which no other start of any unit has.
   std::string invocation = {};
 
   bool runs() const { return active == "active" || active == "reloading"; }

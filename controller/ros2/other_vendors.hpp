@@ -18,8 +18,8 @@ namespace musher {
 // "Fast DDS"; a vendor id without a name: "another DDS (vendor 01.42)".
 std::string VendorName(std::uint16_t vendor);
 
-// Of each of `peers` with another vendor, sorted: "process 812 of host dog1 runs Fast DDS".
-// `node`: for their ROS 2 nodes.
+// A text for each of `peers` with another vendor, sorted: "process 812 of host dog1 runs Fast DDS".
+// `node` knows the ROS 2 nodes of the peers.
 std::vector<std::string> DescribeOtherVendors(const transport::Node& node,
                                               const std::vector<transport::PeerInfo>& peers);
 // What to do about them.

@@ -40,9 +40,9 @@ struct MeantPlace {
   bool MayBe(const MachinePlace& place) const;
 };
 
-// Those of `running` that a stop without an express name has to reach beside its own place: of this
-// domain, and of the others where nothing runs in this one. `has_files`: whether there is a machine
-// with files on this host, called for other domains only: a simulation of a colleague has none.
+// The places in `running` that a stop without an express name has to reach beside its own place: in
+// its domain; if nothing runs there, in the others. `has_files`: whether a machine has files on the
+// host, called for other domains only: a colleague's simulation has none.
 std::vector<MachinePlace> PlacesToStop(const MeantPlace& meant,
                                        const std::vector<MachinePlace>& running,
                                        const std::function<bool(const MachinePlace&)>& has_files);

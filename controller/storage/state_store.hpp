@@ -152,7 +152,7 @@ class StateStore {
   // Another controller of this host has taken them over, from a folder of its own.
   static Result<> ForgetChildren(const std::string& dir);
   static std::vector<ChildProcess> LoadChildren(const std::string& dir, const std::string& host);
-  // Those that run where no controller in this network namespace reaches them.
+  // The processes that no controller in this network namespace reaches.
   static std::vector<ChildProcess> ChildrenInOtherNetworkIn(const std::string& dir,
                                                             const std::string& host);
 

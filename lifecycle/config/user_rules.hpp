@@ -86,7 +86,7 @@ struct UserRules {
   bool empty() const { return size() == 0; }
 };
 
-// Of each of the rules, in their order.
+// The coverage of each rule, in the order of UserRules.
 struct UserRulesCoverage {
   std::vector<RuleCoverage> stable;
   std::vector<TimedRuleCoverage> timed;

@@ -55,7 +55,7 @@ class StandbyDecision {
   Time looked_at_{};      // the last WhyNot()
 };
 
-// Of a controller that leads.
+// Decides when a controller that leads has to release control.
 class MajorityReach {
  public:
   // Why it has to release control: a standby may lead. "": it may go on. A controller that has not

@@ -75,7 +75,7 @@ struct EmergencyStopState {
   std::vector<UnreadFolder> unread{};  // whose stops are not known: on disk
   std::uint64_t engagements = 0;       // with this state folder, so far: on disk
 
-  // Of the folders whose stops are not known, the first that no request has answered; null: none.
+  // The first folder in `unread` that no request has answered; null: none.
   const UnreadFolder* Unanswered() const {
     const auto found = std::ranges::find(unread, false, &UnreadFolder::answered);
     return found == unread.end() ? nullptr : &*found;

@@ -67,7 +67,7 @@ struct Vanished {
   bool for_good = false;  // its process has exited; otherwise it may connect again
   std::string how;        // "its process 4711 ended", kOutOfReach
   bool taken = false;     // it runs on, and follows the controller of another machine on its host
-  // Of a process that is taken, by its status there: no status of it may have arrived before.
+  // The pid of a taken process, from its status there: no status of it may have arrived before.
   std::int32_t pid = 0;
   std::string host{};
   bool clean = false;  // `for_good`, and its exit code is known to be 0
@@ -90,7 +90,7 @@ struct ProcessNotStarted {
 // watched now, or 0.
 struct ProcessesFound {
   PerActuator<std::int32_t> processes;
-  // Of the actuators whose command another host runs: its HostId(), and why it was not asked.
+  // Where another host runs the actuator's command: its HostId(), and why it was not asked.
   PerActuator<std::string> hosts = {};
   PerActuator<std::string> unreached = {};
   friend bool operator==(const ProcessesFound&, const ProcessesFound&) = default;

@@ -161,9 +161,9 @@ TEST(House, NoSentenceOfACommentRefersBackTwice) {
   EXPECT_EQ(ViolationsOf(cpp, ChainedReferences), "");
 }
 
-TEST(House, ACommentInASourceOfTheCoreNamesItsSubject) {
+TEST(House, ACommentInTheCoreNamesItsSubject) {
   const Filter core = [](const SourceFile& file) {
-    return file.Is(".cpp") &&
+    return file.IsCpp() &&
            std::ranges::any_of(kCore, [&](const char* folder) { return file.In(folder); });
   };
   EXPECT_EQ(ViolationsOf(core, UnnamedSubjects), "");

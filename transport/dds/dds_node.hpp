@@ -38,11 +38,11 @@ struct DdsOptions {
   std::optional<int> domain_id = std::nullopt;
   // MUSHER_TRANSPORT=local|lan overrides it, and the user's own CYCLONEDDS_URI overrides both.
   TransportProfile profile = TransportProfile::kLocal;
-  // Of the profile lan: the interfaces to other hosts, at most kMostOuterInterfaces; none: see
+  // The interfaces to other hosts, for the profile lan, at most kMostOuterInterfaces; none: see
   // ChooseInterfaces(). Processes of this host use the loopback in any case.
   std::vector<std::string> interfaces = {};
-  // Of the profile lan: sends to an address only if it is of the network of one of its interfaces.
-  // Otherwise Cyclone may choose an address of another network, and leaves the way to the kernel.
+  // In the profile lan, the node sends only to addresses in the networks of its interfaces. If off,
+  // Cyclone may choose an address in another network, and leaves the route to the kernel.
   bool own_networks_only = false;
   // The process is a controller: it has to reach the actuators of its host at any address.
   bool controller = false;

@@ -19,7 +19,7 @@ inline double Checked(const InPort<double>& port) {
   return value;
 }
 
-// Of a port in seconds.
+// The time limit that a port has in seconds.
 inline Duration LimitOf(const InPort<double>& seconds) {
   const double limit_s = seconds.Get();
   if (!(limit_s >= 0 && limit_s < 1e6)) {

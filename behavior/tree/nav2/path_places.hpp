@@ -15,7 +15,7 @@ Path Part(const Path& path, double from_m, double until_m);
 // The path up to where it comes within `distance_m` of its end, and looks at that end there.
 Path EndingBefore(Path path, double distance_m);
 
-// Of a robot that is at `pose`, as far along the path, which has poses. Heights do not count.
+// How well a robot at `pose`, `along_m` along the path, keeps to it. `path` has poses; no heights.
 Tracking TrackingAt(const Path& path, const Pose& pose, double along_m);
 
 // How far along its path a robot is. With a limit, the place is sought from where it was found last

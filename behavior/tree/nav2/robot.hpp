@@ -149,7 +149,7 @@ class Task {
   virtual ~Task() = default;
   // Nullopt: it goes on.
   virtual std::optional<TaskEnd> Poll(Time now) = 0;
-  // Of TrackRoute(). Null: it has none.
+  // The progress of TrackRoute(). Null: this task tracks no route.
   virtual const RouteProgress* progress() const { return nullptr; }
 };
 

@@ -23,7 +23,7 @@ struct Places {
   std::vector<AttributePlace> attributes;
 };
 
-// Those of a text that is XML; of others as far as it is.
+// The places in an XML text. In a text that is not XML, those before its first error are right.
 Places FindPlaces(std::string_view text);
 
 }  // namespace musher::tree
