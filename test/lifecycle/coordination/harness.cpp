@@ -90,6 +90,7 @@ void Harness::StepController(const Event& event) {
   const auto actions = Step(config_, controller_.machine, event, controller_.now);
   for (const Action& action : actions) Apply(action);
   CheckInvariants(config_, controller_.machine);
+  was_timer = std::holds_alternative<event::TimePassed>(event);
   if (after_step) after_step();
 }
 

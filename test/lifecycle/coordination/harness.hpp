@@ -120,6 +120,7 @@ class Harness : public FakeRobot {
   bool supervised = false;           // a supervisor starts the controllers, at boot or again
   bool lost_stops = false;           // what the controller publishes of stops does not arrive
   std::function<void()> after_step;  // called after every step of the controller
+  bool was_timer = false;            // whether that step was of event::TimePassed
   Time now() const { return controller_.now; }
   // An error of the actuator: it is in another state without a command.
   void GoByItself(const std::string& actuator, const State& state) {
