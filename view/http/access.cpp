@@ -60,6 +60,10 @@ std::string_view AuthorityOf(std::string_view origin) {
 
 }  // namespace
 
+bool IsAddress(std::string_view text) {
+  return ParseAddress(text).has_value();
+}
+
 bool IsLoopback(std::string_view address) {
   const auto parsed = ParseAddress(address);
   return parsed && IsLoopback(*parsed);
@@ -93,7 +97,9 @@ Result<> CheckOrigin(const std::map<std::string, std::string>& headers, OriginRu
     if (LowerCase(host->second) == AuthorityOf(origin) || IsListed(name, names)) return Ok();
     if (rule == OriginRule::kSameHost && IsThisHost(name, connection, names)) return Ok();
   }
-  return Denied("a page of another site ('" + origin + "') may not use this server");
+  const std::string sent_to = host == headers.end() ? std::string("none") : host->second;
+  return Denied("a page of another site ('" + origin + "') may not use this server ('" + sent_to +
+                "'); a proxy has to pass the header Host on as it is");
 }
 
 }  // namespace musher::http

@@ -33,6 +33,8 @@ enum class OriginRule {
 Result<> CheckOrigin(const std::map<std::string, std::string>& headers, OriginRule rule,
                      const Connection& connection, const HostNames& names);
 
+bool IsAddress(std::string_view text);
+
 // Whether it is an address of 127.0.0.0/8 or ::1, also as ::ffff:127.0.0.1.
 bool IsLoopback(std::string_view address);
 

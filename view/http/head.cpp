@@ -128,6 +128,12 @@ std::variant<CheckedHead, HttpError> CheckHead(const Head& head, const Connectio
   return upgrade ? CheckUpgrade(std::move(checked), subprotocols) : std::move(checked);
 }
 
+std::string ForwardedAddress(const Request& request) {
+  std::string nearest(ValueOf(request, "x-real-ip"));
+  ForEachItem(ValueOf(request, "x-forwarded-for"), [&](std::string_view item) { nearest = item; });
+  return IsAddress(nearest) ? nearest : std::string();
+}
+
 bool HasToken(std::string_view list, std::string_view token) {
   bool found = false;
   ForEachItem(list, [&](std::string_view item) { found = found || LowerCase(item) == token; });

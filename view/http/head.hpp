@@ -38,6 +38,10 @@ std::variant<CheckedHead, HttpError> CheckHead(const Head& head, const Connectio
                                                const HostNames& names,
                                                const std::vector<std::string>& subprotocols);
 
+// The address of the client as a proxy names it, the nearest one if there are several; empty: none
+// does. Worth as much as the proxy: any program may send these headers.
+std::string ForwardedAddress(const Request& request);
+
 // Whether a list ("keep-alive, Upgrade") has `token`, in any case.
 bool HasToken(std::string_view list, std::string_view token);
 

@@ -252,7 +252,10 @@ bool HttpSession::OnHead() {
   head_.request.peer = peer.address().to_string();
   constexpr std::string_view kMapped = "::ffff:";  // IPv4 on a socket of IPv6
   if (head_.request.peer.starts_with(kMapped)) head_.request.peer.erase(0, kMapped.size());
-  head_.request.local = head_.request.local && IsLoopback(head_.request.peer);
+  const bool from_here = IsLoopback(head_.request.peer);
+  const std::string client = from_here ? ForwardedAddress(head_.request) : std::string();
+  if (!client.empty()) head_.request.peer = client + " through a proxy";
+  head_.request.local = head_.request.local && from_here;
   if (head_.websocket) {
     StartUpgrade(std::move(head_));
     return false;

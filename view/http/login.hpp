@@ -13,7 +13,7 @@
 // than 64 the one that is idle for the longest time ends. Codes, sessions and tokens are 128 random
 // bits or more, and compared in constant time. An address with 10 wrong codes or tokens within a
 // minute has to wait until that minute is over, but with a right code or token, which cannot be
-// guessed: behind a proxy all have one address, and each of them could keep the others out.
+// guessed: behind a proxy all may have one address, and each of them could keep the others out.
 //
 // A PIN has six digits, so only that of the newest code is valid, and after 5 wrong ones, of
 // whatever addresses, it is not any more: guessing succeeds for one of 200,000 codes.

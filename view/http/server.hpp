@@ -46,10 +46,10 @@ namespace musher::http {
 struct Request {
   std::string method;  // "GET" (also of HEAD: the server leaves the body out) or "POST"
   std::string path;    // decoded, valid UTF-8, begins with '/', has no "." or ".." as a part
-  std::map<std::string, std::string> query;    // decoded; the first of a name counts
-  std::string body;                            // of a POST
-  std::string peer;                            // the client's address: "192.168.1.7", "::1"
-  bool local = false;                          // from this host, and not through a proxy
+  std::map<std::string, std::string> query;  // decoded; the first of a name counts
+  std::string body;                          // of a POST
+  std::string peer;    // the client: "192.168.1.7", "::1", "10.1.2.3 through a proxy" of this host
+  bool local = false;  // from this host, and not through a proxy
   std::map<std::string, std::string> headers;  // names in lower case
   std::map<std::string, std::string> cookies;
 };

@@ -511,6 +511,14 @@ void LiveServer::OnGet(const http::Request& request, const http::Respond& respon
     return cameras_.Get(Parameter(request, "topic"), NumberIn(request, "after_ms", 0),
                         static_cast<int>(width), respond);
   }
+  if (path == "/live") {
+    auto response =
+        http::ErrorResponse(426, kCodeUnSupport,
+                            "/live is a WebSocket; a proxy has to pass the headers Upgrade and "
+                            "Connection on");
+    response.headers.emplace_back("Upgrade", "websocket");
+    return respond(std::move(response));
+  }
   if (path == "/metrics") {
     const auto accept = request.headers.find("accept");
     const MetricsFormat format = FormatFor(accept == request.headers.end() ? "" : accept->second);

@@ -233,6 +233,10 @@ TEST_F(PageFromTheDesk, BehindAProxyThatNamesNoClientStopsTheRobotAndActsWithALo
     EXPECT_EQ(Request(*desk_, "GET", robot, "/api/history", "", {header}, kProxyPort).status, 401)
         << header;
   }
+  // One that does not pass the upgrade to a WebSocket on.
+  const Answer live = Request(*desk_, "GET", robot, "/live", "", {}, kProxyPort);
+  EXPECT_EQ(live.status, 426);
+  EXPECT_THAT(live.body, HasSubstr("Upgrade and Connection"));
   const Answer stop = by_proxy("/api/estop");
   EXPECT_EQ(stop.status, 200) << stop.body;
   EXPECT_TRUE(IsStopped());

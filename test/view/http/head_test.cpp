@@ -59,6 +59,19 @@ TEST(Head, ThroughAProxyIsNotLocal) {
   }
 }
 
+TEST(Head, NamesTheNearestClientOfItsProxies) {
+  const auto forwarded = [](std::vector<std::pair<std::string, std::string>> fields) {
+    return ForwardedAddress(std::get<CheckedHead>(Check("GET", "/", std::move(fields))).request);
+  };
+  EXPECT_EQ(forwarded({}), "");
+  EXPECT_EQ(forwarded({{"X-Real-IP", "10.1.2.3"}}), "10.1.2.3");
+  EXPECT_EQ(forwarded({{"X-Forwarded-For", "192.168.1.1, 10.1.2.3"}}), "10.1.2.3");
+  EXPECT_EQ(forwarded({{"X-Forwarded-For", "192.168.1.1"}, {"X-Forwarded-For", "fe80::1"}}),
+            "fe80::1");
+  EXPECT_EQ(forwarded({{"X-Forwarded-For", "anna"}}), "");
+  EXPECT_EQ(forwarded({{"X-Forwarded-For", "10.1.2.3\x1b[31m"}}), "");
+}
+
 TEST(Head, IsRefusedWithItsStatus) {
   EXPECT_EQ(StatusOf(Check("GET", "/..", {})), 400u);
   EXPECT_EQ(StatusOf(Check("GET", "/" + std::string(5000, 'a'), {})), 414u);

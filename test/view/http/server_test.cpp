@@ -253,6 +253,7 @@ TEST(Server, KnowsTheClient) {
   EXPECT_EQ(seen.headers.at("x-thing"), "f");
   EXPECT_EQ(client.Get("/", "X-Forwarded-For: 10.0.0.1\r\n").status, 200u);
   EXPECT_FALSE(seen.local);
+  EXPECT_EQ(seen.peer, "10.0.0.1 through a proxy");
 }
 
 TEST(Server, ReportsAnAddressItCannotListenOn) {
