@@ -281,7 +281,7 @@ Link::Answer<S> Link::Call(const std::string& service, const typename S::Request
       meant, wait + kAfterAwait, [&reply](auto result) { reply = std::move(result); }, leader);
   const auto failure = Await([&] { return reply.has_value() || (led && LeaderIsLost()); },
                              [&] { return client.value()->Ready(); }, wait);
-  if (failure) return *failure;
+  if (failure) return !interrupted_ && LeaderIsLost() ? LostBeforeItAnswered() : *failure;
   if (!reply) return LostBeforeItAnswered();
   if (!*reply) return Failure{ExitCode::kNoAnswer, reply->error()};
   return std::move(*reply).value();

@@ -4,7 +4,8 @@
 // server may answer.
 //
 //   finding ──a controller leads──▶ called ──its reply──▶ ended
-//                                     └──it ends, and does not lead again──▶ ended, lost
+//      │                              └──it ends, and does not lead again──▶ ended, lost
+//      └──its last status is found, and no other one leads──▶ ended, lost
 //
 // Nothing is sent once its time is over, also where this computer was suspended meanwhile.
 //
@@ -66,7 +67,8 @@ class LeaderCall {
 
  private:
   // How long to wait for a controller that no longer leads. On this host, where its exit is noticed
-  // at once, a reply may still arrive; on another host it leads again when the link is back.
+  // at once, a reply may still arrive; on another host it leads again when the link is back. Before
+  // the call a successor may still be found (kLinkGrace).
   static constexpr Duration kGrace = Milliseconds(200);
   static constexpr Duration kLinkGrace = std::chrono::seconds(5);
 
@@ -83,7 +85,8 @@ class LeaderCall {
   }
 
   void OnStatus(const msg::MachineStatus& status) {
-    if (called_ && status.pid == called_->pid && status.host == called_->host) grace_ = nullptr;
+    const bool again = called_ && status.pid == called_->pid && status.host == called_->host;
+    if (!called_ || again) grace_ = nullptr;
     Send();
   }
   // The service of a crashed controller may still be matched, so only the leader is called.
@@ -103,12 +106,14 @@ class LeaderCall {
         watch_->participant());
   }
   void OnLeaderEnd(const msg::MachineStatus& leader, const std::string& how) {
-    if (!called_ || leader.pid != called_->pid || leader.host != called_->host) return;
+    if (called_ && (leader.pid != called_->pid || leader.host != called_->host)) return;
     transport::EventLoop& loop = node_.loop();
-    grace_ = loop.At(loop.Now() + (leader.host == host_ ? kGrace : kLinkGrace), [this, how] {
-      End(Error{kCodeNetError, "the controller (pid " + std::to_string(called_->pid) + ", epoch " +
-                                   std::to_string(called_->epoch) + ") " + how +
-                                   " before it answered"});
+    const bool soon = called_ && leader.host == host_;
+    std::string why = "the controller (pid " + std::to_string(leader.pid) + ", epoch " +
+                      std::to_string(leader.epoch) + ") " + how + " before it " +
+                      (called_ ? "answered" : "was called");
+    grace_ = loop.At(loop.Now() + (soon ? kGrace : kLinkGrace), [this, why = std::move(why)] {
+      End(Error{kCodeNetError, why});
     });
   }
   void End(Result<Response> reply) {

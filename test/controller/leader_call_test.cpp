@@ -57,6 +57,42 @@ TEST_F(LeaderCalls, EndAtOnceWithTheControllerOfTheirHost) {
               HasSubstr("the controller (pid " + pid + ", epoch 1) has exited before it answered"));
 }
 
+// DDS delivers the last status of an exited controller for some seconds. Such a call waited until
+// its own deadline, which is 5 min in an upgrade, for a controller that nobody starts.
+TEST_F(LeaderCalls, EndSoonIfTheControllerHasExitedBeforeTheyReachIt) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const auto exited = [](std::int32_t, const std::function<void()>&) { return nullptr; };
+  call_ = LeaderCall<msg::RestartActuator>::Make(
+              *desk_, {"", "sim-1/0", exited}, "restart_actuator",
+              {config_.actuators.begin()->name, "me"}, std::chrono::seconds(60),
+              [this](auto reply) { reply_ = std::move(reply); })
+              .value();
+  ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }, std::chrono::seconds(6)));
+  ASSERT_FALSE(*reply_);
+  EXPECT_EQ(reply_->error().code, kCodeNetError);
+  EXPECT_THAT(reply_->error().message, HasSubstr("has exited before it was called"));
+}
+
+TEST_F(LeaderCalls, AreSentToTheSuccessorOfAControllerThatHasExitedBeforeTheyReachIt) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  const std::int32_t exited_pid = first_.process->pid();
+  const auto watch = [=](std::int32_t pid, const std::function<void()>&) {
+    return pid == exited_pid ? nullptr : std::make_unique<transport::LoopHandle>();
+  };
+  call_ = LeaderCall<msg::RestartActuator>::Make(*desk_, {"", "sim-1/0", watch}, "restart_actuator",
+                                                 {config_.actuators.begin()->name, "me"},
+                                                 std::chrono::seconds(60),
+                                                 [this](auto reply) { reply_ = std::move(reply); })
+              .value();
+  network_.RunFor(std::chrono::seconds(1));
+  ASSERT_FALSE(reply_);
+  first_.process.reset();
+  Open(second_, "second", &first_.disk);
+  second_.process->Begin(false);
+  ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }, std::chrono::seconds(20)));
+  EXPECT_TRUE(*reply_) << reply_->error().message;
+}
+
 TEST_F(LeaderCalls, EndWithALostControllerOfAnotherHostAlsoBesideItsSuccessor) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(Request("desk"));

@@ -265,13 +265,23 @@ Result<> RootMachine::AwaitTrialBoot() {
     return *end;
   }
   const std::string later = "; `musher ota status` shows its outcome";
-  if (ended) {
-    return Error{kCodeFailed, "the controller exited during the trial boot; the next `musher up " +
-                                  ShellWord(root_.path()) + "` rolls back"};
-  }
+  if (ended) return Error{kCodeFailed, ControllerExited()};
   if (link_->interrupted())
     return Error{kCodeFailed, "interrupted; the trial boot continues" + later};
   return Error{kCodeTimeout, "the trial boot has not ended in time" + later};
+}
+
+std::string RootMachine::ControllerExited() const {
+  const auto state = root_.LoadState();
+  if (state && state->on_trial_boot && !state->started) {
+    return fmt::format(
+        "the controller exited before the trial boot, which waits for `musher down` and the next "
+        "start: musher up {}",
+        ShellWord(root_.path()));
+  }
+  return fmt::format(
+      "the controller exited during the trial boot; the next `musher up {}` rolls back",
+      ShellWord(root_.path()));
 }
 
 // Waits until the machine of the confirmed version is up, or has failed to start.

@@ -56,6 +56,8 @@ class RootMachine {
   Result<> Switch(const std::string& state);
   Result<> SwitchBack();
   std::optional<Result<>> TrialBootEnd() const;
+  // What the end of the controller means for the trial boot.
+  std::string ControllerExited() const;
   void AwaitMachine();
 
   const ota::Root& root_;

@@ -18,6 +18,7 @@
 
 namespace musher::testing::kill_test {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -202,6 +203,35 @@ TEST_F(Killed, ControllerInTheTrialBootIsFollowedByAControllerOfThePreviousVersi
   EXPECT_THAT(History(), HasSubstr("its trial boot did not finish"));
   // Nothing of the version that was left is left.
   for (const auto& actuator : Status()["actuators"]) EXPECT_EQ(actuator["state"], "Active");
+}
+
+// The installer said that the next start rolls back, which the next start did not do.
+TEST_F(Killed, ControllerInTheTearDownBeforeTheTrialBootLeavesItToTheNextStart) {
+  Make("2.0.0", {.tear_down = Waits()});
+  Make("2.1.0", {});
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Install("2.0.0").exit, 0);
+  Process installer(Command({"ota", "install", Bundle("2.1.0")}));
+  ASSERT_TRUE(AwaitFile(folder_ / "runs"));
+  KillController();
+  const Ended ended = installer.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("the controller exited before the trial boot, which waits for"));
+  EXPECT_EQ(Versions()["slots"]["a"]["role"], "tried at the next start");
+}
+
+// It waited for 5 min for the answer of a controller that did not run any more.
+TEST_F(Killed, ControllerBeforeTheMachineIsInOtaEndsTheInstallationSoon) {
+  Make("1.1.0", {.large_bytes = 64 << 20});
+  ASSERT_EQ(UpDetached().exit, 0);
+  const int controller = Status()["pid"];
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("check"), "");
+  ASSERT_EQ(kill(controller, SIGKILL), 0);
+  const auto ended = installer.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err,
+              AnyOf(HasSubstr("exited before it"), HasSubstr("lost before it answered")));
 }
 
 TEST_F(Killed, MachineIsTakenDownInTheTrialBootAndStartsFromTheVersionBefore) {
