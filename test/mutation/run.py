@@ -23,9 +23,9 @@ MEMORY = 2 << 30  # bytes, of one run; a mutant may want more and more
 
 
 class Runs:
-    def __init__(self, options):
-        self.program = os.path.join(options.build, "bin/mutation_tests")
-        self.folder = os.path.join(options.build, "test/mutation")
+    def __init__(self, options, build):
+        self.program = os.path.join(build, "bin/mutation_tests")
+        self.folder = os.path.join(build, "test/mutation")
         self.seeds = {WALK: options.walks, FAULTS: options.robots, MIXED: options.robots // 5}
         with open(os.path.join(self.folder, "lifecycle/mutants.json")) as file:
             read = json.load(file)
@@ -142,15 +142,14 @@ def report(runs, results, equivalent, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
+    parser = argparse.ArgumentParser(prog="scripts/mutate", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", required=True)
-    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--jobs", type=int, default=2, help="mutants at a time")
     parser.add_argument("--walks", type=int, default=100, help="seeds of the random walk")
     parser.add_argument("--robots", type=int, default=50, help="seeds of the simulated robots")
     parser.add_argument("--only", default="", help="numbers of mutants, with commas")
     options = parser.parse_args()
-    runs = Runs(options)
+    runs = Runs(options, os.path.join(os.path.dirname(os.path.dirname(HERE)), "build/dev"))
     runs.look()
     equivalent = load_equivalent()
     only = {int(n) for n in options.only.split(",") if n}
