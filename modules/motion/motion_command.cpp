@@ -5,12 +5,17 @@
 
 #include "musher/base/words.hpp"
 #include "musher/modules/motion/motion_source.hpp"
+#include "musher/modules/motion/user_gait.hpp"
 
 namespace musher::motion {
 namespace {
 
 constexpr std::int8_t kAllFeet = 15;
 constexpr std::array<float, 2> kStepHeight = {0.05F, 0.05F};  // m, front and rear
+// What the board of a CyberDog 2 takes.
+constexpr float kMostTurnRad = 0.45F;  // roll, pitch and yaw of the body
+constexpr float kLowestBodyM = 0.1F, kHighestBodyM = 0.32F;
+constexpr float kHighestWalkStepM = 0.06F, kHighestStepM = 0.08F;
 constexpr std::int64_t kGraceMs = 500;
 constexpr std::int64_t kOpenTimeMs = 500;  // of a motion that does not end by itself
 
@@ -37,12 +42,30 @@ std::array<float, N> Fixed(const std::vector<float>& values) {
   return fixed;
 }
 
-std::array<float, 3> Limited(const Motion& motion, std::array<float, 3> vel) {
-  if (!motion.limit) return vel;
-  for (std::size_t i = 0; i < vel.size(); ++i) {
-    vel.at(i) = std::clamp(vel.at(i), -motion.limit->at(i), motion.limit->at(i));
-  }
-  return vel;
+BodyCommand UnlimitedCommand(const Motion& motion, const MotionArguments& arguments) {
+  BodyCommand command;
+  command.id = motion.id;
+  command.mode = motion.mode;
+  command.gait = motion.gait;
+  command.contact = arguments.contact == 0 ? kAllFeet : static_cast<std::int8_t>(arguments.contact);
+  command.vel = Fixed<3>(arguments.vel_des);
+  command.rpy = Fixed<3>(arguments.rpy_des);
+  command.pos = Fixed<3>(arguments.pos_des);
+  command.acc = Fixed<6>(arguments.acc_des);
+  command.ctrl_point = Fixed<3>(arguments.ctrl_point);
+  command.foot_pose = Fixed<6>(arguments.foot_pose);
+  command.step_height =
+      arguments.step_height.empty() ? kStepHeight : Fixed<2>(arguments.step_height);
+  command.value = arguments.value;
+  command.duration_ms = arguments.duration_ms;
+  return command;
+}
+
+// A height of zero is the board's own. In other motions than these the height is relative.
+void LimitHeight(const Motion& motion, float& height_m) {
+  const bool is_above_ground = motion.limit || motion.id == kForceControl;
+  if (is_above_ground && height_m != 0)
+    height_m = std::clamp(height_m, kLowestBodyM, kHighestBodyM);
 }
 
 }  // namespace
@@ -84,27 +107,34 @@ std::optional<std::string> WrongContact(std::int32_t contact) {
 }
 
 BodyCommand MakeCommand(const Motion& motion, const MotionArguments& arguments) {
-  BodyCommand command;
-  command.id = motion.id;
-  command.mode = motion.mode;
-  command.gait = motion.gait;
-  command.contact = arguments.contact == 0 ? kAllFeet : static_cast<std::int8_t>(arguments.contact);
-  command.vel = Limited(motion, Fixed<3>(arguments.vel_des));
-  command.rpy = Fixed<3>(arguments.rpy_des);
-  command.pos = Fixed<3>(arguments.pos_des);
-  command.acc = Fixed<6>(arguments.acc_des);
-  command.ctrl_point = Fixed<3>(arguments.ctrl_point);
-  command.foot_pose = Fixed<6>(arguments.foot_pose);
-  command.step_height =
-      arguments.step_height.empty() ? kStepHeight : Fixed<2>(arguments.step_height);
-  command.value = arguments.value;
-  command.duration_ms = arguments.duration_ms;
+  BodyCommand command = UnlimitedCommand(motion, arguments);
+  for (std::size_t i = 0; motion.limit && i < command.vel.size(); ++i) {
+    const float most = motion.limit->at(i);
+    command.vel.at(i) = std::clamp(command.vel.at(i), -most, most);
+  }
+  if (PlaysUserGait(motion)) return command;
+  for (float& angle_rad : command.rpy) {
+    angle_rad = std::clamp(angle_rad, -kMostTurnRad, kMostTurnRad);
+  }
+  LimitHeight(motion, command.pos[2]);
+  for (float& height_m : command.step_height) {
+    height_m = std::clamp(height_m, 0.0F, motion.limit ? kHighestWalkStepM : kHighestStepM);
+  }
   return command;
 }
 
-bool TooFast(const Motion& motion, const MotionArguments& arguments) {
-  const auto vel = Fixed<3>(arguments.vel_des);
-  return Limited(motion, vel) != vel;
+std::string LimitedArrays(const Motion& motion, const MotionArguments& arguments) {
+  const BodyCommand limited = MakeCommand(motion, arguments);
+  const BodyCommand requested = UnlimitedCommand(motion, arguments);
+  std::string names;
+  const auto note = [&names](const char* name, bool is_limited) {
+    if (is_limited) names += (names.empty() ? "" : ", ") + std::string(name);
+  };
+  note("vel_des", limited.vel != requested.vel);
+  note("rpy_des", limited.rpy != requested.rpy);
+  note("pos_des", limited.pos != requested.pos);
+  note("step_height", limited.step_height != requested.step_height);
+  return names;
 }
 
 Duration ExecutionTime(const Motion& motion, std::int32_t duration_ms) {

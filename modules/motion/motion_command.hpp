@@ -87,10 +87,11 @@ std::optional<std::string> WrongDuration(const Motion& motion, std::int32_t dura
 std::optional<std::string> WrongContact(std::int32_t contact);
 
 // The frame for a request. An array of a wrong length becomes zeros; a missing step height becomes
-// 5 cm, contact 0 all four feet; speeds are limited to those of the motion.
+// 5 cm, contact 0 all four feet. Speeds are limited to those of the motion, angles, heights of the
+// body and of a step to what a board takes. In a gait of a user these numbers have another meaning.
 BodyCommand MakeCommand(const Motion& motion, const MotionArguments& arguments);
-// Whether MakeCommand() would limit a speed.
-bool TooFast(const Motion& motion, const MotionArguments& arguments);
+// The arrays of which MakeCommand() limits a number, "vel_des, step_height"; "": none.
+std::string LimitedArrays(const Motion& motion, const MotionArguments& arguments);
 
 // How long the motion may take from the end of the transition.
 Duration ExecutionTime(const Motion& motion, std::int32_t duration_ms);

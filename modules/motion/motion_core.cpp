@@ -344,9 +344,9 @@ void Decision::Take(const motion_event::PlayArrived& event) {
       Log(MotionCode(KeyCode::kParametersInvalid),
           "motion " + NameOf(motion) + ": " + *wrong + "; zeros are used instead");
     }
-    if (TooFast(motion, requested.arguments)) {
+    if (const auto limited = LimitedArrays(motion, requested.arguments); !limited.empty()) {
       Log(MotionCode(KeyCode::kOk),
-          "motion " + NameOf(motion) + " is limited to its maximum speed");
+          "motion " + NameOf(motion) + " is limited to its ranges: " + limited);
     }
     job.todo.push_back(MotionOf(motion, requested.arguments));
   }
@@ -765,9 +765,10 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
   if (!waits) servo.command = MakeCommand(motion, command.requested.arguments);
   servo.last_frame = now_;
   ++core_.servo_commands;
-  if (TooFast(motion, command.requested.arguments) && !std::exchange(servo.limit_logged, true)) {
+  const std::string limited = LimitedArrays(motion, command.requested.arguments);
+  if (!limited.empty() && !std::exchange(servo.limit_logged, true)) {
     Log(kCodeOk, "servo motion " + std::to_string(motion.id) + " of " + SourceName(command.source) +
-                     " is limited to its maximum speed");
+                     " is limited to its ranges: " + limited);
   }
   if (changes && !core_.job && !waits) {
     if (const auto way = WayTo(motion); !way.empty()) {

@@ -96,7 +96,10 @@ Result<> MotionManager::OpenShell() {
 
 Result<std::unique_ptr<MotionBackend>> MotionManager::MakeBackend(MotionBackend::OnBody on_body) {
   if (config_.board == BoardKind::kLcm) return MakeLcmBackend(std::move(on_body));
-  auto backend = TopicBackend::Make(loop_->node(), machine_config().name_space, std::move(on_body));
+  auto backend = TopicBackend::Make(loop_->node(), machine_config().name_space, std::move(on_body),
+                                    [this](std::int32_t code, const std::string& text) {
+                                      if (shell_) shell_->Do(motion_event::BoardFault{code, text});
+                                    });
   if (!backend) return backend.error();
   return std::unique_ptr<MotionBackend>(std::move(backend).value());
 }

@@ -89,6 +89,18 @@ Eigen::Isometry3d FromWire(const msg::Pose& pose) {
   return transform;
 }
 
+bool IsFinite(const msg::BodyState& state) {
+  const auto is_finite = [](const msg::Vector3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  };
+  const auto& [x, y, z] = state.pose.position;
+  const msg::Quaternion& q = state.pose.orientation;
+  return is_finite({x, y, z}) && is_finite({q.x, q.y, q.z}) && std::isfinite(q.w) &&
+         is_finite(state.twist.linear) && is_finite(state.twist.angular) &&
+         is_finite(state.linear_acceleration) &&
+         std::ranges::all_of(state.motor_temperature, [](float t) { return std::isfinite(t); });
+}
+
 BodyState FromWire(const msg::BodyState& state) {
   BodyState body;
   body.report = {state.mode,

@@ -16,6 +16,8 @@
 namespace musher::motion {
 
 Eigen::Isometry3d FromWire(const msg::Pose& pose);
+// Whether no number of it is NaN or infinite.
+bool IsFinite(const msg::BodyState& state);
 BodyState FromWire(const msg::BodyState& state);
 msg::MotionCustomCommand ToWire(const BodyCommand& command);
 

@@ -136,7 +136,40 @@ TEST(MotionResult, IsLimitedToTheSpeedOfTheMotion) {
   arguments.vel_des = {5, -5, 5};
   harness.RequestMotion(302, 0, arguments);
   EXPECT_EQ(harness.sent.front().command.vel, (std::array<float, 3>{0.25F, -0.10F, 0.50F}));
-  EXPECT_THAT(harness.log, Contains(HasSubstr("limited to its maximum speed")));
+  EXPECT_THAT(harness.log,
+              ElementsAre("motion 302 (JUMP_PRONK) is limited to its ranges: vel_des"));
+}
+
+TEST(MotionResult, IsLimitedToTheAnglesAndTheStepHeightOfTheBoard) {
+  Harness harness;
+  MotionArguments arguments;
+  arguments.rpy_des = {0.5F, -0.5F, 0.45F};
+  arguments.pos_des = {0.02F, 0, -0.05F};
+  arguments.step_height = {0.09F, -0.01F};
+  arguments.duration_ms = 500;
+  harness.RequestMotion(212, 0, arguments);
+  const BodyCommand& command = harness.sent.front().command;
+  EXPECT_EQ(command.rpy, (std::array<float, 3>{0.45F, -0.45F, 0.45F}));
+  EXPECT_EQ(command.pos, (std::array<float, 3>{0.02F, 0, -0.05F})) << "a relative height";
+  EXPECT_EQ(command.step_height, (std::array<float, 2>{0.08F, 0}));
+  EXPECT_THAT(
+      harness.log,
+      ElementsAre("motion 212 (POSECONTROL) is limited to its ranges: rpy_des, step_height"));
+}
+
+// Its heights of steps are two in one number: 30 and 50 mm are 50030.
+TEST(MotionResult, OfAUsersGaitKeepsItsNumbers) {
+  Harness harness;
+  MotionArguments arguments;
+  arguments.rpy_des = {0.5F, 0, 0};
+  arguments.pos_des = {0, 0, 0.04F};
+  arguments.step_height = {50030, 80000};
+  harness.RequestMotion(401, 0, arguments);
+  const BodyCommand& command = harness.sent.front().command;
+  EXPECT_EQ(command.rpy, (std::array<float, 3>{0.5F, 0, 0}));
+  EXPECT_EQ(command.pos, (std::array<float, 3>{0, 0, 0.04F}));
+  EXPECT_EQ(command.step_height, (std::array<float, 2>{50030, 80000}));
+  EXPECT_THAT(harness.log, IsEmpty());
 }
 
 TEST(MotionResult, WhileAnotherIsInProgressIsRefusedWith3011) {

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <set>
+#include <tuple>
 
 #include "musher/test/modules/motion/harness.hpp"
 
@@ -225,13 +226,13 @@ TEST(MotionServo, IsStoppedWithItsLastValueAndStepHeight) {
   ServoCommand command;
   command.requested.id = 303;
   command.requested.arguments.vel_des = {0.3F, 0, 0};
-  command.requested.arguments.step_height = {0.06F, 0.07F};
+  command.requested.arguments.step_height = {0.05F, 0.06F};
   command.requested.arguments.value = 2;
   harness.Do(motion_event::ServoArrived{command});
   harness.RunFor(Milliseconds(300));
   EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
   EXPECT_EQ(harness.sent.back().command.value, 2);
-  EXPECT_EQ(harness.sent.back().command.step_height, (std::array<float, 2>{0.06F, 0.07F}));
+  EXPECT_EQ(harness.sent.back().command.step_height, (std::array<float, 2>{0.05F, 0.06F}));
 }
 
 TEST(MotionServo, OfForceControl201EndsWithoutWalkStand) {
@@ -336,6 +337,12 @@ ServoCommand Frame(std::int32_t id, std::int32_t source, std::vector<float> vel,
   return command;
 }
 
+ServoCommand FrameWith(std::vector<float> MotionArguments::*field, std::vector<float> values) {
+  ServoCommand command = Frame(303, 0, {0.1F, 0, 0});
+  command.requested.arguments.*field = std::move(values);
+  return command;
+}
+
 class BadServo : public ::testing::TestWithParam<BadFrame> {};
 
 TEST_P(BadServo, IsRefusedWithItsCodeALogLineAndNothingMoves) {
@@ -353,18 +360,23 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 INSTANTIATE_TEST_SUITE_P(
     All, BadServo,
-    ::testing::Values(BadFrame{"UnknownId", Frame(7777, 0, {0, 0, 0}), 3008},
-                      BadFrame{"NegativeId", Frame(-1, 0, {0, 0, 0}), 3008},
-                      BadFrame{"NoServoMotion", Frame(121, 0, {0, 0, 0}), 3008},
-                      BadFrame{"EmergencyStopIsNoServoMotion", Frame(0, 0, {}), 3008},
-                      BadFrame{"UnknownSource", Frame(303, 17, {0, 0, 0}), 3010},
-                      BadFrame{"TheMachinesSource", Frame(303, -2, {0, 0, 0}), 3010},
-                      BadFrame{"NaN", Frame(303, 0, {kNaN, 0, 0}), 3010},
-                      BadFrame{"Infinity", Frame(303, 0, {0, -kInfinity, 0}), 3010},
-                      BadFrame{"TwoSpeeds", Frame(303, 0, {0.1F, 0}), 3010},
-                      BadFrame{"FourSpeeds", Frame(303, 0, {0.1F, 0, 0, 0}), 3010},
-                      BadFrame{"UnknownType", Frame(303, 0, {0.1F, 0, 0}, 3), 3010},
-                      BadFrame{"EndOfUnknownSource", Frame(303, 17, {}, 2), 3010}),
+    ::testing::Values(
+        BadFrame{"UnknownId", Frame(7777, 0, {0, 0, 0}), 3008},
+        BadFrame{"NegativeId", Frame(-1, 0, {0, 0, 0}), 3008},
+        BadFrame{"NoServoMotion", Frame(121, 0, {0, 0, 0}), 3008},
+        BadFrame{"EmergencyStopIsNoServoMotion", Frame(0, 0, {}), 3008},
+        BadFrame{"UnknownSource", Frame(303, 17, {0, 0, 0}), 3010},
+        BadFrame{"TheMachinesSource", Frame(303, -2, {0, 0, 0}), 3010},
+        BadFrame{"NaN", Frame(303, 0, {kNaN, 0, 0}), 3010},
+        BadFrame{"Infinity", Frame(303, 0, {0, -kInfinity, 0}), 3010},
+        BadFrame{"NaNAsAnAngle", FrameWith(&MotionArguments::rpy_des, {0, kNaN, 0}), 3010},
+        BadFrame{"NaNAsAPosition", FrameWith(&MotionArguments::pos_des, {0, 0, kNaN}), 3010},
+        BadFrame{"AnInfiniteStepHeight",
+                 FrameWith(&MotionArguments::step_height, {kInfinity, 0.05F}), 3010},
+        BadFrame{"TwoSpeeds", Frame(303, 0, {0.1F, 0}), 3010},
+        BadFrame{"FourSpeeds", Frame(303, 0, {0.1F, 0, 0, 0}), 3010},
+        BadFrame{"UnknownType", Frame(303, 0, {0.1F, 0, 0}, 3), 3010},
+        BadFrame{"EndOfUnknownSource", Frame(303, 17, {}, 2), 3010}),
     [](const auto& param) { return param.param.name; });
 
 TEST(MotionServo, IsLimitedToTheSpeedOfItsGaitAndLogsItOnce) {
@@ -375,6 +387,34 @@ TEST(MotionServo, IsLimitedToTheSpeedOfItsGaitAndLogsItOnce) {
   }
   EXPECT_EQ(harness.sent.back().command.vel, (std::array<float, 3>{0.65F, -0.30F, 1.25F}));
   EXPECT_EQ(harness.LogLines(), 1U);
+}
+
+// A board is given no posture that its legs do not have: what it does with one is not documented.
+TEST(MotionServo, IsLimitedToTheAnglesAndHeightsOfTheBoardAndLogsThem) {
+  Harness harness;
+  ServoCommand command = Frame(303, 0, {0.1F, 0, 0});
+  command.requested.arguments.rpy_des = {1, -1, 0.2F};
+  command.requested.arguments.pos_des = {0.01F, 0, 0.5F};
+  command.requested.arguments.step_height = {0.3F, -0.1F};
+  harness.Do(motion_event::ServoArrived{command});
+  const BodyCommand& sent = harness.sent.back().command;
+  EXPECT_EQ(sent.rpy, (std::array<float, 3>{0.45F, -0.45F, 0.2F}));
+  EXPECT_EQ(sent.pos, (std::array<float, 3>{0.01F, 0, 0.32F}));
+  EXPECT_EQ(sent.step_height, (std::array<float, 2>{0.06F, 0}));
+  EXPECT_THAT(harness.log, ElementsAre("servo motion 303 of App is limited to its ranges: rpy_des, "
+                                       "pos_des, step_height"));
+}
+
+TEST(MotionServo, OfTheLowestBodyIsNoLowerThanTheBoardsAndZeroIsItsOwnHeight) {
+  for (const auto& [id, height_m, sent_m] :
+       {std::tuple{303, 0.05F, 0.1F}, std::tuple{303, -0.2F, 0.1F}, std::tuple{303, 0.0F, 0.0F},
+        std::tuple{kForceControl, 0.05F, 0.1F}, std::tuple{202, -0.02F, -0.02F}}) {
+    Harness harness;
+    ServoCommand command = Frame(id, 0, {0, 0, 0});
+    command.requested.arguments.pos_des = {0, 0, height_m};
+    harness.Do(motion_event::ServoArrived{command});
+    EXPECT_EQ(harness.sent.back().command.pos[2], sent_m) << id << " with " << height_m;
+  }
 }
 
 TEST(MotionServo, IsRefusedWith3035WhenTheBoardIsSilent) {

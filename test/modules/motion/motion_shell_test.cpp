@@ -24,6 +24,7 @@ namespace musher::motion::testing::motion_shell_test {
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 class MotionShellTest : public ::testing::Test {
@@ -41,7 +42,10 @@ class MotionShellTest : public ::testing::Test {
          },
          [this](const std::string& text) { log_.push_back(text); }},
         [this](MotionBackend::OnBody on_body) -> Result<std::unique_ptr<MotionBackend>> {
-          auto backend = TopicBackend::Make(*node_, "dog1", std::move(on_body));
+          auto backend = TopicBackend::Make(*node_, "dog1", std::move(on_body),
+                                            [this](std::int32_t code, const std::string& text) {
+                                              shell_->Do(motion_event::BoardFault{code, text});
+                                            });
           return std::unique_ptr<MotionBackend>(std::move(backend).value());
         });
     shell_ = std::move(shell).value();
@@ -116,6 +120,41 @@ class MotionShellTest : public ::testing::Test {
   std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
   std::unique_ptr<transport::Publisher<msg::MotionServoCmd>> servo_;
 };
+
+TEST_F(MotionShellTest, DropsAReportWithANumberThatIsNotFiniteAndLogsThatOnce) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto faulty = transport::MakePublisher<msg::BodyState>(*body_, "dog1/world/body_state");
+  network_.RunFor(Milliseconds(200));
+  board_.board.silent = true;
+  network_.RunFor(Milliseconds(100));
+  odometry_.clear();
+  imu_.clear();
+  msg::BodyState good;
+  good.mode = board_.board.report.mode;
+  good.pose.orientation.w = 1;
+  std::vector<msg::BodyState> bad(6, good);
+  bad[0].pose.position.x = kNaN;
+  bad[1].pose.orientation.w = kNaN;
+  bad[2].twist.linear.y = kInfinity;
+  bad[3].twist.angular.z = -kInfinity;
+  bad[4].linear_acceleration.z = kNaN;
+  bad[5].motor_temperature[11] = static_cast<float>(kNaN);
+  for (const msg::BodyState& state : bad) ASSERT_TRUE(faulty.value()->Publish(state));
+  network_.RunFor(Milliseconds(100));
+  EXPECT_THAT(odometry_, IsEmpty());
+  EXPECT_THAT(imu_, IsEmpty());
+  const std::string dropped =
+      "a report on dog1/world/body_state is dropped: a number is NaN or infinite (3010)";
+  EXPECT_THAT(log_, ElementsAre(dropped));
+  ASSERT_TRUE(faulty.value()->Publish(good));
+  network_.RunFor(Milliseconds(100));
+  EXPECT_EQ(odometry_.size(), 1U) << "the next one counts";
+  network_.RunFor(std::chrono::minutes(3));
+  ASSERT_TRUE(faulty.value()->Publish(bad[0]));
+  network_.RunFor(Milliseconds(100));
+  EXPECT_THAT(log_, Contains(dropped).Times(2)) << "once in three minutes";
+}
 
 TEST_F(MotionShellTest, ReportsAnEmergencyStopToTheManagerAndAnnouncesALowBattery) {
   std::vector<msg::NodeError> errors;

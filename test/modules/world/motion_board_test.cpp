@@ -118,7 +118,12 @@ class MotionBoard : public ::testing::TestWithParam<motion::BoardKind> {
       return Made(std::make_unique<motion::LcmBackend>(robot_->loop(), *clock_, config_,
                                                        std::move(events)));
     }
-    return Made(motion::TopicBackend::Make(*robot_, "", std::move(on_body)).value());
+    return Made(
+        motion::TopicBackend::Make(*robot_, "", std::move(on_body),
+                                   [this](std::int32_t code, const std::string& text) {
+                                     motion_->Do(motion::motion_event::BoardFault{code, text});
+                                   })
+            .value());
   }
 
   template <msg::Service S>
