@@ -67,8 +67,8 @@ RecordText ProcessNotStarted(const std::string& why) {
 
 RecordText Exited(std::int32_t pid, const std::string& how, bool clean, bool in_set_up) {
   return MakeText(clean ? EventName::kActuatorExited : EventName::kActuatorCrashed,
-                  std::string(clean ? "ended" : "crashed") + ": its process {pid} ended: {how}" +
-                      (in_set_up ? " during SetUp" : ""),
+                  std::string(clean ? "ended" : "crashed") + (in_set_up ? " during SetUp" : "") +
+                      ": its process {pid} ended: {how}",
                   {{"pid", pid}, {"how", how}});
 }
 
@@ -81,9 +81,13 @@ RecordText RestartPrevented(const std::string& how, int exit_code, const std::st
                   {{"how", how}, {"exit_code", exit_code}, {"actuator", actuator}});
 }
 
-RecordText GivenUp(int restarts, const std::optional<std::string>& why) {
-  return MakeText(EventName::kRestartLimitReached, "given up after {restarts} restarts; {reason}",
-                  {{"restarts", restarts}, {"reason", why.value_or("its process ended")}});
+RecordText GivenUp(const std::string& actuator, int restarts,
+                   const std::optional<std::string>& why) {
+  return MakeText(EventName::kRestartLimitReached,
+                  "given up after {restarts} restarts, until `musher restart {actuator}`; {reason}",
+                  {{"restarts", restarts},
+                   {"actuator", actuator},
+                   {"reason", why.value_or("its process ended")}});
 }
 
 RecordText GivenUpBefore(const State& lost_in) {

@@ -183,7 +183,8 @@ RecordText RestartScheduled(const std::string& actuator, Duration delay, int res
 RecordText ProcessNotStarted(const std::string& why);
 RecordText Exited(std::int32_t pid, const std::string& how, bool clean, bool in_set_up);
 RecordText RestartPrevented(const std::string& how, int exit_code, const std::string& actuator);
-RecordText GivenUp(int restarts, const std::optional<std::string>& why);
+RecordText GivenUp(const std::string& actuator, int restarts,
+                   const std::optional<std::string>& why);
 // By an earlier controller. `lost_in`: "" = it had not been set up.
 RecordText GivenUpBefore(const State& lost_in);
 RecordText RestartedTooOften(int starts, Duration reset_after);

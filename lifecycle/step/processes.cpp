@@ -39,7 +39,7 @@ void Processes::Recover(ActuatorIndex i, const event::ProcessEnded& ended) {
   if (IsFinal(i, ended)) return GiveUp(i, WhyFinal(ended));
   if (known.restart.count >= config.restart.limit) {
     return GiveUp(i,
-                  texts::GivenUp(known.restart.count,
+                  texts::GivenUp(config.name, known.restart.count,
                                  known.fault ? std::optional(known.fault->message) : std::nullopt));
   }
   const Duration delay = DelayOf(config.restart, known.restart.count);

@@ -344,10 +344,11 @@ TEST_F(Text, ShowsTheRestartsOfAnActuatorThatIsGivenUpOnce) {
   status.actuators[1].health = "crashed";
   status.actuators[1].restarts = 5;
   status.actuators[1].message =
-      "given up after 5 restarts; crashed: its process 7 ended: exit code 1";
+      "given up after 5 restarts, until `musher restart eyes`; crashed: its process 7 ended: exit "
+      "code 1";
   EXPECT_THAT(StatusText(status, false),
-              ::testing::HasSubstr(
-                  "  given up after 5 restarts; crashed: its process 7 ended: exit code 1\n"));
+              ::testing::HasSubstr("  given up after 5 restarts, until `musher restart eyes`; "
+                                   "crashed: its process 7 ended: exit code 1\n"));
 }
 
 TEST_F(Text, ShowsWhyAPlanWouldBeRefused) {

@@ -85,7 +85,10 @@ TEST_F(Reasons, UpCountsTheRestartsOfAProgramThatEndsAtOnceAndNamesItsReasonOnce
   EXPECT_EQ(times("voice: repeated 2 times\n"), 1) << up.out;
   EXPECT_EQ(times("voice started (pid "), 1) << up.out;
   EXPECT_EQ(times("no board found"), 2) << "how it ended, and that it is degraded\n" << up.out;
-  EXPECT_EQ(times("voice is degraded: given up after 3 restarts; as above"), 1) << up.out;
+  EXPECT_EQ(
+      times("voice is degraded: given up after 3 restarts, until `musher restart voice`; as above"),
+      1)
+      << up.out;
   const std::string log = ReadFile(folder_ / "state/controller.log");
   EXPECT_THAT(log, HasSubstr("voice: restarting in 40 ms (3 of 3)"));
 }

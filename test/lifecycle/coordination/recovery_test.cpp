@@ -103,7 +103,7 @@ TEST_F(Recovery, GivesUpAtTheLimitAndLeavesTheMachineDegraded) {
   t.Rest();
   EXPECT_TRUE(t.RecordOf("b").restart.given_up);
   const RecordText failed = texts::SetUpFailed(5012, "no sound card");
-  EXPECT_THAT(t.RecordOf("b").fault, Is(texts::GivenUp(3, failed.message)));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(texts::GivenUp("b", 3, failed.message)));
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SetUp", "b:SetUp"));
   EXPECT_EQ(t.machine().state, "Active");
 }

@@ -46,7 +46,7 @@ TEST(RestartWhileStarting, ACriticalActuatorOutOfRestartsFailsTheStart) {
   EXPECT_FALSE(t.usable());
   EXPECT_THAT(t.start_up()->message, HasSubstr("critical b"));
   EXPECT_THAT(t.start_up()->message,
-              HasSubstr(texts::GivenUp(3, texts::SetUpFailed(3012, "").message).message));
+              HasSubstr(texts::GivenUp("b", 3, texts::SetUpFailed(3012, "").message).message));
 }
 
 TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalActuatorIsRestarted) {
