@@ -35,6 +35,7 @@ constexpr const char* kDeniedCure =
 // Exit codes of systemd itself: the program was not executed (systemd.exec(5)).
 constexpr int kFirstOfSystemd = 200;
 constexpr int kLastOfSystemd = 243;
+constexpr int kNoFolder = 200;
 constexpr int kNotExecutable = 203;
 constexpr int kNoSuchUser = 217;
 constexpr int kNoNamespace = 226;
@@ -56,15 +57,27 @@ std::string WhyUnknown(const UnitState& state, const std::string& unit) {
                           : "systemd knows another start of " + unit + " only";
 }
 
+// For people.
+std::string NameOf(const HostConfig& host) {
+  return host.name.empty() ? "this host" : "host " + host.name;
+}
+std::string PlaceOf(const HostConfig& host) {
+  return host.name.empty() ? "systemd of this host" : NameOf(host) + " (" + host.Login() + ")";
+}
+
+// systemd does not say which of the two is used up.
+std::string WhatIsUsedUp(const ProcessLimits& limits, const HostConfig& host) {
+  const std::string memory = "the memory of " + NameOf(host) + " is used up; ";
+  if (!limits.memory_max_bytes) return memory + "limit what uses it by `memory_max_mb`";
+  return "its limit (memory_max_mb = " + std::to_string(*limits.memory_max_bytes >> 20) + ") or " +
+         memory + "raise the limit if it needs more";
+}
+
 ProcessExit ExitOf(const UnitState& state, pid_t pid, const std::string& unit,
-                   const ProcessLimits& limits) {
+                   const ProcessLimits& limits, const HostConfig& host) {
   ProcessExit exit;
   const bool over = state.ended() || HasExited(state, pid);
-  if (over && state.result == kResultOutOfMemory) {
-    const auto& most = limits.memory_max_bytes;
-    exit.out_of_memory =
-        most ? "memory_max_mb = " + std::to_string(*most >> 20) : "the memory of its host";
-  }
+  if (over && state.result == kResultOutOfMemory) exit.out_of_memory = WhatIsUsedUp(limits, host);
   if (static_cast<pid_t>(state.exec_pid) != pid || !over) {
     exit.last_output = WhyUnknown(state, unit);
     return exit;
@@ -88,8 +101,13 @@ std::string TextOf(const SystemdError& error) {
 }
 
 // Why systemd has not executed the program, by its exit code.
-std::string WhyNotExecuted(int status, const ProcessSpec& spec) {
-  const std::string what = spec.argv.front() + " could not be executed there";
+std::string WhyNotExecuted(int status, const std::string& program, const ProcessSpec& spec) {
+  const std::string what = program + " could not be executed there";
+  if (status == kNoFolder) {
+    const std::string& user = spec.limits.user;
+    return what + ": its " + (user.empty() ? "sandbox hides" : "user " + user + " may not enter") +
+           " its folder " + spec.cwd + " (`cwd`)";
+  }
   if (status == kNotExecutable) {
     return what + ": it is missing, not executable, or built for another processor";
   }
@@ -103,26 +121,20 @@ std::string WhyNotExecuted(int status, const ProcessSpec& spec) {
 // up the process that looks at the time.
 std::string WhySkipped(const std::string& unit, const ProcessSpec& spec) {
   std::string causes;
-  if (spec.cwd.starts_with('/'))
-    causes = "its folder " + spec.cwd + " (`cwd`) may be missing there";
-  if (spec.limits.realtime_priority) {
-    causes += causes.empty() ? "" : ", or ";
-    causes += "its kernel may refuse `realtime_priority`";
-  }
-  return "systemd executes nothing of " + unit + (causes.empty() ? "" : ": " + causes);
+  const auto add = [&causes](const std::string& cause) {
+    causes += (causes.empty() ? ": " : ", or ") + cause;
+  };
+  const std::string& user = spec.limits.user;
+  if (!user.empty()) add("its user " + user + " (`user`) may be missing there");
+  if (spec.cwd.starts_with('/')) add("its folder " + spec.cwd + " (`cwd`) may be missing there");
+  if (spec.limits.realtime_priority) add("its systemd may refuse `realtime_priority`");
+  if (spec.limits.nice) add("its systemd may refuse `nice`");
+  return "systemd executes nothing of " + unit + causes;
 }
 
 // Whether the process is the unit's, also after its exit.
 bool IsOf(const UnitState& state, pid_t pid) {
   return static_cast<pid_t>(state.main_pid) == pid || static_cast<pid_t>(state.exec_pid) == pid;
-}
-
-// For people.
-std::string NameOf(const HostConfig& host) {
-  return host.name.empty() ? "this host" : "host " + host.name;
-}
-std::string PlaceOf(const HostConfig& host) {
-  return host.name.empty() ? "systemd of this host" : NameOf(host) + " (" + host.Login() + ")";
 }
 
 std::string_view BootOf(std::string_view host_id) {
@@ -470,7 +482,9 @@ void HostUnits::Ended(Unit& unit) {
   const ActuatorIndex i = *config_.IndexOf(unit.actuator);
   // It may have been dropped while it was examined.
   const UnitState& state = unit.end && IsDropped(unit.state) ? *unit.end : unit.state;
-  if (!unit.exit) unit.exit = ExitOf(state, unit.pid, unit.name, config_.actuators[i].limits);
+  if (!unit.exit) {
+    unit.exit = ExitOf(state, unit.pid, unit.name, config_.actuators[i].limits, unit.host.config);
+  }
   if (NeedsSystemState(*unit.exit, unit.signalled)) return AskSystemState(unit);
   const ProcessExit exit = *std::exchange(unit.exit, std::nullopt);
   ReportEnd(unit, exit);
@@ -560,8 +574,12 @@ void HostUnits::ArmDeadline(Unit& unit) {
                       std::to_string(ToMilliseconds(options_.start_within) / 1000) + " s";
     if (!unit.unread.empty()) how = "'s state cannot be read: " + unit.unread;
     if (silent) how = "'s state cannot be read: systemd does not answer";
-    NotStarted(unit, NameOf(unit.host.config) + ": " + unit.name + how +
-                         "; see `systemctl status " + unit.name + "` there");
+    std::string why = unit.name + how + "; see `systemctl status ";
+    // It has skipped the start before, and the clock of its host may not be the reason.
+    if (silent && unit.gained != Duration()) {
+      why = WhySkipped(unit.name, *unit.wanted) + "; see `journalctl -u ";
+    }
+    NotStarted(unit, NameOf(unit.host.config) + ": " + why + unit.name + "` there");
   });
 }
 
@@ -656,11 +674,15 @@ void HostUnits::OnJobRemoved(Unit& unit, const std::string& job, const std::stri
     return NotStarted(unit, PlaceOf(unit.host.config) + " has no user " + spec.limits.user +
                                 "; make it there, or correct `user`");
   }
-  const ProcessExit exit = ExitOf(unit.state, pid, unit.name, spec.limits);
+  const ProcessExit exit = ExitOf(unit.state, pid, unit.name, spec.limits, unit.host.config);
   std::string why = "the start of " + unit.name + " has ended as '" + result + "'";
   if (!exit.out_of_memory.empty()) why = "the start of " + unit.name + " has ended " + exit.Text();
   if (skipped) why = WhySkipped(unit.name, spec);
-  if (not_executed) why = WhyNotExecuted(unit.state.exec_status, spec);
+  if (not_executed) {
+    // By its name, which /usr/bin/env may have looked up.
+    const auto& command = config_.actuators[*config_.IndexOf(unit.actuator)].command;
+    why = WhyNotExecuted(unit.state.exec_status, command.front(), spec);
+  }
   NotStarted(unit, NameOf(unit.host.config) + ": " + why + "; see `journalctl -u " + unit.name +
                        "` there");
 }

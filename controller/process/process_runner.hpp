@@ -43,7 +43,7 @@ struct ProcessExit {
   Kind kind = Kind::kUnknown;
   int number = 0;
   std::string last_output = {};  // last output of a process that exited with an error; may be empty
-  // It needed more memory than its limit, which this names: "memory_max_mb = 64". Else empty.
+  // Its host had no more memory for it: what is used up, and what to do. Else empty.
   std::string out_of_memory = {};
 
   // Whether the process exited by itself with code 0.

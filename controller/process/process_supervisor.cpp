@@ -112,9 +112,7 @@ void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit
 }  // namespace
 
 std::string ProcessExit::Text() const {
-  if (!out_of_memory.empty()) {
-    return "out of memory: its limit (" + out_of_memory + ") or the memory of its host is used up";
-  }
+  if (!out_of_memory.empty()) return "out of memory: " + out_of_memory;
   if (kind == Kind::kUnknown) {
     return last_output.empty() ? "exit code unknown" : "exit code unknown: " + last_output;
   }

@@ -502,17 +502,37 @@ TEST_F(UnitOfAnotherHost, WhoseHostSkipsEachStartIsNotStarted) {
 }
 
 // systemd skips a unit, too, where the process that looks at the time cannot be set up.
-TEST_F(UnitOfAnotherHost, WhoseHostSkipsEachStartNamesTheFolderThatMayBeMissing) {
+TEST_F(UnitOfAnotherHost, WhoseHostSkipsEachStartNamesWhatMayBeMissing) {
   config_.actuators[0].cwd = "/opt/robot";
+  config_.actuators[0].limits.user = "robot";
   config_.actuators[0].limits.realtime_priority = 40;
+  config_.actuators[0].limits.nice = -5;
   SetUnit("inactive", 0);
   Write("uptime", "1000000");
   Open();
   Start();
   Await([this] { return !not_started_.empty(); });
-  EXPECT_THAT(not_started_,
-              ElementsAre(HasSubstr("eyes.service: its folder /opt/robot (`cwd`) may be missing "
-                                    "there, or its kernel may refuse `realtime_priority`; see")));
+  EXPECT_THAT(not_started_, ElementsAre(HasSubstr(
+                                "eyes.service: its user robot (`user`) may be missing there, or "
+                                "its folder /opt/robot (`cwd`) may be missing there, or its "
+                                "systemd may refuse `realtime_priority`, or its systemd may "
+                                "refuse `nice`; see")));
+}
+
+// A host that is slow has not skipped the start often enough to be sure when the start has to end.
+TEST_F(UnitOfAnotherHost, WhoseStartIsSkippedUntilItHasToEndNamesWhatMayBeMissing) {
+  config_.actuators[0].cwd = "/opt/robot";
+  Make(Milliseconds(3000));
+  SetUnit("inactive", 0);
+  Write("uptime", "1000000");
+  Write("late-StartTransientUnit", "");
+  Open();
+  Start();
+  AwaitCall("StartTransientUnit is late\n");
+  Write("ignore-GetAll", "");
+  std::filesystem::remove(folder_ / "late-StartTransientUnit");
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(not_started_, ElementsAre(HasSubstr("its folder /opt/robot (`cwd`) may be missing")));
 }
 
 // Its starts were valid for an hour from then on, and those of all other units of the host.
@@ -552,13 +572,15 @@ TEST_F(UnitOfAnotherHost, WhoseProgramIsNotExecutedSaysWhy) {
     const char* status;
     const char* why;
   };
-  for (const Cause& cause : {Cause{"203", "/opt/eyes could not be executed there: it is missing"},
+  for (const Cause& cause : {Cause{"200", "its user robot may not enter its folder /srv/eyes"},
+                             Cause{"203", "/opt/eyes could not be executed there: it is missing"},
                              Cause{"217", " has no user robot; make it there"},
                              Cause{"226", "mount namespaces, which `sandbox` needs; see"},
                              Cause{"241", "(systemd's exit code 241); see `journalctl"}}) {
     SCOPED_TRACE(cause.status);
     not_started_.clear();
     config_.actuators[0].limits.user = "robot";
+    config_.actuators[0].cwd = "/srv/eyes";
     SetUnit("inactive", 0);
     Write("started", std::string("failed 41 ") + kOurs + " exit-code " + cause.status + "\n");
     Write("job", "failed");
@@ -578,9 +600,10 @@ TEST_F(UnitOfAnotherHost, WhoseStartNeedsMoreMemoryThanItsLimitNamesThat) {
   Open();
   Start();
   Await([this] { return !not_started_.empty(); });
-  EXPECT_THAT(not_started_, ElementsAre(HasSubstr("has ended out of memory: its limit "
-                                                  "(memory_max_mb = 1) or the memory of its host "
-                                                  "is used up; see `journalctl -u ")));
+  EXPECT_THAT(not_started_,
+              ElementsAre(HasSubstr("has ended out of memory: its limit (memory_max_mb = 1) or the "
+                                    "memory of host vision is used up; raise the limit if it needs "
+                                    "more; see `journalctl -u ")));
 }
 
 // What waits in the one before would be carried out beside it.
@@ -747,7 +770,18 @@ TEST_F(UnitOfAnotherHost, EndedByItsLimitOfMemoryNamesThat) {
   Write("changed", "");
   Await([this] { return !ended_.empty(); });
   EXPECT_EQ(exit_,
-            "out of memory: its limit (memory_max_mb = 64) or the memory of its host is used up");
+            "out of memory: its limit (memory_max_mb = 64) or the memory of host vision is used "
+            "up; raise the limit if it needs more");
+}
+
+TEST_F(UnitOfAnotherHost, EndedWithoutALimitOfMemoryNamesTheMemoryOfItsHost) {
+  ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
+  Write("unit", std::string("failed 41 ") + kOurs + " oom-kill\n");
+  Write("changed", "");
+  Await([this] { return !ended_.empty(); });
+  EXPECT_EQ(exit_,
+            "out of memory: the memory of host vision is used up; limit what uses it by "
+            "`memory_max_mb`");
 }
 
 // --- this host ---
@@ -805,6 +839,28 @@ TEST_F(UnitOfThisHost, IsStartedWithTheFileOfItsLogAndWithoutSsh) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "commands"));  // of ssh
 }
 
+// Its command is a name, which /usr/bin/env looks up.
+TEST_F(UnitOfThisHost, WhoseFolderItsUserMayNotEnterNamesItsProgram) {
+  ASSERT_NO_FATAL_FAILURE(Listen());
+  config_.actuators[0].command = {"eyes"};
+  config_.actuators[0].limits.user = "robot";
+  config_.actuators[0].cwd = "/srv/eyes";
+  SetUnit("inactive", 0);
+  Write("started", std::string("failed 41 ") + kOurs + " exit-code 200\n");
+  Write("job", "failed");
+  Open();
+  ProcessSpec spec;
+  spec.name = "eyes";
+  spec.argv = {"/usr/bin/env", "eyes"};
+  spec.cwd = config_.actuators[0].cwd;
+  spec.limits = config_.actuators[0].limits;
+  units_->Start(spec);
+  Await([this] { return !not_started_.empty(); });
+  EXPECT_THAT(not_started_,
+              ElementsAre(HasSubstr("this host: eyes could not be executed there: its user robot "
+                                    "may not enter its folder /srv/eyes (`cwd`)")));
+}
+
 TEST_F(UnitOfThisHost, HasEndedWithItsProcessWhileSystemdEndsTheRest) {
   ASSERT_NO_FATAL_FAILURE(Listen());
   ASSERT_NO_FATAL_FAILURE(OpenWithProcess(41));
@@ -856,7 +912,9 @@ TEST_F(UnitOfThisHost, ThatNeedsMoreMemoryThanItsLimitNamesIt) {
   Write("unit", std::string("failed 41 ") + kOurs + " oom-kill 137\n");
   Write("changed", "");
   Await([this] { return !ended_.empty(); });
-  EXPECT_THAT(exit_, HasSubstr("out of memory: its limit (memory_max_mb = 64)"));
+  EXPECT_EQ(exit_,
+            "out of memory: its limit (memory_max_mb = 64) or the memory of this host is used up; "
+            "raise the limit if it needs more");
 }
 
 // On another host it would wait. Here it fails, so that `restart` counts it.

@@ -206,7 +206,8 @@ TEST_F(Board, GivesTheProcessItsLimits) {
 TEST_F(Board, RunsTheProcessAsItsUser) {
   Replace("host = \"board\"\n", "host = \"board\"\nuser = \"robot-there\"\n");
   const Ended up = Up();
-  EXPECT_THAT(up.out + up.err + History(), HasSubstr("has no user robot-there"));
+  EXPECT_THAT(up.out + up.err + History(),
+              HasSubstr("its user robot-there (`user`) may be missing there"));
   EXPECT_EQ(robot_->Run({"down"}).exit, 0);
   EXPECT_THAT(robot_->Run({"check", "--hosts", config_}).out,
               HasSubstr("it has no user robot-there; ssh root@10.77.3.2 useradd --system"));
