@@ -1,6 +1,7 @@
 // Actuators of the controller's own host as units of its systemd: `units = "always"`. The host is a
 // real one but for its kernel: a root of Debian that boots under systemd-nspawn, in which `musher`
-// runs. Needs root, systemd-nspawn, mmdebstrap and Debian's archive.
+// runs. Needs root, systemd-nspawn, mmdebstrap and Debian's archive. With MUSHER_THIS_HOST it is
+// this computer, with its kernel: scripts/kernel boots one in an emulator.
 
 #include <gmock/gmock.h>
 
@@ -25,7 +26,9 @@ constexpr const char* kEyes = "musher-robot-eyes.service";
 
 class OwnUnits : public MachineFixture {
  protected:
-  static void SetUpTestSuite() { root_ = std::make_unique<BoardRoot>(missing_); }
+  static void SetUpTestSuite() {
+    if (!kThisHost) root_ = std::make_unique<BoardRoot>(missing_);
+  }
   static void TearDownTestSuite() { root_ = nullptr; }
 
   void SetUp() override {
@@ -33,6 +36,7 @@ class OwnUnits : public MachineFixture {
     setenv("XDG_STATE_HOME", folder_.path().c_str(), 1);
     setenv("PATH", (BinDir() + ":" + path_).c_str(), 1);
     Write("always");
+    if (kThisHost) return;
     const std::string folder = folder_.path();
     host_.emplace(std::vector<std::string>{
         "sh", "-c",
@@ -43,6 +47,7 @@ class OwnUnits : public MachineFixture {
         << ReadFile(folder_ / "console");
   }
   ~OwnUnits() override {
+    if (kThisHost) Run({"down"});
     if (init_ != 0) kill(init_, SIGKILL);  // and with it all that runs there
     if (host_) host_->Wait();
     KillChildren();
@@ -56,6 +61,7 @@ class OwnUnits : public MachineFixture {
     return init_ != 0 && Do({"systemctl", "is-active", "--quiet", "multi-user.target"}).exit == 0;
   }
   Ended Do(std::vector<std::string> words) const {
+    if (kThisHost) return RunToEnd(words);
     words.insert(words.begin(), {"nsenter", "--target", std::to_string(init_), "--mount", "--uts",
                                  "--ipc", "--net", "--pid", "--root", "--wd", "--"});
     return RunToEnd(words);
@@ -73,6 +79,13 @@ class OwnUnits : public MachineFixture {
     std::string value = Do({"systemctl", "show", "--value", "-p", name, kEyes}).out;
     while (value.ends_with('\n')) value.pop_back();
     return value;
+  }
+  bool KeepsMemory() const {
+    return Do({"grep", "-qw", "memory", "/sys/fs/cgroup/cgroup.controllers"}).exit == 0;
+  }
+  // Of cgroups of version 2.
+  static std::string GroupFile(const std::string& name) {
+    return "/sys/fs/cgroup/system.slice/" + std::string(kEyes) + "/" + name;
   }
   std::string Units() const {
     return Do({"systemctl", "list-units", "--all", "--no-legend", "--plain", "musher-*"}).out;
@@ -123,6 +136,7 @@ class OwnUnits : public MachineFixture {
                            << more;
   }
 
+  static inline const bool kThisHost = getenv("MUSHER_THIS_HOST") != nullptr;
   static constexpr std::chrono::seconds kSoon{120};
   static inline std::unique_ptr<BoardRoot> root_;
   static inline std::string missing_;
@@ -271,6 +285,10 @@ TEST_F(OwnUnits, HaveTheLimitsOfTheConfig) {
   EXPECT_EQ(Property("User"), "daemon");
   EXPECT_EQ(Property("ProtectSystem"), "strict");
   EXPECT_THAT(Property("Environment"), AllOf(HasSubstr("PATH="), Not(HasSubstr("XDG_"))));
+  if (KeepsMemory()) {
+    EXPECT_EQ(Do({"cat", GroupFile("memory.max"), GroupFile("cpu.max")}).out,
+              std::to_string(512 << 20) + "\n50000 100000\n");
+  }
   const pid_t before = PidOfEyes();
   ASSERT_NO_FATAL_FAILURE(KillController());
   ASSERT_NO_FATAL_FAILURE(StartUp());
@@ -280,16 +298,76 @@ TEST_F(OwnUnits, HaveTheLimitsOfTheConfig) {
 }
 
 TEST_F(OwnUnits, ThatNeedMoreMemoryThanTheirLimitAreEndedAndStartedAgain) {
-  if (Do({"grep", "-q", "memory", "/sys/fs/cgroup/cgroup.controllers"}).exit != 0) {
-    GTEST_SKIP() << "no memory controller in cgroups of version 2 here";
-  }
+  if (!KeepsMemory()) GTEST_SKIP() << "no memory controller in cgroups of version 2 here";
   Write("always", "memory_max_mb = 64\n");
   ASSERT_NO_FATAL_FAILURE(StartUp());
   const std::string pid = std::to_string(PidOfEyes());
-  const std::string group = "/sys/fs/cgroup/system.slice/" + std::string(kEyes) + "/cgroup.procs";
-  Do({"sh", "-c", "echo $$ > " + group + "; exec tail /dev/zero"});
-  EXPECT_TRUE(AwaitHistory("out of memory: its limit (memory_max_mb = 64)")) << History();
+  Do({"sh", "-c", "echo $$ > " + GroupFile("cgroup.procs") + "; exec tail /dev/zero"});
+  EXPECT_TRUE(AwaitHistory("eyes's process " + pid +
+                           " ended: out of memory: its limit (memory_max_mb = 64) or the memory of "
+                           "this host is used up; raise the limit if it needs more"))
+      << History();
   ASSERT_TRUE(AwaitActive());
+  EXPECT_EQ(Status()["actuators"]["eyes"]["restarts"], 1);
+}
+
+TEST_F(OwnUnits, WhoseLimitOfMemoryIsBelowWhatTheyNeedAreGivenUpWithWhatToDo) {
+  if (!KeepsMemory()) GTEST_SKIP() << "no memory controller in cgroups of version 2 here";
+  Write("always", "memory_max_mb = 1\nrestart_limit = 2\nrestart_delay_ms = 10\n");
+  const Ended up = Do(Command({"up", config_, "--detach"}));
+  EXPECT_EQ(up.exit, 0) << up.out << up.err;  // eyes are not critical
+  const auto message = [this] { return Status()["actuators"]["eyes"]["message"].dump(); };
+  EXPECT_TRUE(Until(
+      [&] {
+        return message().find("given up after 2 restarts, until `musher restart eyes`") !=
+               std::string::npos;
+      },
+      kSoon))
+      << History();
+  EXPECT_THAT(message(), HasSubstr("out of memory: its limit (memory_max_mb = 1) or the memory of "
+                                   "this host is used up; raise the limit if it needs more"));
+  EXPECT_EQ(Status()["actuators"]["legs"]["state"], "Active");
+}
+
+// As `daemon`, a user who may not enter the folder of root.
+TEST_F(OwnUnits, ThatSystemdCannotSetUpSayWhatIsMissing) {
+  const auto why = [this](const std::string& limits) {
+    Write("always", limits + "restart = \"no\"\n");
+    Do(Command({"up", config_, "--detach"}));
+    const std::string history = History();
+    Run({"down"});
+    return history;
+  };
+  EXPECT_THAT(why("user = \"robot-here\"\n"),
+              HasSubstr("its user robot-here (`user`) may be missing there"));
+  EXPECT_THAT(why("cwd = \"/opt/none\"\n"),
+              HasSubstr("its folder /opt/none (`cwd`) may be missing there"));
+  EXPECT_THAT(why("user = \"daemon\"\ncwd = \"/root\"\n"),
+              HasSubstr("musher-exec could not be executed there: its user daemon may not enter "
+                        "its folder /root (`cwd`)"));
+}
+
+TEST_F(OwnUnits, InASandboxWriteNoFileAndOpenTheirDevicesOnly) {
+  if (Do({"test", "-c", "/dev/mem"}).exit != 0) GTEST_SKIP() << "no /dev/mem here: a container";
+  if (folder_.path().starts_with("/tmp")) GTEST_SKIP() << "\"strict\" hides /tmp, set TMPDIR";
+  const auto does = [this](const std::string& limits) {
+    Write("always", limits);
+    std::ofstream(folder_ / "eyes.toml")
+        << "[state.SetUp]\nrun = [\"sh\", \"-c\", \"touch /etc/eyes && echo wrote; "
+           "head -c 1 /dev/mem > /dev/null && echo opened; test -e /root/.bashrc && echo saw; "
+           "echo looked\"]\n[state.LowPower]\nrun = [\"true\"]\n";
+    StartUp();
+    const std::string log = Run({"logs", "eyes"}).out;
+    EXPECT_THAT(log, HasSubstr("looked"));
+    EXPECT_EQ(Run({"down"}).exit, 0);
+    std::filesystem::remove_all(folder_ / "state");
+    return log;
+  };
+  EXPECT_THAT(does(""), AllOf(HasSubstr("wrote"), HasSubstr("opened"), HasSubstr("saw")));
+  EXPECT_THAT(does("sandbox = \"read-only\"\ndevices = [\"/dev/mem\"]\n"),
+              AllOf(Not(HasSubstr("wrote")), HasSubstr("opened"), HasSubstr("saw")));
+  EXPECT_THAT(does("sandbox = \"strict\"\n"),
+              AllOf(Not(HasSubstr("wrote")), Not(HasSubstr("opened")), Not(HasSubstr("saw"))));
 }
 
 TEST_F(OwnUnits, OfAnotherMachineOfThisNameAreLeftAlone) {
