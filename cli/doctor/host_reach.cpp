@@ -191,7 +191,9 @@ std::vector<OtherHostFacts> ReadOwnHost(const MachineConfig& config) {
   script.argv = {"sh", "-c", HostFactsScript(config, "")};
   const auto end = RunProgram(script, "", kScriptWithin);
   if (!end || end.value().timed_out) {
-    here.trouble = "its systemd could not be examined";
+    here.trouble =
+        "this host could not be examined within 8 s; try again when it is less busy, or see "
+        "`systemctl status`";
     return {here};
   }
   std::vector<std::string> lines;
