@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import random
+import re
 import sys
 
 from clang.cindex import CursorKind as K
@@ -83,6 +84,10 @@ class Source:
                 self.visit(child, cursor)
             return
         if cursor.kind == K.VAR_DECL and (not self.function or self.is_constant(cursor)):
+            return
+        # An argument of a template, as of Refused<Refusal::kKept>(), has to be a constant.
+        if parent is not None and parent.kind in (K.DECL_REF_EXPR, K.MEMBER_REF_EXPR) and \
+                cursor.kind == K.DECL_REF_EXPR:
             return
         if self.function:
             self.collect(cursor, parent)
@@ -268,11 +273,19 @@ def main():
     parser.add_argument("--out", required=True)
     parser.add_argument("--count", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--of", default="", help="only of sources whose path has a match of this regular expression")
     parser.add_argument("sources", nargs="+")
     options = parser.parse_args()
     arguments = ["-x", "c++", "-std=c++20", *("-I" + folder for folder in options.include)]
     random.seed(options.seed)
-    sources = [Source(path, arguments) for path in options.sources]
+    drawn_from = [path for path in options.sources if re.search(options.of, path)]
+    if not drawn_from:
+        sys.exit(f"instrument.py: no source's path has a match of {options.of!r}")
+    for path in set(options.sources) - set(drawn_from):
+        with open(path, encoding="utf-8") as file, \
+                open(os.path.join(options.out, os.path.basename(path)), "w", encoding="utf-8") as copy:
+            copy.write(f'#line 1 "{path}"\n{file.read()}')
+    sources = [Source(path, arguments) for path in drawn_from]
     for source in sources:
         every = source.valid(m for _, _, m in source.places)
         source.ordered = [m for _, _, m in source.places if m in every]
