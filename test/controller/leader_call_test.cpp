@@ -58,7 +58,7 @@ TEST_F(LeaderCalls, EndAtOnceWithTheControllerOfTheirHost) {
 }
 
 // DDS delivers the last status of an exited controller for some seconds. Such a call waited until
-// its own deadline, which is 5 min in an upgrade, for a controller that nobody starts.
+// its own deadline, which is 5 min in an upgrade, for a controller that did not run any more.
 TEST_F(LeaderCalls, EndSoonIfTheControllerHasExitedBeforeTheyReachIt) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   const auto exited = [](std::int32_t, const std::function<void()>&) { return nullptr; };
