@@ -518,7 +518,8 @@ ControllerShell::Hooks Controller::ShellHooks() {
   ControllerShell::Hooks hooks = options_.hooks;
   hooks.open_services = [this] { return OpenServices(); };
   hooks.holds_answers = [this] {
-    return (services_ && services_->HoldsAnswers()) || (ros2_tools_ && ros2_tools_->Holds());
+    return (services_ && services_->HoldsAnswers()) || (ros2_tools_ && ros2_tools_->Holds()) ||
+           std::ranges::any_of(extensions_, [](const auto& one) { return one->HoldsAnswers(); });
   };
   hooks.close_services = [this] {
     ros2_tools_ = nullptr;

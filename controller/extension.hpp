@@ -24,6 +24,9 @@ class ExtensionServices {
   virtual ~ExtensionServices() = default;
   // Called for every record of the shell.
   virtual void OnRecord(const action::Record& record) = 0;
+  // Whether an answer waits until its client can be reached: a machine that is stopped stays open
+  // for it, for 3 s at most.
+  virtual bool HoldsAnswers() const { return false; }
 };
 
 // What the services are made from. The node and the shell outlive them; `save_text` is to be

@@ -26,6 +26,7 @@ class Manager : public ExtensionServices {
                                                const std::string& serial_number);
 
   void OnRecord(const action::Record& record) override;
+  bool HoldsAnswers() const override { return endpoints_.HoldsReplies(); }
 
  private:
   Manager(const ExtensionHost& host, const std::string& serial_number);

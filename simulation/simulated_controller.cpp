@@ -119,6 +119,9 @@ ControllerShell::Hooks SimulatedController::ShellHooks() {
     if (hooks_.on_over) hooks_.on_over();
   };
   hooks.open_services = [this] { return OpenServices(); };
+  hooks.holds_answers = [this] {
+    return (services_ && services_->HoldsAnswers()) || (manager_ && manager_->HoldsAnswers());
+  };
   hooks.close_services = [this] {
     manager_ = nullptr;
     services_ = nullptr;

@@ -7,6 +7,7 @@
 //
 // Threads: loop thread only.
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -39,12 +40,12 @@ class Endpoints {
   // Offers a service. The handler may reply later.
   template <msg::Service S>
   void Serve(const std::string& name, typename Server<S>::Handler handler) {
-    if (opened_) Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
+    if (opened_) KeepServer(MakeServer<S>(node_, Resolve(name), std::move(handler)));
   }
   // The same with the calling participant.
   template <msg::Service S>
   void Serve(const std::string& name, typename Server<S>::HandlerOfCaller handler) {
-    if (opened_) Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
+    if (opened_) KeepServer(MakeServer<S>(node_, Resolve(name), std::move(handler)));
   }
   // Subscribes. Returns the subscription, which knows its writers; null if it could not be opened.
   // The handler owns the sample and may move it.
@@ -146,6 +147,11 @@ class Endpoints {
   // before the clock.
   void Keep(std::shared_ptr<void> thing) { kept_.push_back(std::move(thing)); }
 
+  // Whether a reply of one of the services is held until its client can be reached.
+  bool HoldsReplies() const {
+    return std::ranges::any_of(holds_, [](const auto& holds) { return holds(); });
+  }
+
   // The error of the first endpoint that could not be opened.
   const Result<>& opened() const { return opened_; }
 
@@ -165,12 +171,19 @@ class Endpoints {
     return kept.get();
   }
 
+  template <class Server>
+  void KeepServer(Result<std::unique_ptr<Server>> made) {
+    const Server* server = Keep(std::move(made));
+    if (server != nullptr) holds_.push_back([server] { return server->Holds(); });
+  }
+
   Node& node_;
   const std::string name_space_;
   const ClockSource clock_source_;
   Result<> opened_;
   std::unique_ptr<Clock> clock_;
-  std::vector<std::shared_ptr<void>> kept_;  // dropped before the clock, which timers need
+  std::vector<std::function<bool()>> holds_;  // of each service
+  std::vector<std::shared_ptr<void>> kept_;   // dropped before the clock, which timers need
 };
 
 }  // namespace musher::transport

@@ -18,8 +18,8 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kLastAnswers = Milliseconds(1500);
-constexpr Duration kLastWrites = Milliseconds(2000);  // for the disk, at the end
+constexpr Duration kLastAnswers = Milliseconds(3500);  // the shell holds them for 3 s
+constexpr Duration kLastWrites = Milliseconds(2000);   // for the disk, at the end
 
 void LeaveTerminal() {
   setsid();

@@ -30,8 +30,12 @@ class ControllerServices {
       std::unique_ptr<transport::HostServer> here = nullptr,
       const transport::RosNodes* ros_nodes = nullptr);
 
-  // Whether the answer to a switch waits until its client can be reached.
-  bool HoldsAnswers() const { return set_state_ && set_state_->Holds(); }
+  // Whether the answer to a request that changes something waits until its client can be reached.
+  bool HoldsAnswers() const {
+    const auto holds = [](const auto& server) { return server && server->Holds(); };
+    return holds(set_state_) || holds(restart_actuator_) || holds(release_emergency_stop_) ||
+           holds(request_policy_);
+  }
 
  private:
   ControllerServices(transport::Node& node, ControllerShell& shell, ReadHistory read_history,

@@ -3,6 +3,7 @@
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/test/cyberdog/managed_robot.hpp"
 #include "musher/test/support/refusals.hpp"
+#include "musher/transport/service_names.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::requests_test {
@@ -243,6 +244,41 @@ TEST_F(CyberdogRequests, PowerOffAnswersAtOnceAndTearsDownAfterTwoSeconds) {
   robot_.RunFor(std::chrono::seconds(6));
   EXPECT_FALSE(robot_.IsAlive("a"));
   EXPECT_THAT(Records(), HasSubstr("no command is configured"));
+}
+
+class RequestsOfALateApp : public ManagedRobot {
+ protected:
+  static MachineConfig PoweredOffAtOnce() {
+    MachineConfig config = ManagedMachine();
+    config.policy->power.delay = {};
+    return config;
+  }
+  RequestsOfALateApp() : ManagedRobot(PoweredOffAtOnce()) {}
+};
+
+// On a busy host the reader of a reply is discovered after the request, and the machine is stopped
+// sooner: the app got no answer.
+TEST_F(RequestsOfALateApp, AreAnsweredAlsoWhereTheMachineIsStoppedBefore) {
+  using transport::kDefaultQos;
+  BringUp();
+  const std::string type(msg::Trigger::kTypeName);
+  const auto requests = app_->MakeRawWriter(transport::RequestTopic("dog/poweroff"),
+                                            transport::RequestType(type), kDefaultQos, {});
+  ASSERT_TRUE(robot_.RunUntil([&] { return requests.value()->MatchedReaders() == 1; }));
+  ASSERT_TRUE(requests.value()->Write(
+      transport::internal::EncodeEnvelope(msg::RequestId{1, 1}, msg::Trigger::Request{})));
+  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kStopped; }));
+  robot_.RunFor(Milliseconds(1000));
+  int replies = 0;
+  transport::ReaderCallbacks callbacks;
+  callbacks.on_sample = [&](std::span<const std::byte>, const transport::SampleInfo&) {
+    ++replies;
+  };
+  const auto reader =
+      app_->MakeRawReader(transport::ReplyTopic("dog/poweroff"), transport::ResponseType(type),
+                          kDefaultQos, std::move(callbacks));
+  robot_.RunFor(Milliseconds(1000));
+  EXPECT_EQ(replies, 1);
 }
 
 TEST_F(CyberdogRequests, RebootIsAnotherWayToTheSameEnd) {
