@@ -66,31 +66,6 @@ TEST_F(ChangingInterface, ComesLateAndIsUsedAfterATakeoverThatDisturbsNoActuator
   ExpectNothingWasLost();
 }
 
-// Actuators keep the participants that they have; each controller has the addresses of its start.
-TEST_F(ChangingInterface, HasAnotherAddressAtEachOfTwoTakeoversThatDisturbNoActuator) {
-  Connect(kWifi);
-  ASSERT_NO_FATAL_FAILURE(Start());
-  AwaitDesk(true);
-  for (const int address : {9, 11}) {
-    LoseAddress(kWifi);
-    Connect(kWifi, address);
-    const auto before = pids_;
-    const Ended up = robot_->Run({"up", config_, "--takeover", "--detach"});
-    ASSERT_EQ(up.exit, 0) << up.err;
-    pids_ = Pids();
-    for (const auto& [name, pid] : before) {
-      EXPECT_EQ(pids_[name] == pid, name != "controller") << name;
-    }
-    ExpectTheRobotObeys(*robot_);
-    AwaitDesk(true);
-    for (const char* state : {"LowPower", "Active"}) {
-      const Ended set = desk_->Run({"set", state});
-      EXPECT_EQ(set.exit, 0) << set.err;
-    }
-  }
-  ExpectNothingWasLost();
-}
-
 TEST_F(ChangingInterface, CarriesTheCommandsWhileTheFirstComesBackWithAnotherAddress) {
   ASSERT_NO_FATAL_FAILURE(StartOnBoth());
   LoseAddress(kEthernet);
