@@ -30,9 +30,26 @@ class LeftOut {
   std::optional<ActuatorIndex> only_;
 };
 
+// The stable states that have been reached: as many in a search that leaves nothing out.
+class StableStates {
+ public:
+  explicit StableStates(const Model& model) : model_(model) { model_.reduces = true; }
+
+  // Returns whether it was new.
+  bool Insert(const World& world) {
+    return fingerprints_.Insert(IdentityOf(model_, world).fingerprint);
+  }
+  std::size_t size() const { return fingerprints_.size(); }
+
+ private:
+  Model model_;
+  FingerprintSet fingerprints_;
+};
+
 class Explorer {
  public:
-  Explorer(const Model& model, SearchLimits* limits) : model_(model), limits_(limits) {}
+  Explorer(const Model& model, SearchLimits* limits)
+      : model_(model), limits_(limits), stable_(model) {}
 
   Searched Run(const World& root) && {
     const Identity identity = IdentityOf(model_, root);
@@ -48,6 +65,7 @@ class Explorer {
     }
     searched_.figures.pairs = 1;
     searched_.figures.nodes = origins_.size();
+    searched_.figures.leaves = stable_.size();
     return std::move(searched_);
   }
 
@@ -73,7 +91,7 @@ class Explorer {
   void Expand(Node& node) {
     const std::vector<Choice> choices = Choices(model_, node.world);
     if (IsQuiet(node.world, choices)) {
-      ++searched_.figures.leaves;
+      stable_.Insert(node.world);
       Notes notes;
       CheckRest(model_, node.world, notes);
       if (!notes.violations.empty()) return ReportFault(node.id, std::nullopt, std::move(notes));
@@ -111,6 +129,7 @@ class Explorer {
   SearchLimits* limits_;
   Searched searched_;
   FingerprintSet seen_;
+  StableStates stable_;
   std::vector<Origin> origins_;
   std::deque<Node> layer_;  // grows without a move of its nodes
   std::deque<Node> next_;
@@ -122,7 +141,7 @@ class Explorer {
 class DepthFirstExplorer {
  public:
   DepthFirstExplorer(const Model& model, const World& root, SearchLimits& limits)
-      : model_(model), root_(root), limits_(limits) {
+      : model_(model), root_(root), limits_(limits), stable_(model) {
     searched_.rule_coverage.resize(model.stable_rules.size());
     searched_.timed_coverage.resize(model.timed_rules.size());
   }
@@ -138,6 +157,7 @@ class DepthFirstExplorer {
     }
     searched_.figures.pairs = 1;
     searched_.figures.nodes = seen_.size();
+    searched_.figures.leaves = stable_.size();
     return std::move(searched_);
   }
 
@@ -168,10 +188,9 @@ class DepthFirstExplorer {
     node.number = node.low = seen_.size();
     node.choices = Choices(model_, node.world);
     if (IsQuiet(node.world, node.choices)) {
-      ++searched_.figures.leaves;
       node.settles = true;
       Notes notes;
-      notes.rule_coverage = &searched_.rule_coverage;
+      if (stable_.Insert(node.world)) notes.rule_coverage = &searched_.rule_coverage;
       CheckRest(model_, node.world, notes);
       if (!notes.violations.empty()) return ReportFault(std::move(notes));
     }
@@ -288,6 +307,7 @@ class DepthFirstExplorer {
   SearchLimits& limits_;
   Searched searched_;
   FingerprintSet seen_;
+  StableStates stable_;
   std::deque<Node> path_;
   // The nodes of which it is not decided yet whether they settle, with their numbers: those of the
   // path, and of circles with them. Also in the order in which they were reached.

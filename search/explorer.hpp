@@ -17,7 +17,7 @@ struct Figures {
   std::size_t pairs = 0;
   std::size_t nodes = 0;
   std::size_t transitions = 0;
-  std::size_t leaves = 0;  // where nothing is left to happen
+  std::size_t leaves = 0;  // where nothing is left to happen; as many without a reduction
   double seconds = 0;
 
   Figures& operator+=(const Figures& other);

@@ -7,6 +7,7 @@
 #include "musher/lifecycle/field.hpp"
 #include "musher/lifecycle/machine/machine.hpp"
 #include "musher/lifecycle/step/event.hpp"
+#include "musher/search/reduction.hpp"
 
 namespace musher::search {
 namespace {
@@ -43,10 +44,13 @@ inline constexpr std::tuple kIgnored<PendingCommand> = {&PendingCommand::sent,
                                                         &PendingCommand::clock_ahead};
 template <>
 inline constexpr std::tuple kIgnored<ActuatorFault> = {&ActuatorFault::message};
-// Only the difference of the clocks counts.
+// Only the difference of the clocks counts. The others are added where they are read.
 template <>
 inline constexpr std::tuple kIgnored<KnownActuator> = {
-    &KnownActuator::clock_theirs, &KnownActuator::clock_ours, &KnownActuator::cause};
+    &KnownActuator::clock_theirs, &KnownActuator::clock_ours, &KnownActuator::join_tried,
+    &KnownActuator::lost_in, &KnownActuator::cause};
+template <>
+inline constexpr std::tuple kIgnored<ControlState> = {&ControlState::incarnation};
 template <>
 inline constexpr std::tuple kIgnored<ActuatorGoal> = {&ActuatorGoal::actuator};
 template <>
@@ -87,9 +91,11 @@ inline constexpr std::tuple kIgnored<PendingRelease> = {&PendingRelease::request
                                                         &PendingRelease::by};
 template <>
 inline constexpr std::tuple kIgnored<FallbackState> = {&FallbackState::cause};
-// What is not on disk the model of the disk has.
+// What is not on disk the model of the disk has. The actuators as stored are added where they are
+// read.
 template <>
-inline constexpr std::tuple kIgnored<SavesState> = {&SavesState::last, &SavesState::unsaved};
+inline constexpr std::tuple kIgnored<SavesState> = {&SavesState::last, &SavesState::unsaved,
+                                                    &SavesState::actuators};
 template <>
 inline constexpr std::tuple kIgnored<Machine> = {
     &Machine::host,      &Machine::last_switch, &Machine::requested_by,  &Machine::standing,
@@ -222,26 +228,51 @@ void AddLate(Mixer& mixer, const KnownActuator& known, const std::vector<Late>& 
   }
 }
 
-// Whether its process has exited in a TearDown, and the controller knows that. None is started
-// after that; on another host its systemd may still report one.
-bool HasEndedForGood(const Model& model, const Machine& machine, ActuatorIndex i) {
-  const KnownActuator& known = machine.actuators[i];
-  return machine.phase == Phase::kStopping && model.host_of[i] == kHere && !known.command &&
-         known.presence == Presence::kLost && known.report.incarnation != 0 &&
+// Whether its process has exited on the controller's host, and the controller knows that.
+bool HasExited(const Model& model, const KnownActuator& known, ActuatorIndex i) {
+  return model.host_of[i] == kHere && known.presence != Presence::kPresent && !known.command &&
+         !known.control.again && known.report.incarnation != 0 &&
          known.report.incarnation == known.process.dead;
 }
 
-void AddRecord(Mixer& mixer, const Model& model, const Machine& machine, ActuatorIndex i) {
+// Whether no other controller than those of the search can lead an actuator: no report has a higher
+// epoch than the controller's.
+bool LeadsAlone(const Model& model) {
+  return model.hosts.empty() && !model.other_machine;
+}
+
+// The record of an actuator whose process has exited, without what no decision reads
+// (fingerprint.hpp).
+void AddExited(Mixer& mixer, const Model& model, const Machine& machine, KnownActuator exited) {
+  ActuatorReport& report = exited.report;
+  const bool has_taken = exited.control.incarnation == report.incarnation && exited.met;
+  report.number = report.outcome_number = CommandNumber();
+  report.outcome_code = kCodeOk;
+  exited.writer_lost = false;
+  if (machine.phase == Phase::kStopping) report.detached = false;
+  if (LeadsAlone(model)) {
+    mixer.Add(!has_taken && report.epoch >= machine.epoch);
+    report.epoch = Epoch();
+    exited.met = false;
+  } else {
+    mixer.Add(exited.control.incarnation);
+  }
+  mixer.Add(exited);
+}
+
+void AddRecord(Mixer& mixer, const Model& model, const World& world, ActuatorIndex i) {
+  const Machine& machine = world.machine;
   if (machine.phase == Phase::kStopped) return;  // the controller handles nothing any more
   const KnownActuator& known = machine.actuators[i];
   mixer.Add(ToMilliseconds(known.clock_theirs - known.clock_ours));
-  if (HasEndedForGood(model, machine, i)) {
-    KnownActuator ended = known;
-    ActuatorReport& report = ended.report;
-    report.number = report.outcome_number = CommandNumber();
-    report.outcome_code = report.degraded_code = kCodeOk;
-    report.detached = false;
-    return mixer.Add(ended);
+  if (!model.reduces || MayReportLoss(model, world)) mixer.Add(known.lost_in);
+  if (model.reduces && HasExited(model, known, i)) return AddExited(mixer, model, machine, known);
+  const bool present = known.presence == Presence::kPresent;
+  if (!model.reduces || present) mixer.Add(known.join_tried);
+  if (model.reduces && LeadsAlone(model)) {
+    mixer.Add(known.control.incarnation == known.report.incarnation);
+  } else {
+    mixer.Add(known.control.incarnation);
   }
   mixer.Add(known);
   if (known.command) mixer.Add(ToMilliseconds(known.command->clock_ahead));
@@ -254,11 +285,40 @@ void AddLegs(Mixer& mixer, const std::vector<Leg>& legs, ActuatorIndex i) {
   if (found != legs.end()) mixer.Add(*found);
 }
 
+// Whether its process has exited on the controller's host, and nothing of it is under way.
+bool LeavesNothing(const Model& model, const SimActuator& actuator, ActuatorIndex i) {
+  return model.host_of[i] == kHere && !actuator.alive && !actuator.end && !actuator.status_due &&
+         actuator.replies.empty();
+}
+
+// What the rules read of it: how it has ended, and whether it had done its part of the first
+// request by then. Another controller answers that no more, and may use the same number again.
+void AddEnded(Mixer& mixer, const World& world, const SimActuator& actuator) {
+  const ActuatorReport& report = actuator.core.report;
+  const auto& current = world.machine.current;
+  const bool did = current && world.generation == 0 && report.outcome_number == current->number &&
+                   report.outcome_code == kCodeOk;
+  mixer.Add(report.state, report.held_by_stop, report.incarnation, did);
+}
+
+void AddProcess(Mixer& mixer, const KnownActuator& known, const SimActuator& a) {
+  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.energised, a.status_due, a.end, a.epoch,
+            a.begun, a.queried);
+  const ActuatorCore& c = a.core;
+  mixer.Add(c.report, c.report.emergency_stop, c.report.released_stop, c.running_for,
+            c.was_detached, c.waiting, c.unsettled, c.half_way_down, c.controller, c.announced,
+            c.released, c.stops, c.last_before_release, c.stopped_meanwhile, c.under_stop);
+  mixer.Add(a.replies.size());
+  for (const event::Replied& reply : a.replies) AddReply(mixer, known, reply);
+  mixer.Add(a.hung, a.hang_due, a.backtrace_due);
+  mixer.Add(a.unit_report, a.wanted, a.await_by, a.killed, a.silent);
+}
+
 Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) {
   Mixer mixer(world.now);
   const Machine& machine = world.machine;
   const KnownActuator& known = machine.actuators[i];
-  AddRecord(mixer, model, machine, i);
+  AddRecord(mixer, model, world, i);
   if (model.releases) {
     mixer.Add(known.report.emergency_stop, known.report.released_stop,
               known.report.other_stops.size());
@@ -270,25 +330,35 @@ Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) 
       if (other.name == model.config.actuators[i].name) mixer.Add(other.outcome);
     }
   }
-  const SimActuator& a = world.actuators[i];
-  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.energised, a.status_due, a.end, a.epoch,
-            a.begun, a.queried, machine.current && a.done == machine.current->number);
-  const ActuatorCore& c = a.core;
-  mixer.Add(c.report, c.report.emergency_stop, c.report.released_stop, c.running_for,
-            c.was_detached, c.waiting, c.unsettled, c.half_way_down, c.controller, c.announced,
-            c.released, c.stops, c.last_before_release, c.stopped_meanwhile, c.under_stop);
-  mixer.Add(a.replies.size());
-  for (const event::Replied& reply : a.replies) AddReply(mixer, known, reply);
-  AddLate(mixer, known, a.late);
-  mixer.Add(a.hung, a.hang_due, a.backtrace_due);
+  const SimActuator& actuator = world.actuators[i];
+  mixer.Add(machine.current && actuator.done == machine.current->number);
+  const bool has_ended = model.reduces && LeavesNothing(model, actuator, i);
+  mixer.Add(has_ended);
+  if (has_ended) {
+    AddEnded(mixer, world, actuator);
+  } else {
+    AddProcess(mixer, known, actuator);
+  }
+  AddLate(mixer, known, actuator.late);
   // Whether a controller that takes over finds that its process has ended.
   if (world.faults_left > 0) mixer.Add(world.disk.children.contains(i));
-  mixer.Add(a.unit_report, a.wanted, a.await_by, a.killed, a.silent);
   for (std::size_t k = 0; k < world.outbox.size(); ++k) {
     if (world.outbox[k].to == i) mixer.Add(k, world.outbox[k]);
   }
   mixer.Add(model.kinds[i]);
   return mixer.Get();
+}
+
+void AddMachine(Mixer& mixer, const Model& model, const Machine& machine) {
+  if (model.reduces && machine.phase == Phase::kStopped && machine.stopping) {
+    Machine stopped = machine;
+    stopped.stopping->result.reset();  // it was reported
+    mixer.Add(stopped);
+  } else {
+    mixer.Add(machine);
+  }
+  mixer.Add(machine.policy.clock.time_since_epoch().count(), machine.emergency.stop.has_value(),
+            machine.emergency.others.size());
 }
 
 }  // namespace
@@ -309,8 +379,9 @@ Identity IdentityOf(const Model& model, const World& w) {
             w.disk.stop_intent, w.stays_down, w.at_start, w.stopped, w.stop_seen_due, w.released,
             w.repeat, w.battery, w.battery_due);
   for (const Link& link : w.links) mixer.Add(link.cut, link.silent_by, link.boots);
-  mixer.Add(m, m.policy.clock.time_since_epoch().count(), m.emergency.stop.has_value(),
-            m.emergency.others.size());
+  AddMachine(mixer, model, m);
+  // The next controller reads them, and there is one after a fault only.
+  if (!model.reduces || w.faults_left > 0) mixer.Add(m.saves.actuators);
   // Once met or violated, it waits until the machine goes elsewhere, as is seen from the machine.
   for (const TimedRuleCheck& check : w.timed_checks) mixer.Add(check.due());
   return {mixer.Get(), twins};

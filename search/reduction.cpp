@@ -32,10 +32,12 @@ bool MayFindTearDown(const World& world) {
 }
 
 // Whether the controller goes on only once something has happened at this actuator.
-bool IsAwaited(const Machine& machine, const KnownActuator& known) {
+bool IsAwaited(const Model& model, const World& world, const KnownActuator& known) {
+  const Machine& machine = world.machine;
   const bool silent = known.presence == Presence::kAbsent || known.presence == Presence::kStarting;
   const bool found = known.process.launch == Launch::kFoundRunning && !known.fault && !known.held &&
-                     !known.down_requested && known.kept_in.empty() && known.lost_in.empty() &&
+                     !known.down_requested && known.kept_in.empty() &&
+                     (known.lost_in.empty() || !MayReportLoss(model, world)) &&
                      !known.process.termination && !known.control.rival_until;
   const bool counts = machine.phase == Phase::kStopping
                           ? !machine.start_up.finishing || !machine.start_up.set_up
@@ -92,7 +94,7 @@ std::optional<ActuatorIndex> MovedInDiscovery(const Model& model, const World& w
   for (const ActuatorIndex i : world.actuators.Indices()) {
     const SimActuator& actuator = world.actuators[i];
     const KnownActuator& known = machine.actuators[i];
-    if (!IsAwaited(machine, known)) continue;
+    if (!IsAwaited(model, world, known)) continue;
     if (!OnlyAnswers(model.config, actuator, known)) {
       if (IsActive(actuator)) active.push_back(i);
       continue;
@@ -113,6 +115,13 @@ std::optional<ActuatorIndex> MovedInDiscovery(const Model& model, const World& w
 }
 
 }  // namespace
+
+bool MayReportLoss(const Model& model, const World& world) {
+  const bool may_be_requested = world.faults_left > 0 || world.at_start || model.releases;
+  return may_be_requested || std::ranges::any_of(world.requests, [](const Request& request) {
+           return request.target == kTearDown && request.replies == 0 && !request.abandoned;
+         });
+}
 
 std::optional<ActuatorIndex> SearchedAlone(const Model& model, const World& world) {
   if (!model.reduces || !IsUndisturbed(model, world)) return std::nullopt;

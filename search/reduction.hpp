@@ -36,6 +36,11 @@
 
 namespace musher::search {
 
+// Whether the result of a TearDown may still be reported. Nothing else reads whether an actuator
+// was lost in use without its TearDown (KnownActuator::lost_in) but a next controller, which a
+// fault starts.
+bool MayReportLoss(const Model& model, const World& world);
+
 // The actuator whose choices alone need to be searched; none: all do.
 std::optional<ActuatorIndex> SearchedAlone(const Model& model, const World& world);
 

@@ -6,12 +6,17 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <random>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "musher/search/fingerprint.hpp"
 #include "musher/search/proof.hpp"
+#include "musher/search/rules.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 #include "musher/test/search/scenarios.hpp"
 #include "musher/test/support/nightly.hpp"
@@ -55,6 +60,8 @@ class RandomMachine {
     return search::Prove(SearchableConfig(config_), options);
   }
 
+  const MachineConfig& config() const { return config_; }
+
  private:
   int Below(int end) { return std::uniform_int_distribution(0, end - 1)(random_); }
 
@@ -84,7 +91,8 @@ std::vector<unsigned> Seeds() {
   return seeds;
 }
 
-// They are some of those of the plain search: as many are the same ones.
+// What counts in a stable state is the same in both searches. They are some of those of the plain
+// search: as many are the same ones.
 TEST(Reduction, LosesNoStableStateAndNoViolation) {
   std::size_t plain_nodes = 0;
   std::size_t reduced_nodes = 0;
@@ -126,6 +134,88 @@ TEST(Reduction, OfATearDownLosesNoStableState) {
   const Figures reduced = FiguresOf(config, State(kTearDown), true);
   EXPECT_EQ(reduced.leaves, plain.leaves);
   EXPECT_LT(reduced.nodes, plain.nodes);
+}
+
+// All that can be violated on the way to `to` with one fault, not only the first.
+std::set<std::string> ReachableViolations(const MachineConfig& config, const Rules& rules,
+                                          const State& to, bool reduces) {
+  const Model correct(SearchableConfig(config), to);
+  Model model(correct.config, to, rules);
+  for (const ActuatorIndex i : model.kinds.Indices()) model.kinds[i] = i;  // no symmetry
+  model.reduces = reduces;
+  World root = WorldIn(correct, State(kActive));
+  root.faults = root.faults_left = 1;
+  std::set<std::string> violations;
+  std::set<Fingerprint> seen = {IdentityOf(model, root).fingerprint};
+  std::deque<World> left = {root};
+  for (; !left.empty(); left.pop_front()) {
+    const World& world = left.front();
+    const std::vector<Choice> choices = Choices(model, world);
+    const auto only = SearchedAlone(model, world);
+    Notes notes;
+    if (IsQuiet(world, choices)) CheckRest(model, world, notes);
+    for (const Choice& choice : choices) {
+      if (only && choice.which() != *only) continue;
+      World next = world;
+      Make(model, next, choice, notes);
+      if (seen.insert(IdentityOf(model, next).fingerprint).second) left.push_back(std::move(next));
+    }
+    violations.insert(notes.violations.begin(), notes.violations.end());
+  }
+  return violations;
+}
+
+// Changes the machine before each step of the controller.
+template <typename Change>
+Rules WithMachine(Change change) {
+  Rules rules;
+  rules.controller = [change](const auto& config, Machine& machine, const Event& event, Time now) {
+    for (KnownActuator& known : machine.actuators) {
+      const bool exited =
+          known.report.incarnation != 0 && known.report.incarnation == known.process.dead;
+      if (exited) change(machine, known);
+    }
+    return Step(config, machine, event, now);
+  };
+  return rules;
+}
+
+// Flaws that count only once a process has exited.
+const std::map<std::string, Rules>& FlawsAfterAnExit() {
+  static const std::map<std::string, Rules> flaws = {
+      {"its exit is forgotten",
+       WithMachine([](Machine&, KnownActuator& known) { known.presence = Presence::kPresent; })},
+      {"its fault is forgotten",
+       WithMachine([](Machine&, KnownActuator& known) { known.fault.reset(); })},
+      {"that a TearDown is finished is forgotten",
+       WithMachine([](Machine& machine, KnownActuator&) { machine.start_up.finishing = false; })},
+      {"its state is taken for that of the machine",
+       WithMachine([](Machine& machine, KnownActuator& known) {
+         if (machine.phase == Phase::kRunning && !machine.current) machine.state = known.state();
+       })},
+  };
+  return flaws;
+}
+
+std::vector<unsigned> SeedsOfFlaws() {
+  std::vector<unsigned> seeds = {5};
+  for (unsigned seed = 1; musher::testing::Nightly() && seed <= 20; ++seed) seeds.push_back(seed);
+  return seeds;
+}
+
+TEST(Reduction, LosesNoViolationOfAFlawThatCountsAfterAnExit) {
+  for (const auto& [what, rules] : FlawsAfterAnExit()) {
+    std::size_t found = 0;
+    for (const unsigned seed : SeedsOfFlaws()) {
+      for (const char* to : {"TearDown", "LowPower"}) {
+        const MachineConfig config = RandomMachine(seed).config();
+        const auto plain = ReachableViolations(config, rules, State(to), false);
+        EXPECT_EQ(ReachableViolations(config, rules, State(to), true), plain) << what << seed << to;
+        found += plain.size();
+      }
+    }
+    EXPECT_GT(found, 0U) << what;
+  }
 }
 
 }  // namespace musher::search::reduction_test
