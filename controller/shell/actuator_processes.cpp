@@ -16,8 +16,11 @@ namespace musher {
 namespace {
 
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung process is killed
-// How long after the exit of a process its systemd may say how it has exited.
-constexpr Duration kUnitEndWithin = Milliseconds(500);
+// How long after the exit of a process its systemd may say how it has exited. It may wait for
+// memory itself, where the process has just used that up. In a TearDown the budget of the machine
+// counts.
+constexpr Duration kUnitEndWithin = Milliseconds(2000);
+constexpr Duration kUnitEndWithinTearDown = Milliseconds(500);
 
 // What a child has by itself.
 ProcessSpec AsUnit(ProcessSpec spec) {
@@ -170,8 +173,14 @@ void ActuatorProcesses::AwaitOwnEnd(ActuatorIndex i, pid_t pid) {
   unit.exited = pid;
   if (context_.machine.actuators[i].process.pid != pid) return;
   if (unit.ended == pid) return EndOwnUnit(i, pid);
-  unit.silence = context_.loop().At(context_.loop().Now() + kUnitEndWithin,
-                                    [this, i, pid] { ReportEnd(i, pid, {}); });
+  const Duration within =
+      context_.machine.phase == Phase::kStopping ? kUnitEndWithinTearDown : kUnitEndWithin;
+  unit.silence = context_.loop().At(context_.loop().Now() + within, [this, i, pid, within] {
+    ProcessExit unknown;
+    unknown.last_output =
+        "systemd has not reported it within " + std::to_string(ToMilliseconds(within)) + " ms";
+    ReportEnd(i, pid, unknown);
+  });
 }
 
 // systemd has reported that the unit of the actuator has ended. Its process may still run if

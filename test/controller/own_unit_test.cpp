@@ -118,11 +118,12 @@ class OwnUnit : public ::testing::Test {
   std::unique_ptr<ControllerShell> shell_;
 };
 
-// A systemd that is short of CPU says some tenths of a second later how it has exited.
+// A systemd that is short of CPU or of memory, as where the actuator has just used it up, says a
+// second later how it has exited.
 TEST_F(OwnUnit, HasTheExitCodeThatSystemdReportsAfterTheKernel) {
   Start(41);
   here_.Exit(41);
-  network_.RunFor(Milliseconds(400));
+  network_.RunFor(Milliseconds(1900));
   EXPECT_EQ(Known().process.pid, 41);
   End(41, {ProcessExit::Kind::kExited, 3});
   EXPECT_EQ(Known().process.pid, 0);
@@ -132,8 +133,8 @@ TEST_F(OwnUnit, HasTheExitCodeThatSystemdReportsAfterTheKernel) {
 TEST_F(OwnUnit, WhoseEndSystemdDoesNotReportHasAnUnknownExitCode) {
   Start(41);
   here_.Exit(41);
-  network_.RunFor(std::chrono::seconds(2));
-  EXPECT_THAT(Fault(), HasSubstr("exit code unknown"));
+  network_.RunFor(std::chrono::seconds(3));
+  EXPECT_THAT(Fault(), HasSubstr("exit code unknown: systemd has not reported it within 2000 ms"));
   EXPECT_EQ(there_.starts, 2);
   End(41, {ProcessExit::Kind::kExited, 3});  // late: it is no second end
   EXPECT_EQ(Known().restart.count, 1);
@@ -156,7 +157,7 @@ TEST_F(OwnUnit, ThatSystemdHasLostRunsOnUntilTheKernelReportsItsExit) {
 TEST_F(OwnUnit, ThatHasExitedBeforeItIsWatchedHasEnded) {
   Start(kGone);
   EXPECT_EQ(Known().process.pid, kGone);
-  network_.RunFor(std::chrono::seconds(2));
+  network_.RunFor(std::chrono::seconds(3));
   EXPECT_THAT(Fault(), HasSubstr("exit code unknown"));
   EXPECT_EQ(there_.starts, 2);
 }
@@ -179,9 +180,9 @@ TEST_F(OwnUnit, IsTornDownByItsLastStatusIfItsExitCodeIsUnknown) {
   shell_->TearDown(AfterTearDown::kStaysDown);
   network_.RunFor(Milliseconds(100));
   here_.Exit(pid);
-  ASSERT_TRUE(
-      network_.RunUntil([this] { return shell_->machine().phase == Phase::kStopped; },
-                        network_.now() + config_.shutdown_budget + std::chrono::seconds(5)));
+  // Several may end one after the other within the shutdown budget.
+  ASSERT_TRUE(network_.RunUntil([this] { return shell_->machine().phase == Phase::kStopped; },
+                                network_.now() + Milliseconds(1500)));
   EXPECT_EQ(Known().state(), kTearDown);
   EXPECT_THAT(Fault(), IsEmpty());
 }
