@@ -7,7 +7,8 @@
 //      │                              └──it ends, and does not lead again──▶ ended, lost
 //      └──its last status is found, and no other one leads──▶ ended, lost
 //
-// Nothing is sent once its time is over, also where this computer was suspended meanwhile.
+// Nothing is sent after its end, nor once its time is over, also where this computer was suspended
+// meanwhile.
 //
 // For a switch see SwitchClient, which gets the outcome from the successor.
 //
@@ -91,7 +92,7 @@ class LeaderCall {
   }
   // The service of a crashed controller may still be matched, so only the leader is called.
   void Send() {
-    if (called_ || !watch_ || !watch_->leader()) return;
+    if (ended_ || called_ || !watch_ || !watch_->leader()) return;
     const auto servers = client_->Servers();
     if (std::find(servers.begin(), servers.end(), watch_->participant()) == servers.end()) return;
     if (deadline_.IsOver()) {

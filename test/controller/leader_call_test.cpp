@@ -93,6 +93,33 @@ TEST_F(LeaderCalls, AreSentToTheSuccessorOfAControllerThatHasExitedBeforeTheyRea
   EXPECT_TRUE(*reply_) << reply_->error().message;
 }
 
+TEST_F(LeaderCalls, AreNotSentToASuccessorThatComesAfterTheirEnd) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  int received = 0;
+  const auto beside = network_.MakeNode("beside");  // receives what the controllers receive
+  const auto server =
+      transport::MakeServer<msg::RestartActuator>(
+          *beside, transport::MachineService("", "restart_actuator"),
+          [&received](const msg::RestartActuator::Request&, const auto&) { ++received; })
+          .value();
+  const std::int32_t exited_pid = first_.process->pid();
+  const auto watch = [=](std::int32_t pid, const std::function<void()>&) {
+    return pid == exited_pid ? nullptr : std::make_unique<transport::LoopHandle>();
+  };
+  call_ = LeaderCall<msg::RestartActuator>::Make(*desk_, {"", "sim-1/0", watch}, "restart_actuator",
+                                                 {config_.actuators.begin()->name, "me"},
+                                                 std::chrono::seconds(60),
+                                                 [this](auto reply) { reply_ = std::move(reply); })
+              .value();
+  ASSERT_TRUE(RunUntil([this] { return reply_.has_value(); }, std::chrono::seconds(6)));
+  first_.process.reset();
+  Open(second_, "second", &first_.disk);
+  second_.process->Begin(false);
+  ASSERT_TRUE(RunUntil([this] { return call_->found(); }, std::chrono::seconds(20)));
+  network_.RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(received, 0);
+}
+
 TEST_F(LeaderCalls, EndWithALostControllerOfAnotherHostAlsoBesideItsSuccessor) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(Request("desk"));
